@@ -1,0 +1,67 @@
+"""Every error a user can cause or meet; each class writes its own sentence."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+
+
+class RtphysError(Exception):
+    """Root of all errors that rtphys raises on purpose. The CLI prints its text, no traceback."""
+
+    exit_code = 2
+
+
+class UnknownName(RtphysError):
+    """A name that is not in a known set; the message names the nearest match."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], where: str | Path = "") -> None:
+        self.kind, self.name, self.known = kind, name, sorted(known)
+        near = get_close_matches(name, self.known, n=1, cutoff=0.4)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        place = f"{where}: " if where else ""
+        super().__init__(
+            f"{place}unknown {kind} {name!r}{hint} Known: {', '.join(self.known) or 'none'}"
+        )
+
+
+class BadValue(RtphysError):
+    """A value outside what is allowed, with the key, the value and the allowed set."""
+
+    def __init__(self, key: str, value: object, allowed: str, where: str | Path = "") -> None:
+        self.key, self.value, self.allowed = key, value, allowed
+        place = f"{where}: " if where else ""
+        super().__init__(f"{place}{key} = {value!r} is not allowed; {allowed}")
+
+
+class BadFile(RtphysError):
+    """A file that cannot be read as what it should be."""
+
+    def __init__(self, path: str | Path, problem: str) -> None:
+        self.path, self.problem = Path(path), problem
+        super().__init__(f"{path}: {problem}")
+
+
+class MissingAsset(RtphysError):
+    """A model, embodiment or texture that the asset pack does not hold."""
+
+    def __init__(self, what: str, where: str | Path, needed_by: str = "") -> None:
+        self.what, self.where = what, Path(where)
+        user = f" (needed by {needed_by})" if needed_by else ""
+        super().__init__(f"{where}: the asset pack has no {what}{user}")
+
+
+class NoRenderer(RtphysError):
+    """No usable Vulkan device; `rtphys doctor` names the cure."""
+
+    exit_code = 3
+
+
+class Infeasible(RtphysError):
+    """The expert cannot do this episode. Caught in one place, `generate.attempt`.
+
+    `reason` is one of `rtphys.task.reasons.REASONS`, so that rejections can be counted.
+    """
+
+    def __init__(self, reason: str, detail: str = "") -> None:
+        self.reason, self.detail = reason, detail
+        super().__init__(f"{reason}: {detail}" if detail else reason)

@@ -1,0 +1,120 @@
+"""Rigid poses: position in metres, unit quaternion wxyz. X_AB is the pose of B in A."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def quat_multiply(a: ArrayLike, b: ArrayLike) -> Array:
+    """Hamilton product of two wxyz quaternions, (4,)."""
+    w, x, y, z = np.asarray(a, float)
+    v, i, j, k = np.asarray(b, float)
+    return np.array([
+        w * v - x * i - y * j - z * k,
+        w * i + x * v + y * k - z * j,
+        w * j - x * k + y * v + z * i,
+        w * k + x * j - y * i + z * v,
+    ])
+
+
+def quat_to_matrix(q: ArrayLike) -> Array:
+    """Rotation matrix (3, 3) of a wxyz quaternion (normalised here)."""
+    w, x, y, z = np.asarray(q, float) / np.linalg.norm(q)
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])
+
+
+def matrix_to_quat(R: ArrayLike) -> Array:
+    """Unit wxyz quaternion of a rotation matrix, w >= 0."""
+    m = np.asarray(R, float)
+    # Shepperd's method: divide by the largest component, never by one near zero.
+    trace = np.array([m[0, 0] + m[1, 1] + m[2, 2], m[0, 0], m[1, 1], m[2, 2]])
+    case = int(np.argmax(trace))
+    q = np.empty(4)
+    if case == 0:
+        q[:] = 1 + trace[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+    else:
+        i = case - 1
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q[0] = m[k, j] - m[j, k]
+        q[1 + i] = 1 + m[i, i] - m[j, j] - m[k, k]
+        q[1 + j] = m[j, i] + m[i, j]
+        q[1 + k] = m[k, i] + m[i, k]
+    q /= np.linalg.norm(q)
+    return -q if q[0] < 0 else q
+
+
+def axis_angle(axis: ArrayLike, angle: float) -> Array:
+    """wxyz quaternion that turns by `angle` [rad] about `axis` (3,)."""
+    a = np.asarray(axis, float)
+    a = a / np.linalg.norm(a)
+    return np.concatenate([[np.cos(angle / 2)], np.sin(angle / 2) * a])
+
+
+def rotation_between(a: ArrayLike, b: ArrayLike) -> Array:
+    """wxyz quaternion of the smallest rotation that takes direction a to direction b."""
+    u = np.asarray(a, float) / np.linalg.norm(a)
+    v = np.asarray(b, float) / np.linalg.norm(b)
+    c = float(u @ v)
+    if c < -1 + 1e-12:  # opposite: any perpendicular axis will do, take a fixed one
+        perpendicular = np.cross(u, [1.0, 0, 0] if abs(u[0]) < 0.9 else [0, 1.0, 0])
+        return axis_angle(perpendicular, np.pi)
+    q = np.concatenate([[1 + c], np.cross(u, v)])
+    return q / np.linalg.norm(q)
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A rigid transform. `X_WO @ X_OG` composes, `X @ p` maps points (3,) or (N, 3)."""
+
+    p: Array  # position (3,) [m]
+    q: Array  # unit quaternion wxyz (4,)
+
+    def __init__(self, p: ArrayLike = (0, 0, 0), q: ArrayLike = (1, 0, 0, 0)) -> None:
+        position, quat = np.array(p, float), np.array(q, float)
+        quat = quat / np.linalg.norm(quat)
+        position.setflags(write=False)
+        quat.setflags(write=False)
+        object.__setattr__(self, "p", position)
+        object.__setattr__(self, "q", quat)
+
+    @staticmethod
+    def from_matrix(X: ArrayLike) -> "Pose":
+        """From a homogeneous (4, 4) or a rotation (3, 3) matrix."""
+        m = np.asarray(X, float)
+        return Pose(m[:3, 3] if m.shape[1] == 4 else (0, 0, 0), matrix_to_quat(m[:3, :3]))
+
+    @property
+    def R(self) -> Array:
+        """Rotation matrix (3, 3); its columns are the frame's axes."""
+        return quat_to_matrix(self.q)
+
+    @property
+    def matrix(self) -> Array:
+        """Homogeneous (4, 4)."""
+        m = np.eye(4)
+        m[:3, :3], m[:3, 3] = self.R, self.p
+        return m
+
+    def inverse(self) -> "Pose":
+        w, x, y, z = self.q
+        return Pose(-(self.R.T @ self.p), (w, -x, -y, -z))
+
+    def __matmul__(self, other):  # -> Pose | Array, by the operand
+        if isinstance(other, Pose):
+            return Pose(self.p + self.R @ other.p, quat_multiply(self.q, other.q))
+        return np.asarray(other, float) @ self.R.T + self.p
+
+    def moved(self, offset: ArrayLike) -> "Pose":
+        """Same orientation, position shifted by `offset` (3,) in the parent frame."""
+        return Pose(self.p + np.asarray(offset, float), self.q)
+
+    def angle_to(self, other: "Pose") -> float:
+        """Rotation angle between two orientations [rad], in [0, pi]."""
+        return float(2 * np.arccos(np.clip(abs(self.q @ other.q), 0, 1)))
