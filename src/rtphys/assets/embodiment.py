@@ -1,0 +1,194 @@
+"""A robot as the official `config.yml` describes it, with names turned into types."""
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rtphys.errors import BadFile, MissingAsset
+from rtphys.library import read_yaml
+from rtphys.poses import Pose
+
+Array = NDArray[np.float64]
+
+# The official aloha URDF allows +-10 rad, which invites IK answers wound round by 2 pi.
+# These are the ranges the arm really has and that its workspace was measured with [rad].
+ALOHA_LIMITS = ((-2.6, 2.6), (0.0, 3.5), (0.0, 3.2), (-1.6, 1.6), (-1.6, 1.6), (-3.1, 3.1))
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A finger joint that follows the base finger: q = multiplier * q_base + offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True, eq=False)
+class Limb:
+    """One arm with its gripper."""
+
+    side: str  # "left" or "right"
+    joints: tuple[str, ...]  # six, base to wrist
+    ee_link: str
+    ee_joint: str
+    camera_link: str  # wrist camera
+    gripper_joint: str  # base finger
+    mimics: tuple[Mimic, ...]
+    home: Array  # (6,) [rad]
+    limits: Array  # (6, 2) [rad]
+
+    @property
+    def finger_joints(self) -> tuple[str, ...]:
+        """Base finger first, then those that follow it."""
+        return (self.gripper_joint, *(m.joint for m in self.mimics))
+
+
+@dataclass(frozen=True, eq=False)
+class StaticCamera:
+    """A camera fixed in the world: position [m], viewing and left directions."""
+
+    name: str
+    kind: str  # "D435" and the like
+    position: Array
+    forward: Array
+    left: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Embodiment:
+    """A dual-arm robot: where its files are and how its joints are used."""
+
+    name: str
+    urdf: Path
+    left: Limb
+    right: Limb
+    joint_stiffness: float  # [N m/rad]
+    joint_damping: float  # [N m s/rad]
+    gripper_stiffness: float  # [N/m]
+    gripper_damping: float  # [N s/m]
+    gripper_bias: float  # [m] from the ee link to the TCP along x
+    gripper_scale: tuple[float, float]  # [m] finger joint target at g = 0 (closed) and g = 1 (open)
+    bases: tuple[Pose, ...]  # world <- root link; one, or one an arm
+    delta_matrix: Array  # (3, 3)
+    global_trans_matrix: Array  # (3, 3)
+    rotate_limits: tuple[float, float]  # [rad] range of tilted grasp candidates
+    grasp_directions: tuple[str, str]  # preferred side approach of the left and right arm
+    cameras: tuple[StaticCamera, ...]
+
+    @property
+    def limbs(self) -> tuple[Limb, Limb]:
+        return self.left, self.right
+
+    def finger_target(self, g: float) -> float:
+        """Finger joint target [m] of a gripper command g in [0, 1]; 0 is closed."""
+        closed, opened = self.gripper_scale
+        return closed + g * (opened - closed)
+
+
+def read_embodiment(folder: Path) -> Embodiment:
+    """`<folder>/config.yml` and the URDF it names.
+
+    Raises:
+        MissingAsset: config or URDF is not there.
+        BadFile: a key is missing or has the wrong form.
+    """
+    path = folder / "config.yml"
+    if not path.is_file():
+        raise MissingAsset(f"embodiment {folder.name!r}", path)
+    config = read_yaml(path)
+    try:
+        urdf = folder / str(config["urdf_path"])
+        if not urdf.is_file():
+            raise MissingAsset(f"URDF of embodiment {folder.name!r}", urdf)
+        return _embodiment(folder.name, urdf.resolve(), config)
+    except (KeyError, IndexError, ValueError, TypeError) as problem:
+        raise BadFile(path, f"not an embodiment description ({problem!r})") from problem
+
+
+def _embodiment(name: str, urdf: Path, config: Mapping[str, object]) -> Embodiment:
+    limits = _limits_of(urdf)
+    limbs = [_limb(i, name, config, limits) for i in (0, 1)]
+    closed, opened = _numbers(config["gripper_scale"])
+    first, last = _numbers(config.get("rotate_lim", [0, 1]))
+    near, far = [str(d) for d in _list(config["grasp_perfect_direction"])]
+    poses = [_numbers(p) for p in _list(config["robot_pose"])]
+    return Embodiment(
+        name=name,
+        urdf=urdf,
+        left=limbs[0],
+        right=limbs[1],
+        joint_stiffness=_number(config["joint_stiffness"]),
+        joint_damping=_number(config["joint_damping"]),
+        gripper_stiffness=_number(config["gripper_stiffness"]),
+        gripper_damping=_number(config["gripper_damping"]),
+        gripper_bias=_number(config["gripper_bias"]),
+        gripper_scale=(closed, opened),
+        bases=tuple(Pose(p[:3], p[3:7]) for p in poses),
+        delta_matrix=np.array(config["delta_matrix"], float),
+        global_trans_matrix=np.array(config["global_trans_matrix"], float),
+        rotate_limits=(first, last),
+        grasp_directions=(near, far),
+        cameras=tuple(_camera(c) for c in _list(config.get("static_camera_list", []))),
+    )
+
+
+def _limb(i: int, name: str, config: Mapping[str, object], limits: dict[str, Array]) -> Limb:
+    joints = tuple(str(j) for j in _list(_list(config["arm_joints_name"])[i]))
+    gripper = cast(Mapping[str, object], _list(config["gripper_name"])[i])
+    mimics = [_list(m) for m in _list(gripper["mimic"])]
+    side = ("left", "right")[i]
+    used = ALOHA_LIMITS if name.startswith("aloha-agilex") else [limits[j] for j in joints]
+    return Limb(
+        side=side,
+        joints=joints,
+        ee_link=str(_list(config["move_group"])[i]),
+        ee_joint=str(_list(config["ee_joints"])[i]),
+        camera_link=f"{side}_camera",
+        gripper_joint=str(gripper["base"]),
+        mimics=tuple(Mimic(str(m[0]), _number(m[1]), _number(m[2])) for m in mimics),
+        home=np.array(_list(config["homestate"])[i], float),
+        limits=np.array(used, float),
+    )
+
+
+def _camera(entry: object) -> StaticCamera:
+    c = cast(Mapping[str, object], entry)
+    return StaticCamera(
+        str(c["name"]),
+        str(c.get("type", "D435")),
+        *(np.array(c[key], float) for key in ("position", "forward", "left")),
+    )
+
+
+def _limits_of(urdf: Path) -> dict[str, Array]:
+    """Joint name -> (lower, upper) as the URDF states them; unlimited is +-pi."""
+    limits = {}
+    for joint in ElementTree.parse(urdf).getroot().iter("joint"):
+        limit = joint.find("limit")
+        bounds = (-np.pi, np.pi)
+        if limit is not None and joint.get("type") != "continuous":
+            bounds = (float(limit.get("lower", "0")), float(limit.get("upper", "0")))
+        limits[joint.get("name", "")] = np.array(bounds)
+    return limits
+
+
+def _list(value: object) -> Sequence[object]:
+    if not isinstance(value, list):
+        raise TypeError(f"expected a list, got {value!r}")
+    return value
+
+
+def _numbers(value: object) -> list[float]:
+    return [_number(v) for v in _list(value)]
+
+
+def _number(value: object) -> float:
+    if not isinstance(value, int | float):
+        raise TypeError(f"expected a number, got {value!r}")
+    return float(value)

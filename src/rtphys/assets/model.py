@@ -1,0 +1,184 @@
+"""What a pack says about one object: sizes, masses and the points to grasp or use it by."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rtphys.errors import BadFile, MissingAsset
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """One rigid model. Its frame is the official one: metres after scaling, mostly y up.
+
+    A contact point's frame has +y outward, x camera-up, z minus the finger axis; a functional
+    point's z is what the object states (docs/objects.md).
+    """
+
+    id_name: str
+    index: int
+    visual: Path
+    collision: Path  # glb; every sub-mesh is one convex part
+    scale: Array  # (3,) to give to the mesh loader
+    extents: Array  # (3,) [m] bounding box, scaled
+    center: Array  # (3,) [m] of that box in the object frame
+    contact_points: tuple[Array, ...]  # (4, 4) object frame <- point, [m]
+    functional_points: tuple[Array, ...]  # (4, 4) likewise
+    mass_kg: float | None  # None in the official pack, which has no masses
+    material: str
+    density: float | None  # [kg/m^3] mean over the solid
+    friction: float | None  # nominal coefficient, static = dynamic
+    categories: tuple[str, ...]
+    description: tuple[str, ...]  # noun phrases without article, for language
+    stable: bool  # rests upright on its own (may serve as clutter)
+
+
+@dataclass(frozen=True, eq=False)
+class LinkPoint:
+    """A contact or functional point that moves with a link of an articulation."""
+
+    link: str
+    matrix: Array  # (4, 4) link frame <- point, [m], scaled
+
+
+@dataclass(frozen=True, eq=False)
+class Articulation:
+    """One articulated model (URDF)."""
+
+    id_name: str
+    index: int
+    urdf: Path
+    scale: float  # to give to the URDF loader
+    root_offset: Array  # (4, 4) spawn pose <- root link; official `transform_matrix`
+    init_qpos: Array  # (n,) or empty
+    contact_points: tuple[LinkPoint, ...]
+    functional_points: tuple[LinkPoint, ...]
+    joint_damping: float | None  # [N m s/rad or N s/m] nominal; None: the URDF's own
+    mass_kg: float | None  # of all links together
+    material: str
+    friction: float | None
+    categories: tuple[str, ...]
+    description: tuple[str, ...]
+
+
+def read_json(path: Path) -> dict[str, object]:
+    """A JSON object, or BadFile / MissingAsset naming the file."""
+    if not path.is_file():
+        raise MissingAsset(f"file {path.name}", path)
+    try:
+        data = json.loads(path.read_text())
+    except (ValueError, OSError) as problem:
+        raise BadFile(path, f"not readable as JSON ({problem})") from problem
+    if not isinstance(data, dict):
+        raise BadFile(path, "must hold one JSON object")
+    return data
+
+
+def frozen(value: object) -> Array:
+    """A float array that nobody can write to."""
+    array = np.array(value, float)
+    array.setflags(write=False)
+    return array
+
+
+def read_model(folder: Path, index: int) -> Model:
+    """`<folder>/model_data<index>.json` and the meshes beside it.
+
+    Raises:
+        MissingAsset: metadata or a mesh is not there.
+        BadFile: the metadata lacks a key or has a wrong shape.
+    """
+    path = folder / f"model_data{index}.json"
+    data = read_json(path)
+    try:
+        scale = np.broadcast_to(np.array(data["scale"], float), (3,))
+        return Model(
+            id_name=folder.name,
+            index=index,
+            visual=mesh_file(folder, "visual", index),
+            collision=mesh_file(folder, "collision", index),
+            scale=frozen(scale),
+            extents=frozen(np.array(data["extents"], float) * scale),
+            center=frozen(np.array(data["center"], float) * scale),
+            contact_points=_matrices(data.get("contact_points_pose"), scale),
+            functional_points=_matrices(data.get("functional_matrix"), scale),
+            mass_kg=_number(data.get("mass_kg")),
+            material=str(data.get("material", "")),
+            density=_number(data.get("density")),
+            friction=_number(data.get("friction")),
+            categories=_words(data.get("categories")),
+            description=_words(data.get("description")),
+            stable=bool(data.get("stable", False)),
+        )
+    except (KeyError, ValueError, TypeError) as problem:
+        raise BadFile(path, f"not a model description ({problem!r})") from problem
+
+
+def mesh_file(folder: Path, kind: str, index: int) -> Path:
+    """Path of a model's `visual` or `collision` mesh; it must exist."""
+    path = folder / kind / f"base{index}.glb"
+    if not path.is_file():
+        raise MissingAsset(f"{kind} mesh of {folder.name} model {index}", path)
+    return path
+
+
+def read_articulation(folder: Path, index: int) -> Articulation:
+    """`<folder>/{mobility.urdf,model_data.json}`; raises as `read_model`."""
+    path = folder / "model_data.json"
+    data = read_json(path)
+    urdf = folder / "mobility.urdf"
+    if not urdf.is_file():
+        raise MissingAsset(f"URDF of {folder.parent.name} model {index}", urdf)
+    try:
+        scale = float(np.max(np.array(data["scale"], float)))
+        return Articulation(
+            id_name=folder.parent.name,
+            index=index,
+            urdf=urdf,
+            scale=scale,
+            # The offset is already in metres: upstream multiplies the scale into the points only.
+            root_offset=frozen(data.get("transform_matrix", np.eye(4))),
+            init_qpos=frozen(data.get("init_qpos") or []),
+            contact_points=_link_points(data.get("contact_points"), scale),
+            functional_points=_link_points(data.get("functional_points"), scale),
+            joint_damping=_number(data.get("joint_damping")),
+            mass_kg=_number(data.get("mass_kg")),
+            material=str(data.get("material", "")),
+            friction=_number(data.get("friction")),
+            categories=_words(data.get("categories")),
+            description=_words(data.get("description")),
+        )
+    except (KeyError, ValueError, TypeError) as problem:
+        raise BadFile(path, f"not an articulation description ({problem!r})") from problem
+
+
+def _matrices(value: object, scale: Array) -> tuple[Array, ...]:
+    return tuple(_scaled(m, scale) for m in value) if isinstance(value, list) else ()
+
+
+def _scaled(matrix: object, scale: Array) -> Array:
+    m = np.array(matrix, float)
+    if m.shape != (4, 4):
+        raise ValueError(f"a point is a 4 x 4 matrix, not {m.shape}")
+    m[:3, 3] *= scale
+    return frozen(m)
+
+
+def _link_points(value: object, scale: float) -> tuple[LinkPoint, ...]:
+    if not isinstance(value, list):
+        return ()
+    factors = np.full(3, scale)
+    return tuple(LinkPoint(str(p["base"]), _scaled(p["matrix"], factors)) for p in value)
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _words(value: object) -> tuple[str, ...]:
+    return tuple(str(v) for v in value) if isinstance(value, list) else ()

@@ -1,0 +1,211 @@
+"""One loader for the builtin and the official asset pack; a task never knows which it has."""
+
+import hashlib
+import os
+import re
+from collections.abc import Callable
+from difflib import get_close_matches
+from functools import cached_property
+from pathlib import Path
+
+from rtphys.assets.embodiment import Embodiment, read_embodiment
+from rtphys.assets.model import Articulation, Model, read_articulation, read_json, read_model
+from rtphys.errors import BadFile, MissingAsset, UnknownName
+
+Progress = Callable[[int, int, str], None]  # done, total, name of what was just made
+
+STAMP = "pack.json"  # written last by the builder: its presence says the pack is whole
+TEXTURE_FOLDERS = ("textures", "background_texture")  # ours, the official name
+
+
+class Pack:
+    """A folder in the official layout. What it lacks comes from `fallback`, if there is one.
+
+    Args:
+        root: the folder that holds `objects/` and `embodiments/`, or its parent when the two
+            lie in `root/assets`.
+        fallback: another pack to ask for what is missing here.
+
+    Raises:
+        BadFile: `root` holds neither folder.
+    """
+
+    def __init__(self, root: Path, fallback: "Pack | None" = None) -> None:
+        root = Path(root).expanduser()
+        inner = root / "assets"
+        if not (root / "objects").is_dir() and (inner / "objects").is_dir():
+            root = inner
+        if not any((root / part).is_dir() for part in ("objects", "embodiments")):
+            raise BadFile(root, "is no asset pack: it has neither objects/ nor embodiments/")
+        self.root, self.fallback = root, fallback
+
+    def __repr__(self) -> str:
+        return f"Pack({self.root}, fallback={self.fallback!r})"
+
+    # ---- objects ---------------------------------------------------------------------------
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Every object id_name, rigid and articulated, sorted; the fallback's included."""
+        folder = self.root / "objects"
+        own = {p.name for p in folder.iterdir() if p.is_dir()} if folder.is_dir() else set()
+        return tuple(sorted(own | set(self.fallback.names if self.fallback else ())))
+
+    def is_articulated(self, id_name: str) -> bool:
+        """Whether `id_name` is made of links and joints."""
+        if self._rigid(id_name):
+            return False
+        if self._folders(id_name):
+            return True
+        return self.fallback is not None and self.fallback.is_articulated(id_name)
+
+    def indices(self, id_name: str) -> tuple[int, ...]:
+        """Model numbers of an object, ascending; of an articulation 0 .. n-1."""
+        own = self._rigid(id_name) or tuple(range(len(self._folders(id_name))))
+        if own:
+            return own
+        if self.fallback:
+            return self.fallback.indices(id_name)
+        raise self._missing(id_name)
+
+    def model(self, id_name: str, index: int) -> Model:
+        """A rigid model. Raises MissingAsset, UnknownName or BadFile."""
+        if index in self._rigid(id_name):
+            return read_model(self.root / "objects" / id_name, index)
+        if self.fallback:
+            return self.fallback.model(id_name, index)
+        raise self._missing(id_name, index)
+
+    def articulation(self, id_name: str, index: int) -> Articulation:
+        """An articulated model: by its folder's number, else by position among the folders."""
+        folders = self._folders(id_name)
+        for folder in folders:
+            if folder.name == str(index):
+                return read_articulation(folder, index)
+        if 0 <= index < len(folders):
+            return read_articulation(folders[index], index)
+        if self.fallback:
+            return self.fallback.articulation(id_name, index)
+        raise self._missing(id_name, index)
+
+    def _rigid(self, id_name: str) -> tuple[int, ...]:
+        files = (self.root / "objects" / id_name).glob("model_data*.json")
+        numbers = (re.fullmatch(r"model_data(\d+)", f.stem) for f in files)
+        return tuple(sorted(int(n[1]) for n in numbers if n))
+
+    def _folders(self, id_name: str) -> list[Path]:
+        """Folders of an articulated object in numeric order (9748 before 10040)."""
+        found = (self.root / "objects" / id_name).glob("*/model_data.json")
+        return sorted((f.parent for f in found), key=lambda p: (len(p.name), p.name))
+
+    def _missing(self, id_name: str, index: int | None = None) -> MissingAsset | UnknownName:
+        folder = self.root / "objects" / id_name
+        if not folder.is_dir():
+            if re.match(r"\d{3}_", id_name):
+                near = get_close_matches(id_name, self.names, n=1, cutoff=0.7)
+                hint = f" (nearest: {near[0]!r})" if near else ""
+                return MissingAsset(f"object {id_name!r}{hint}", folder)
+            return UnknownName("object", id_name, self.names, self.root)
+        rigid, count = self._rigid(id_name), len(self._folders(id_name))
+        has = ", ".join(map(str, rigid or range(count))) or "none"
+        return MissingAsset(f"model {index} of {id_name} (it has {has})", folder)
+
+    # ---- embodiments and textures ----------------------------------------------------------
+
+    @property
+    def embodiments(self) -> tuple[str, ...]:
+        """Names of the robots in this pack (the fallback's included)."""
+        own = {p.parent.name for p in (self.root / "embodiments").glob("*/config.yml")}
+        return tuple(sorted(own | set(self.fallback.embodiments if self.fallback else ())))
+
+    def embodiment(self, name: str = "aloha-agilex") -> Embodiment:
+        """A robot. Raises UnknownName, MissingAsset or BadFile."""
+        folder = self.root / "embodiments" / name
+        if (folder / "config.yml").is_file():
+            return read_embodiment(folder)
+        if self.fallback:
+            return self.fallback.embodiment(name)
+        if folder.is_dir() or not self.embodiments:
+            raise MissingAsset(f"embodiment {name!r}", folder / "config.yml")
+        raise UnknownName("embodiment", name, self.embodiments, self.root)
+
+    def textures(self, split: str) -> tuple[Path, ...]:
+        """Table and wall pictures of a split, "seen" or "unseen", in a fixed order."""
+        if split not in ("seen", "unseen"):
+            raise UnknownName("texture split", split, ("seen", "unseen"))
+        for name in TEXTURE_FOLDERS:
+            found = sorted((self.root / name / split).glob("*.png"), key=lambda p: p.name)
+            if found:
+                return tuple(found)
+        if self.fallback:
+            return self.fallback.textures(split)
+        raise MissingAsset(f"{split} textures", self.root / TEXTURE_FOLDERS[0] / split)
+
+    # ---- identity --------------------------------------------------------------------------
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 that names this pack's content (hex, 64).
+
+        A built pack carries the digest of its bytes. Of a foreign pack, too large to hash for
+        every run, it covers all names and sizes and the text of all metadata.
+        """
+        own = self._own_digest()
+        if self.fallback is None:
+            return own
+        return hashlib.sha256(f"{own}+{self.fallback.digest}".encode()).hexdigest()
+
+    def _own_digest(self) -> str:
+        stamp = self.root / STAMP
+        if stamp.is_file():
+            return str(read_json(stamp).get("digest", ""))
+        total = hashlib.sha256()
+        for path in sorted(p for p in self.root.rglob("*") if p.is_file()):
+            total.update(
+                f"{path.relative_to(self.root).as_posix()}\0{path.stat().st_size}\0".encode()
+            )
+            if path.suffix in (".json", ".yml", ".urdf"):
+                total.update(path.read_bytes())
+        return total.hexdigest()
+
+
+def default_pack(progress: Progress | None = None) -> Pack:
+    """The pack to use when none is named.
+
+    `$RTPHYS_ASSETS` if set, else the one that `rtphys assets link` chose, else the builtin pack,
+    which is built on first use (`progress` is told how far it is).
+    """
+    named = os.environ.get("RTPHYS_ASSETS")
+    if named:
+        return Pack(Path(named))
+    link = linked()
+    if link is None:
+        return builtin_pack(progress)
+    root, use_builtin = link
+    return Pack(root, builtin_pack(progress) if use_builtin else None)
+
+
+def builtin_pack(progress: Progress | None = None) -> Pack:
+    """The generated pack in the user's cache, built first if this version's is not there."""
+    # Imported late: the generators need trimesh and manifold3d, a finished pack needs neither.
+    from rtphys.assets.build import build, source_digest
+
+    root = cache_folder() / source_digest()[:16]
+    if not (root / STAMP).is_file():
+        build(root, progress)
+    return Pack(root)
+
+
+def cache_folder() -> Path:
+    """`$XDG_CACHE_HOME/rtphys/assets`, by default under `~/.cache`."""
+    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(base).expanduser() / "rtphys" / "assets"
+
+
+def linked() -> tuple[Path, bool] | None:
+    """The linked official pack and whether the builtin one stands in for what it lacks."""
+    path = cache_folder() / "link.json"
+    if not path.is_file():
+        return None
+    data = read_json(path)
+    return Path(str(data["root"])), bool(data.get("fallback", False))
