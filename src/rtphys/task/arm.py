@@ -1,0 +1,201 @@
+"""The voice of a script: verbs of one arm, and a robot that does motions of one or both arms.
+
+A verb returns a `Motion`; nothing moves until `robot.do(...)`. Motions of both arms given to one
+`do` run together, step by step. All poses are task-frame. The expert implements these protocols;
+task files see nothing else.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from rtphys.poses import Pose
+from rtphys.task.scene import Scene
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Go to an ee pose along any clear path. The first reachable of `candidates` is taken."""
+
+    candidates: tuple[Pose, ...]
+    touching: str = ""  # prop that the fingers may be near at the end
+
+
+@dataclass(frozen=True)
+class Line:
+    """Move the ee in a straight line to a pose. `speed` scales the usual one."""
+
+    goal: Pose
+    touching: str = ""  # prop that may be touched on the way
+    speed: float = 1.0
+
+
+@dataclass(frozen=True)
+class Grip:
+    """Move the fingers to an opening 0..1. `holds` names what must be between them after."""
+
+    opening: float
+    holds: str = ""
+    releases: str = ""
+
+
+@dataclass(frozen=True)
+class Wait:
+    """Keep still [s]."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Home:
+    """Return to the joint configuration of the start."""
+
+
+Step = Reach | Line | Grip | Wait | Home
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Steps of one arm, with the name of the stage they belong to."""
+
+    side: str
+    stage: str
+    steps: tuple[Step, ...]
+    # Steps whose goals depend on what earlier steps did are made when the motion starts.
+
+    def then(self, other: "Motion") -> "Motion":
+        """Both motions of the same arm, one after the other."""
+        if other.side != self.side:
+            raise ValueError("`then` joins motions of one arm; give two motions to robot.do")
+        return Motion(self.side, self.stage, self.steps + other.steps)
+
+
+class Arm(Protocol):
+    """Verbs of one arm. Distances in metres, angles in radians, openings 0..1."""
+
+    side: str  # "left" or "right"
+
+    def grasp(
+        self,
+        prop: str,
+        contacts: Sequence[int] = (),
+        pre: float = 0.1,
+        depth: float = 0.0,
+        grip: float = 0.0,
+    ) -> Motion:
+        """Reach `pre` in front of a contact point, advance to `depth` short of it, close.
+
+        Args:
+            contacts: allowed contact point ids; empty: all of the prop's.
+            grip: commanded opening to close to; 0 presses as hard as the servo can.
+
+        Raises:
+            Infeasible: "unreachable" or "ungraspable".
+        """
+        ...
+
+    def hover(
+        self, prop: str, contact: int = 0, gap: float = 0.1, straight_down: bool = False
+    ) -> Motion:
+        """Bring the TCP `gap` in front of a contact point, fingers pointing at it."""
+        ...
+
+    def place(
+        self,
+        prop: str,
+        target: Pose,
+        point: int | None = None,
+        how: "Placing | None" = None,
+    ) -> Motion:
+        """Bring the held prop (its functional point, or its origin) to a target pose and let go."""
+        ...
+
+    def shift(
+        self, x: float = 0, y: float = 0, z: float = 0, turn: Sequence[float] | None = None
+    ) -> Motion:
+        """Straight line by a task-frame displacement [m]; `turn`: new ee orientation wxyz."""
+        ...
+
+    def lift(self, z: float) -> Motion:
+        """Straight up by z [m], or as far as the arm reaches (at least half of it)."""
+        ...
+
+    def retreat(self, distance: float) -> Motion:
+        """Back off against the approach direction [m]."""
+        ...
+
+    def advance(self, distance: float, speed: float = 1.0) -> Motion:
+        """Straight on along the approach direction [m]; `speed` scales the usual one."""
+        ...
+
+    def reach(self, *candidates: Pose) -> Motion:
+        """Go to the first reachable ee pose."""
+        ...
+
+    def line(self, goal: Pose, speed: float = 1.0, touching: str = "") -> Motion:
+        """Straight line of the ee to a pose."""
+        ...
+
+    def close(self, opening: float = 0.0, holds: str = "") -> Motion:
+        """Close the fingers; `holds` names what must then be between them."""
+        ...
+
+    def open(self, opening: float = 1.0) -> Motion:
+        """Open the fingers, releasing whatever is held."""
+        ...
+
+    def home(self) -> Motion:
+        """Back to where the arm started."""
+        ...
+
+    def wait(self, seconds: float) -> Motion:
+        """Hold still."""
+        ...
+
+    def ee(self) -> Pose:
+        """Commanded end-effector pose, task frame."""
+        ...
+
+
+@dataclass(frozen=True)
+class Placing:
+    """How a held prop meets its target (RoboTwin fact sheet, section 1.6)."""
+
+    mode: str = "auto"  # "free" | "align" | "auto"
+    pre: float = 0.1  # [m] distance of the pose before the last straight line
+    gap: float = 0.02  # [m] distance left at the end
+    along: str = "grasp"  # direction of both: "grasp" (gripper to prop) | "point" (target's z)
+    release: bool = True
+    yaws: tuple[float, ...] = (0.0,)  # [rad] extra turns about the target's z, tried in order
+
+
+class Robot(Protocol):
+    """Both arms and what a script may know about the world (everything the scene shows)."""
+
+    left: Arm
+    right: Arm
+    scene: Scene
+
+    def do(self, *motions: Motion) -> None:
+        """Carry out motions: those of different arms together, those of one arm in order.
+
+        Raises:
+            Infeasible: with the reason; it ends the attempt.
+        """
+        ...
+
+    def arm(self, side: str) -> Arm:
+        """The arm of a side."""
+        ...
+
+    def nearest(self, prop: str) -> Arm:
+        """The arm on whose half of the table the prop stands (x < 0: left)."""
+        ...
+
+    def other(self, arm: Arm) -> Arm:
+        """The opposite arm."""
+        ...
+
+    def tried(self, action: Callable[[], None]) -> bool:
+        """Run `action`; False when it was infeasible by planning (nothing has moved then)."""
+        ...

@@ -1,0 +1,103 @@
+"""Chance for layouts: every named draw has a stream of its own, so adding one moves no other."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import hypot
+
+from rtphys.errors import Infeasible
+from rtphys.poses import Array, Pose
+from rtphys.seeds import stream
+from rtphys.task.orientation import IDENTITY, yawed
+from rtphys.task.props import TABLE_TOP
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A place on the table, task frame."""
+
+    x: float  # [m]
+    y: float  # [m]
+    yaw: float = 0.0  # [rad] about the table normal
+
+    def pose(self, upright: Sequence[float] | Array = IDENTITY, z: float = TABLE_TOP) -> Pose:
+        """Stand something here: `upright` turned by the spot's yaw, origin at height z [m]."""
+        return Pose((self.x, self.y, z), yawed(upright, self.yaw))
+
+    def distance(self, other: "Spot | tuple[float, float]") -> float:
+        x, y = (other.x, other.y) if isinstance(other, Spot) else other
+        return hypot(self.x - x, self.y - y)
+
+    @property
+    def side(self) -> str:
+        """The arm whose half of the table this is."""
+        return "left" if self.x < 0 else "right"
+
+
+@dataclass(frozen=True)
+class Draw:
+    """The layout's source of chance for one episode.
+
+    Args:
+        seed: episode seed.
+        retry: number of earlier whole layouts that failed; part of every stream's key.
+    """
+
+    seed: int
+    retry: int = 0
+
+    def _stream(self, name: str):
+        extra = (f"retry{self.retry}",) if self.retry else ()
+        return stream(self.seed, "layout", name, *extra)
+
+    def uniform(self, name: str, low: float, high: float) -> float:
+        return float(self._stream(name).uniform(low, high))
+
+    def choice(self, name: str, *options):
+        """One of the options, all equally likely."""
+        return options[int(self._stream(name).integers(len(options)))]
+
+    def shuffled(self, name: str, options: Sequence) -> list:
+        return [options[int(i)] for i in self._stream(name).permutation(len(options))]
+
+    def spot(
+        self,
+        name: str,
+        x: Range | Sequence[Range],
+        y: Range,
+        yaw: Range = (0.0, 0.0),
+        where: Callable[[Spot], bool] = lambda spot: True,
+    ) -> Spot:
+        """A uniform place that satisfies `where`, redrawn up to 300 times.
+
+        Args:
+            x: one range [m], or several, each equally likely.
+            yaw: range [rad]; `(-a, a)`.
+
+        Raises:
+            Infeasible: "layout", when none of the draws satisfies `where`.
+        """
+        source = self._stream(name)
+        ranges = [x] if isinstance(x[0], int | float) else list(x)
+        for _ in range(300):
+            low, high = ranges[int(source.integers(len(ranges)))]  # type: ignore[misc]
+            draw = Spot(*(float(source.uniform(*r)) for r in ((low, high), y, yaw)))
+            if where(draw):
+                return draw
+        raise Infeasible("layout", f"no free spot for {name}")
+
+
+def clear_of(*others: tuple[Spot | tuple[float, float], float]) -> Callable[[Spot], bool]:
+    """A `where`: at least the given distance [m] from each (spot, distance)."""
+    return lambda spot: all(spot.distance(other) >= gap for other, gap in others)
+
+
+def off_centre(gap: float) -> Callable[[Spot], bool]:
+    """A `where`: |x| at least `gap` [m], so that an arm's side is unambiguous."""
+    return lambda spot: abs(spot.x) >= gap
+
+
+def reachable(spot: Spot) -> bool:
+    """RoboTwin's ylim_prop: nothing in the far middle (|x| < 0.15 and y > 0)."""
+    return not (abs(spot.x) < 0.15 and spot.y > 0)

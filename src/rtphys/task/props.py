@@ -1,0 +1,80 @@
+"""The things on the table: what a layout yields and a world builds. Poses are task-frame."""
+
+from dataclasses import dataclass, replace
+
+from rtphys.poses import Pose
+
+TABLE_TOP = 0.74  # [m] task-frame height of the table's surface (RoboTwin)
+PINE = 450.0  # [kg/m^3] what wooden toy blocks are made of
+
+RED, GREEN, BLUE = (0.85, 0.10, 0.10), (0.10, 0.65, 0.15), (0.10, 0.25, 0.85)
+
+COLOURS: dict[str, tuple[float, float, float]] = {
+    "red": (1, 0, 0), "green": (0, 1, 0), "blue": (0, 0, 1), "yellow": (1, 1, 0),
+    "cyan": (0, 1, 1), "magenta": (1, 0, 1), "black": (0, 0, 0), "gray": (0.5, 0.5, 0.5),
+    "orange": (1, 0.5, 0), "purple": (0.5, 0, 0.5), "brown": (0.65, 0.4, 0.16),
+    "pink": (1, 0.75, 0.8), "lime": (0.5, 1, 0), "olive": (0.5, 0.5, 0),
+    "teal": (0, 0.5, 0.5), "maroon": (0.5, 0, 0), "navy": (0, 0, 0.5),
+    "coral": (1, 0.5, 0.31), "turquoise": (0.25, 0.88, 0.82), "indigo": (0.29, 0, 0.51),
+    "beige": (0.96, 0.91, 0.81), "tan": (0.82, 0.71, 0.55), "silver": (0.75, 0.75, 0.75),
+}  # fmt: skip
+"""RoboTwin's 23 named colours; the first eight are its short list."""
+SHORT_COLOURS = tuple(COLOURS)[:8]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prop:
+    """What every prop has. `pose.p[2]` is the height of the frame's origin, unless `resting`."""
+
+    name: str
+    pose: Pose  # task frame, for the nominal scale
+    fixed: bool = False  # static (or, articulated: fixed root)
+    resting: bool = True  # the world sets z so that the lowest point is 1 mm above the table
+    mass_kg: float | None = None  # None: what the asset says
+    phrase: str = ""  # how language names it; empty: the asset's own phrases
+    label: str = ""  # placeholder value in scene_info; empty: "<category>/base<k>" or the phrase
+
+    def at(self, pose: Pose) -> "Prop":
+        """The same prop elsewhere."""
+        return replace(self, pose=pose)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box(Prop):
+    """A box with frame at its centre. fp 0 bottom centre, 1 top centre, both z down.
+
+    Contact points: ids 0-3 top-down at four yaws at the centre; with `upright_grasps`
+    ids 0-3 are horizontal from four sides at +0.7 of the half height, 4-7 at -0.7.
+    """
+
+    half_size: tuple[float, float, float]  # [m]
+    colour: tuple[float, float, float] = RED
+    density: float = PINE  # [kg/m^3]
+    visual_only: bool = False  # a mark on the table: no collision shape
+    upright_grasps: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball(Prop):
+    """A sphere with frame at its centre; the only thing that may roll for ever."""
+
+    radius: float  # [m]
+    colour: tuple[float, float, float] = RED
+    density: float = 1000.0  # [kg/m^3]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh(Prop):
+    """A rigid model of the asset pack."""
+
+    category: str  # "050_bell"
+    model: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Articulated(Prop):
+    """An articulated model of the asset pack; `opening` presets joint 0 as a share of its range."""
+
+    category: str
+    model: int
+    opening: float = 0.0

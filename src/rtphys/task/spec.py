@@ -1,0 +1,101 @@
+"""A task: pure data and two functions, loaded by path from a library."""
+
+import importlib.util
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtphys import library
+from rtphys.errors import BadFile, Infeasible
+from rtphys.task.arm import Robot
+from rtphys.task.draw import Draw
+from rtphys.task.props import Prop
+from rtphys.task.success import Condition
+
+
+@dataclass(frozen=True)
+class Phrases:
+    """Sentence templates with RoboTwin's placeholders: `{A}` objects, `{a}` arms."""
+
+    seen: tuple[str, ...]
+    unseen: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to do. `name` is the file's name, filled in by the loader.
+
+    Args:
+        layout: yields the props of one episode from its draws.
+        script: the expert; raises Infeasible, returns nothing.
+        success: the condition, task frame, measured quantities.
+        step_limit: policy actions of an evaluation episode (RoboTwin's own limit).
+        info: placeholder values by placeholder letter: a prop name for `A`.., "arm:<prop>" or
+            "left"/"right" for `a`.. (the side of the table on which that prop starts).
+        table_shift: (x, y) [m] of the table's centre; table_drop: [m] below the usual height.
+    """
+
+    layout: Callable[[Draw], Iterable[Prop]]
+    script: Callable[[Robot], None]
+    success: Condition | Callable[[list[Prop]], Condition]
+    step_limit: int
+    phrases: Phrases = field(default_factory=lambda: Phrases((), ()))
+    info: dict[str, str] = field(default_factory=dict)
+    arms: str = "single"  # "single" | "dual" | "dual, in step" | "dual, in sequence"
+    mechanism: str = ""
+    table_shift: tuple[float, float] = (0.0, 0.0)
+    table_drop: float = 0.0
+    name: str = ""
+    doc: str = ""
+    source: Path = Path()
+
+    def props(self, seed: int) -> list[Prop]:
+        """The layout of an episode; depends on the seed alone.
+
+        Raises:
+            Infeasible: "layout", after 50 whole redraws.
+        """
+        for retry in range(50):
+            try:
+                return list(self.layout(Draw(seed, retry)))
+            except Infeasible as problem:
+                if problem.reason != "layout":
+                    raise
+        raise Infeasible("layout", "50 layouts in a row broke the task's spacing rules")
+
+    def condition(self, props: list[Prop]) -> Condition:
+        """The success condition of one episode."""
+        return self.success if isinstance(self.success, Condition) else self.success(props)
+
+
+def load_task(name: str) -> Task:
+    """A task by name from the libraries.
+
+    Raises:
+        UnknownName: with the nearest match.
+        BadFile: the file does not define `task = Task(...)` or raises on import.
+    """
+    path = library.find("tasks", name)
+    module_name = f"rtphys_task_{name}"
+    spec = importlib.util.spec_from_file_location(module_name, path)
+    if spec is None or spec.loader is None:
+        raise BadFile(path, "is not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[module_name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise BadFile(path, f"cannot be loaded: {type(error).__name__}: {error}") from error
+    task = getattr(module, "task", None)
+    if not isinstance(task, Task):
+        raise BadFile(path, "must define `task = Task(...)`")
+    object.__setattr__(task, "name", name)
+    object.__setattr__(task, "doc", (module.__doc__ or "").strip())
+    object.__setattr__(task, "source", path)
+    return task
+
+
+def task_names() -> list[str]:
+    """Names of all tasks, from file names alone."""
+    return list(library.names("tasks"))

@@ -1,0 +1,163 @@
+"""Success as a composition of named conditions on measured, task-frame quantities.
+
+`a & b` needs both, `~a` its opposite; a failed check can name the conditions that do not hold.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rtphys.task.scene import LEFT, RIGHT, Scene
+
+Vector = Sequence[float]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One claim about the scene. `parts` is empty for a leaf."""
+
+    text: str
+    holds: Callable[[Scene], bool]
+    parts: tuple["Condition", ...] = ()
+
+    def __and__(self, other: "Condition") -> "Condition":
+        parts = (self.parts or (self,)) + (other.parts or (other,))
+
+        def holds(scene: Scene) -> bool:
+            # Every part is evaluated, even after one failed: latched parts must see each instant.
+            verdicts = [part.holds(scene) for part in parts]
+            return all(verdicts)
+
+        return Condition(" and ".join(p.text for p in parts), holds, parts)
+
+    def __invert__(self) -> "Condition":
+        return Condition(f"not ({self.text})", lambda scene: not self.holds(scene))
+
+    def failing(self, scene: Scene) -> list[str]:
+        """Texts of the leaves that do not hold now."""
+        return [part.text for part in (self.parts or (self,)) if not part.holds(scene)]
+
+
+def near(prop: str, target: str | Vector, within: Vector, offset: Vector = (0, 0, 0)) -> Condition:
+    """Origin of `prop` within (dx, dy, dz) [m] of a prop's origin or a point, plus offset."""
+
+    def holds(scene: Scene) -> bool:
+        goal = scene.pose(target).p if isinstance(target, str) else np.asarray(target, float)
+        gap = np.abs(scene.pose(prop).p - goal - np.asarray(offset, float))
+        return bool(np.all(gap < np.asarray(within, float)))
+
+    return Condition(f"{prop} within {tuple(within)} m of {target}", holds)
+
+
+def points_meet(prop: str, point: int, target: str, target_point: int, within: Vector) -> Condition:
+    """Functional point of `prop` within (dx, dy, dz) [m] of one of `target`."""
+
+    def holds(scene: Scene) -> bool:
+        gap = scene.functional(prop, point).p - scene.functional(target, target_point).p
+        return bool(np.all(np.abs(gap) < np.asarray(within, float)))
+
+    return Condition(f"point {point} of {prop} at point {target_point} of {target}", holds)
+
+
+def above(prop: str, height: float) -> Condition:
+    """Origin of `prop` higher than `height` [m], task frame."""
+    return Condition(f"{prop} above {height} m", lambda s: bool(s.pose(prop).p[2] > height))
+
+
+def lifted(prop: str, by: float) -> Condition:
+    """The prop's lowest point at least `by` [m] above the table."""
+    return Condition(f"{prop} lifted by {by} m", lambda s: bool(s.lowest(prop) > 0.74 + by))
+
+
+def opened(side: str, more_than: float = 0.8) -> Condition:
+    """Measured opening of one gripper above a share of its range (official: 0.8)."""
+    return Condition(f"{side} gripper open", lambda s: s.opening(side) > more_than)
+
+
+def hands_open() -> Condition:
+    """Both grippers open, measured."""
+    return opened(LEFT) & opened(RIGHT)
+
+
+def touching(a: str, b: str) -> Condition:
+    """Two things press on each other now."""
+    return Condition(f"{a} touches {b}", lambda s: s.touching(a, b))
+
+
+def free_of(prop: str, *others: str) -> Condition:
+    """Nothing of `others` touches the prop."""
+    return Condition(
+        f"{prop} free of {', '.join(others)}",
+        lambda s: not any(s.touching(prop, other) for other in others),
+    )
+
+
+def held_by(prop: str, *sides: str) -> Condition:
+    """Each of the named grippers presses on the prop, now."""
+    names = " and ".join(sides)
+    return Condition(
+        f"{prop} held by {names}",
+        lambda s: all(s.touching(f"{side}_gripper", prop) for side in sides),
+    )
+
+
+def at_rest(prop: str, slower_than: float = 0.05) -> Condition:
+    """Linear speed below a bound [m/s]."""
+    return Condition(f"{prop} at rest", lambda s: s.speed(prop) < slower_than)
+
+
+def upright(prop: str, axis: int, within: float) -> Condition:
+    """The prop's own axis (0 x, 1 y, 2 z) within an angle [rad] of the table normal."""
+
+    def holds(scene: Scene) -> bool:
+        return bool(scene.pose(prop).R[2, axis] > np.cos(within))
+
+    return Condition(f"{prop} upright within {within:.2f} rad", holds)
+
+
+def turned_to(prop: str, q: Vector, within: float) -> Condition:
+    """Orientation within an angle [rad] of a task-frame quaternion wxyz."""
+    goal = np.asarray(q, float) / np.linalg.norm(q)
+
+    def holds(scene: Scene) -> bool:
+        cosine = min(1.0, abs(float(scene.pose(prop).q @ goal)))
+        return 2 * float(np.arccos(cosine)) < within
+
+    return Condition(f"{prop} turned to {tuple(np.round(goal, 3))}", holds)
+
+
+def pressed(prop: str, contact: int, within: Vector, closed_below: float = 1.1) -> Condition:
+    """A finger touched the prop near a contact point, once, with that hand's gripper closed.
+
+    Args:
+        within: (dx, dy, dz) [m] between a measured contact and the declared point.
+        closed_below: largest measured opening of the pressing gripper that counts.
+    """
+    bounds = np.asarray(within, float)
+
+    def holds(scene: Scene) -> bool:
+        hit = False
+        for side in (LEFT, RIGHT):
+            points = scene.contact_points(f"{side}_gripper", prop)
+            if len(points) and scene.opening(side) < closed_below:
+                gap = np.abs(points - scene.contact(prop, contact).p)
+                hit = hit or bool(np.any(np.all(gap < bounds, axis=1)))
+        return scene.once(f"pressed {prop} {contact}", hit)
+
+    return Condition(f"{prop} pressed at its point {contact}", holds)
+
+
+def joint_beyond(prop: str, share: float, index: int = 0) -> Condition:
+    """An articulated prop's joint past a share of its range."""
+
+    def holds(scene: Scene) -> bool:
+        q, low, high = scene.joint(prop, index)
+        return q >= low + share * (high - low)
+
+    return Condition(f"{prop} joint {index} beyond {share:.0%}", holds)
+
+
+def claim(text: str, holds: Callable[[Scene], bool]) -> Condition:
+    """A task's own condition, with the sentence that names it."""
+    return Condition(text, holds)
