@@ -1,0 +1,43 @@
+# Two commands on a fresh machine:  make collect TASK=click_bell EPISODES=2   and   make test
+TASK ?= click_bell
+EPISODES ?= 2
+OUT ?= data
+PYTEST ?=
+BIN := .venv/bin
+
+.PHONY: setup collect test test-all check format bench wheel tables clean
+
+setup:            ## environment, Vulkan driver, assets (quick when nothing is to do)
+	@scripts/setup.sh
+
+collect: setup    ## EPISODES verified episodes of TASK in OUT
+	$(BIN)/rtphys collect --task $(TASK) --episodes $(EPISODES) --out $(OUT)
+
+test: setup       ## the tests that take seconds
+	$(BIN)/python -m pytest -n 2 -m "not slow" $(PYTEST)
+
+test-all: setup   ## all tests, minutes
+	$(BIN)/python -m pytest -n 2 $(PYTEST)
+
+check: setup      ## format, lint, types
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/pyright
+
+format: setup     ## let ruff fix what it can
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: setup      ## CPU cost of an attempt and of a picture
+	@for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python "$$script" || exit 1; done
+
+wheel: setup      ## build the wheel into dist/ and try it in a clean environment
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	$(BIN)/python -m pytest -m slow tests/test_wheel.py
+
+tables: setup     ## write the generated tables into the documents
+	$(BIN)/python scripts/tables.py
+
+clean:            ## remove what was built, not what was collected
+	rm -rf .venv dist build .pytest_cache .ruff_cache .hypothesis
+	find src tests tasks -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# Makes a checkout ready to collect: environment, system libraries, Vulkan driver, assets.
+# Safe to repeat: what is in place is left alone. Every system-wide step is announced first.
+#   PYTHON=python3.12 scripts/setup.sh     use that interpreter
+#   RTPHYS_SETUP=venv scripts/setup.sh     take no system-wide step at all
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. scripts/system.sh
+
+VENV=.venv
+STAMP=$VENV/.setup-stamp          # what was installed, by the hash of what asked for it
+DRIVER_STAMP=$VENV/.driver-stamp  # a frame was rendered with this set of drivers
+
+hash_of() { cat "$@" 2>/dev/null | sha256sum | cut -d' ' -f1; }
+environment_key() { hash_of pyproject.toml scripts/setup.sh scripts/system.sh; }
+driver_key() { hash_of /etc/os-release /usr/share/vulkan/icd.d/* /etc/vulkan/icd.d/*; }
+stamped() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; }
+
+find_python() {
+    local name
+    for name in ${PYTHON:-python3 python3.13 python3.12 python3.11}; do
+        if "$name" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; then
+            command -v "$name"
+            return
+        fi
+    done
+    return 1
+}
+
+create_environment() {
+    local python
+    if ! python=$(find_python); then
+        command -v python3 >/dev/null ||
+            install_packages "Python is missing" python3 python3-venv
+        python=$(find_python) || die "rtphys needs Python 3.11, 3.12 or 3.13; name one with PYTHON=…"
+    fi
+    "$python" -c 'import ensurepip, venv' 2>/dev/null ||
+        install_packages "this Python cannot create virtual environments" \
+            "$(basename "$(readlink -f "$python")")-venv"
+    say "creating the virtual environment $VENV with $("$python" --version)"
+    "$python" -m venv "$VENV"
+}
+
+install_dependencies() {
+    say "installing rtphys and what it depends on into $VENV"
+    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+    headless_opencv ||
+        "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
+            --force-reinstall --no-deps opencv-python-headless
+}
+
+# sapien pulls in opencv-python, which needs libGL and owns the same cv2/ folder as
+# opencv-python-headless. pip unpacks the headless one last, but an older pip or an update may not.
+headless_opencv() {
+    "$VENV/bin/python" - <<'PY' 2>/dev/null
+import sys, cv2
+gui = [line.split()[-1] for line in cv2.getBuildInformation().splitlines() if "GUI:" in line]
+sys.exit(gui != ["NONE"])
+PY
+}
+
+# The simulator's own shared libraries: SAPIEN links libX11 even when it never opens a window.
+ensure_libraries() {
+    "$VENV/bin/python" -c 'import sapien' 2>/dev/null && return
+    install_packages "the simulator links libX11 (no window is opened)" libx11-6
+    "$VENV/bin/python" -W ignore -c 'import sapien' || die "SAPIEN still cannot be imported"
+}
+
+renders() { "$VENV/bin/python" -W ignore -m rtphys.sim.probe; }
+
+ensure_driver() {
+    local key
+    stamped "$DRIVER_STAMP" "$(driver_key)" && return
+    say "looking for a Vulkan device that can render"
+    if ! renders; then
+        if install_driver; then
+            renders || warn "the driver is installed, but no frame came out: see '$VENV/bin/rtphys doctor'"
+        else
+            warn "no Vulkan driver: all but pictures works; see '$VENV/bin/rtphys doctor'"
+        fi
+    fi
+    key=$(driver_key)
+    if renders >/dev/null 2>&1; then echo "$key" >"$DRIVER_STAMP"; fi
+}
+
+build_assets() {
+    "$VENV/bin/rtphys" assets --help >/dev/null 2>&1 || return 0
+    say "building the builtin asset pack (skipped when it is there)"
+    "$VENV/bin/rtphys" assets build
+}
+
+main() {
+    if ! stamped "$STAMP" "$(environment_key)" || [ ! -x "$VENV/bin/rtphys" ]; then
+        [ -x "$VENV/bin/python" ] || create_environment
+        install_dependencies
+        ensure_libraries
+        ensure_driver
+        build_assets
+        environment_key >"$STAMP"
+        say "ready: $VENV/bin/rtphys --help"
+    else
+        ensure_driver
+    fi
+}
+
+main "$@"
