@@ -1,0 +1,1 @@
+"""Files of a dataset: schemas, HDF5 layouts, video, journal and manifest. Needs no simulator."""

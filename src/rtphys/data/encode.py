@@ -1,0 +1,83 @@
+"""Turns the stream of pictures into JPEG streams and the video while the next frame renders."""
+
+import queue
+import threading
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from rtphys.data import jpeg
+from rtphys.data.episode import Images
+from rtphys.data.faults import BadEpisode
+from rtphys.data.video import VideoWriter
+
+VIDEO_CAMERA = "head_camera"
+AHEAD = 8  # frames the renderer may be ahead of the encoder; bounds the memory
+
+
+@dataclass
+class EncodedImages:
+    """Everything the files need of T frames of pictures."""
+
+    jpegs: dict[str, list[bytes]] = field(default_factory=dict)  # camera -> T streams
+    shapes: dict[str, tuple[int, int, int]] = field(default_factory=dict)  # camera -> (H, W, 3)
+    video: bytes = b""
+
+
+class _Encoder(threading.Thread):
+    """Consumes a queue of frames; None ends it. cv2 and PyAV release the GIL while they work."""
+
+    def __init__(self) -> None:
+        super().__init__(name="rtphys-encode", daemon=True)
+        self.frames: queue.Queue[Images | None] = queue.Queue(AHEAD)
+        self.result = EncodedImages()
+        self.failure: BaseException | None = None
+        self._video: VideoWriter | None = None
+
+    def run(self) -> None:
+        while (frame := self.frames.get()) is not None:
+            if self.failure is None:  # after a failure only drain, so the producer never blocks
+                self._guard(lambda picked=frame: self._add(picked))
+        if self.failure is None and self._video is not None:
+            self._guard(self._finish)
+
+    def _guard(self, step: Callable[[], None]) -> None:
+        try:
+            step()
+        except BaseException as failure:  # handed to the caller, who re-raises it
+            self.failure = failure
+
+    def _finish(self) -> None:
+        assert self._video is not None
+        self.result.video = self._video.finish()
+
+    def _add(self, frame: Images) -> None:
+        if not self.result.shapes:
+            self.result.shapes = {name: picture.shape for name, picture in frame.items()}  # type: ignore[misc]
+            self.result.jpegs = {name: [] for name in frame}
+            if VIDEO_CAMERA in frame:
+                height, width, _ = frame[VIDEO_CAMERA].shape
+                self._video = VideoWriter(height, width)
+        shapes = {name: picture.shape for name, picture in frame.items()}
+        if shapes != self.result.shapes:
+            raise BadEpisode([f"pictures change from {self.result.shapes} to {shapes}"])
+        for name, picture in frame.items():
+            self.result.jpegs[name].append(jpeg.encode(picture))
+        if self._video is not None:
+            self._video.add(frame[VIDEO_CAMERA])
+
+
+def encode_images(images: Iterable[Images]) -> EncodedImages:
+    """Encodes frame after frame in a second thread; an exception of either side comes out here."""
+    encoder = _Encoder()
+    encoder.start()
+    try:
+        for frame in images:
+            encoder.frames.put(frame)
+            if encoder.failure is not None:
+                break
+    finally:
+        encoder.frames.put(None)
+        encoder.join()
+    if encoder.failure is not None:
+        raise encoder.failure
+    return encoder.result

@@ -1,0 +1,120 @@
+"""One episode in memory: what the recorder fills, what the files hold, what a loader returns."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+JSON: TypeAlias = Mapping[str, "JSON"] | Sequence["JSON"] | str | int | float | bool | None
+Floats: TypeAlias = NDArray[np.floating]
+Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
+
+ARMS = ("left", "right")
+CAMERAS = ("head_camera", "left_camera", "right_camera", "front_camera")
+OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
+FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
+
+
+@dataclass(frozen=True, eq=False)
+class CameraFrames:
+    """Calibration of one camera over T frames."""
+
+    intrinsic_cv: Floats  # (T, 3, 3) [px]
+    extrinsic_cv: Floats  # (T, 3, 4) world -> camera, OpenCV axes (x right, y down, z forward) [m]
+    cam2world_gl: Floats  # (T, 4, 4) camera -> world, OpenGL axes (x right, y up, z back) [m]
+
+    def shapes(self, frames: int) -> dict[str, tuple[Floats, tuple[int, ...]]]:
+        """Each array with the shape it must have for that many frames."""
+        return {
+            "intrinsic_cv": (self.intrinsic_cv, (frames, 3, 3)),
+            "extrinsic_cv": (self.extrinsic_cv, (frames, 3, 4)),
+            "cam2world_gl": (self.cam2world_gl, (frames, 4, 4)),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """T frames, uniformly spaced by 15 control steps. Poses are xyz [m] + wxyz, world frame."""
+
+    time: Floats  # (T,) since the policy stage began [s]
+    left_arm: Floats  # (T, 6) commanded joint targets [rad]
+    right_arm: Floats  # (T, 6) [rad]
+    left_gripper: Floats  # (T,) commanded opening, 0 closed .. 1 open
+    right_gripper: Floats  # (T,)
+    left_endpose: Floats  # (T, 7) measured pose of the ee frame (link6)
+    right_endpose: Floats  # (T, 7)
+    qpos: Floats  # (T, n) measured [rad or m]
+    qvel: Floats  # (T, n) measured [rad/s or m/s]
+    effort: Floats  # (T, n) measured joint force [N m or N]
+    joint_names: tuple[str, ...]  # n names
+    object_poses: Mapping[str, Floats]  # name -> (T, 7)
+    contacts: Mapping[str, NDArray[np.bool_]]  # name -> (T, 2), touched by (left, right) gripper
+    stage: NDArray[np.integer]  # (T,) index into stages
+    stages: tuple[str, ...]  # the expert's stages in order
+    cameras: Mapping[str, CameraFrames]  # by official name: head_camera, left_camera, ...
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def vector(self) -> NDArray[np.float64]:
+        """(T, 14) commanded `[left_arm(6), left_gripper, right_arm(6), right_gripper]`."""
+        return np.column_stack(
+            [self.left_arm, self.left_gripper, self.right_arm, self.right_gripper]
+        ).astype(np.float64)
+
+    def shapes(self) -> dict[str, tuple[NDArray[np.generic], tuple[int, ...]]]:
+        """Every array by name with the shape it must have."""
+        T, n = len(self), len(self.joint_names)
+        table: dict[str, tuple[NDArray[np.generic], tuple[int, ...]]] = {"time": (self.time, (T,))}
+        for arm in ARMS:
+            table[f"{arm}_arm"] = (getattr(self, f"{arm}_arm"), (T, 6))
+            table[f"{arm}_gripper"] = (getattr(self, f"{arm}_gripper"), (T,))
+            table[f"{arm}_endpose"] = (getattr(self, f"{arm}_endpose"), (T, 7))
+        for key in ("qpos", "qvel", "effort"):
+            table[key] = (getattr(self, key), (T, n))
+        table["stage"] = (self.stage, (T,))
+        for name, pose in self.object_poses.items():
+            table[f"object_poses/{name}"] = (pose, (T, 7))
+        for name, touch in self.contacts.items():
+            table[f"contacts/{name}"] = (touch, (T, 2))
+        for name, camera in self.cameras.items():
+            for key, pair in camera.shapes(T).items():
+                table[f"cameras/{name}/{key}"] = pair
+        return table
+
+    def problems(self) -> list[str]:
+        """What is wrong with the arrays, one sentence each; empty when they agree."""
+        found = []
+        if len(self) < 2:
+            found.append(f"{len(self)} frames, a stored episode needs at least 2")
+        for key, (array, shape) in self.shapes().items():
+            if array.shape != shape:
+                found.append(f"{key} has shape {array.shape}, not {shape}")
+            elif array.dtype.kind == "f" and not np.isfinite(array).all():
+                found.append(f"{key} holds a number that is not finite")
+        objects = {**self.object_poses, **self.contacts}
+        found += [f"{name!r} is no object name" for name in objects if not OBJECT.fullmatch(name)]
+        if self.stage.size and not (0 <= self.stage.min() <= self.stage.max() < len(self.stages)):
+            found.append(f"stage runs outside the {len(self.stages)} named stages")
+        found += [f"{name!r} is no camera" for name in self.cameras if name not in CAMERAS]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """An accepted episode on its way to disk.
+
+    `images` is consumed once, T items in frame order, so that frame t + 1 renders while frame t is
+    encoded. Each item needs fresh arrays: a buffer that the renderer overwrites would tear.
+    """
+
+    recipe: Mapping[str, JSON]
+    frames: Frames
+    phys_meta: Mapping[str, JSON]  # schema.PhysMeta without `episode`, which commit knows
+    instructions: Mapping[str, Sequence[str]]  # {"seen": [...], "unseen": [...]}
+    scene_info: Mapping[str, JSON]  # one entry: cluttered_table_info, texture_info, info
+    images: Iterable[Images] = field(repr=False)

@@ -1,0 +1,82 @@
+"""What can go wrong with a dataset folder; each class writes its own sentence."""
+
+import errno
+from pathlib import Path
+
+from rtphys.errors import RtphysError
+
+
+class DatasetError(RtphysError):
+    """Root of the errors of a dataset folder. Pickles, since workers raise it too."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Subclasses build their text from other arguments, so the default (class, args) would
+        # call them with the finished text. Rebuild without __init__.
+        return _rebuild, (type(self), self.args, self.__dict__)
+
+
+def _rebuild(
+    kind: type[DatasetError], args: tuple[object, ...], state: dict[str, object]
+) -> DatasetError:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(state)
+    return error
+
+
+class CannotWrite(DatasetError):
+    """The file system refused a write: full, read-only, no permission."""
+
+    CAUSES = {  # noqa: RUF012 - a constant table
+        errno.ENOSPC: "the disk is full; free some space, the same command then resumes",
+        errno.EDQUOT: "the disk quota is used up; free some space, the same command then resumes",
+        errno.EROFS: "the file system is read-only; choose another --out",
+        errno.EACCES: "permission denied; choose another --out",
+        errno.EPERM: "permission denied; choose another --out",
+        errno.ENOTDIR: "a file stands where a folder is needed; choose another --out",
+        errno.EEXIST: "a file stands where a folder is needed; choose another --out",
+    }
+
+    def __init__(self, path: str | Path, cause: OSError) -> None:
+        self.path, self.errno = Path(path), cause.errno
+        text = self.CAUSES.get(cause.errno or 0, cause.strerror or str(cause))
+        super().__init__(f"cannot write {path}: {text}")
+
+
+class DatasetLocked(DatasetError):
+    """Another run writes into this folder."""
+
+    def __init__(self, out: str | Path, owner: str) -> None:
+        self.out, self.owner = Path(out), owner
+        super().__init__(
+            f"{out}: another run writes here ({owner}); wait, stop it, or choose another --out"
+        )
+
+
+class DatasetMismatch(DatasetError):
+    """The folder holds episodes made under other conditions, so they cannot be continued."""
+
+    def __init__(self, folder: str | Path, differences: list[str]) -> None:
+        self.folder, self.differences = Path(folder), differences
+        super().__init__(
+            f"{folder}: holds episodes collected differently and cannot be continued: "
+            f"{'; '.join(differences)}. Choose another --out or ask for the same again"
+        )
+
+
+class DatasetExists(DatasetError):
+    """The folder already holds episodes and the caller asked for a fresh start."""
+
+    def __init__(self, folder: str | Path, episodes: int) -> None:
+        self.folder, self.episodes = Path(folder), episodes
+        super().__init__(
+            f"{folder}: already holds {episodes} episodes; resume, delete the folder, "
+            "or choose another --out"
+        )
+
+
+class BadEpisode(DatasetError):
+    """An episode whose arrays contradict each other; nothing was written."""
+
+    def __init__(self, problems: list[str]) -> None:
+        self.problems = problems
+        super().__init__(f"the episode cannot be stored: {'; '.join(problems)}")

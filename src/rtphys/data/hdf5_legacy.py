@@ -1,0 +1,54 @@
+"""The official legacy file: one row a frame, float64, no shifted actions, no attributes.
+
+The official keys are exact; the group `rtphys/` beside them keeps what they cannot hold. Upstream's
+writer always makes `pointcloud`, with shape (T, 0) when there is none, and readers open it.
+"""
+
+import h5py
+import numpy as np
+
+from rtphys.data import jpeg
+from rtphys.data.encode import EncodedImages
+from rtphys.data.episode import ARMS, Frames
+from rtphys.data.hdf5_file import array, build, put
+from rtphys.data.hdf5_record import CALIBRATION, read_record, write_record
+from rtphys.errors import BadFile
+
+
+def legacy_bytes(frames: Frames, images: EncodedImages) -> bytes:
+    """The file's bytes."""
+
+    def fill(file: h5py.File) -> None:
+        for arm in ARMS:
+            opening = np.asarray(getattr(frames, f"{arm}_gripper"), np.float64)
+            joints = np.asarray(getattr(frames, f"{arm}_arm"), np.float64)
+            put(file, f"joint_action/{arm}_arm", joints)
+            put(file, f"joint_action/{arm}_gripper", opening)
+            pose = np.asarray(getattr(frames, f"{arm}_endpose"), np.float64)
+            put(file, f"endpose/{arm}_endpose", pose)
+            put(file, f"endpose/{arm}_gripper", opening)
+        put(file, "joint_action/vector", frames.vector)
+        put(file, "pointcloud", np.zeros((len(frames), 0)))
+        for name, streams in images.jpegs.items():
+            camera = file.create_group(f"observation/{name}")
+            put(camera, "rgb", jpeg.padded(streams))
+            for key in CALIBRATION:
+                put(camera, key, np.asarray(getattr(frames.cameras[name], key), np.float32))
+        write_record(file, frames)
+
+    return build(fill)
+
+
+def read_legacy(file: h5py.File) -> tuple[Frames, EncodedImages]:
+    """Frames and T pictures a camera. Raises `BadFile`."""
+    frames = read_record(file)
+    images = EncodedImages()
+    try:
+        for name in frames.cameras:
+            streams = array(file, f"observation/{name}/rgb").tolist()
+            images.jpegs[name] = streams
+            height, width, depth = jpeg.decode(streams[0]).shape
+            images.shapes[name] = (height, width, depth)
+    except (KeyError, ValueError, TypeError, OSError, jpeg.BadImage) as error:
+        raise BadFile(file.filename, f"not a whole legacy file ({error})") from error
+    return frames, images

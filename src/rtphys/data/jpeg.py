@@ -1,0 +1,51 @@
+"""JPEG streams as the official writer makes them, red and blue exchanged, and how to undo it."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rtphys.errors import RtphysError
+
+QUALITY = 95
+# The official writer hands RGB to an encoder that takes BGR, and every official reader depends on
+# it: cv2.imdecode returns RGB from these streams, while PIL and browsers see red as blue.
+CHANNEL_ORDER = "red and blue exchanged: cv2.imdecode of this stream returns RGB, not BGR"
+
+cv2.setNumThreads(0)  # its pool would fight the workers, and a picture is one thread's work
+
+
+class BadImage(RtphysError):
+    """Bytes that are no JPEG picture."""
+
+
+def encode(rgb: NDArray[np.uint8]) -> bytes:
+    """JPEG stream of an RGB picture (H, W, 3), channels exchanged as `CHANNEL_ORDER` says."""
+    done, stream = cv2.imencode(".jpg", rgb, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    if not done:
+        raise BadImage(f"a picture of shape {rgb.shape} cannot be encoded")
+    return stream.tobytes()
+
+
+def decode(stream: bytes) -> NDArray[np.uint8]:
+    """RGB picture (H, W, 3) of a stored stream. Raises `BadImage`."""
+    picture = cv2.imdecode(np.frombuffer(stream, np.uint8), cv2.IMREAD_COLOR) if stream else None
+    if picture is None:
+        raise BadImage(f"{len(stream)} bytes are no JPEG picture")
+    return np.asarray(picture, np.uint8)  # already RGB, see CHANNEL_ORDER
+
+
+def true_colour(rgb: NDArray[np.uint8]) -> bytes:
+    """An ordinary JPEG stream of an RGB picture, for browsers; not for dataset files."""
+    return cv2.imencode(".jpg", cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))[1].tobytes()
+
+
+def padded(streams: Sequence[bytes]) -> NDArray[np.bytes_]:
+    """`S<n>` array, n the longest stream. NUL padding is safe because JPEG ends in FF D9."""
+    return np.array(streams, dtype=f"S{max(map(len, streams))}")
+
+
+def encode_png(rgb: NDArray[np.uint8]) -> bytes:
+    """PNG of an RGB picture, true colours."""
+    return cv2.imencode(".png", cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))[1].tobytes()

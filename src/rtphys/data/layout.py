@@ -1,0 +1,97 @@
+"""Where the files of a dataset lie. The only module that spells a path of it."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+MANIFEST = "manifest.json"
+LOCK = ".rtphys.lock"
+JOURNAL = "journal.jsonl"
+STAGING = ".staging"
+EMBODIMENT = "aloha_agilex"
+LAYOUTS = ("native", "legacy")
+
+
+def embodiment_folder(name: str) -> str:
+    """`aloha-agilex` -> `aloha_agilex`, by the official rule."""
+    return re.sub(r"[^A-Za-z0-9_]+", "_", name).lower()
+
+
+@dataclass(frozen=True)
+class EpisodePaths:
+    """The files of one episode."""
+
+    hdf5: Path
+    video: Path
+    phys_meta: Path
+    instruction: Path
+
+    def all(self) -> tuple[Path, ...]:
+        return (self.hdf5, self.video, self.phys_meta, self.instruction)
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """The folder of one task under one configuration (the protocol's name)."""
+
+    out: Path
+    config: str
+    task: str
+    embodiment: str = EMBODIMENT
+    layout: str = "native"
+
+    @property
+    def name(self) -> str:
+        """Path below `out`, with forward slashes; the leaf's key in the manifest."""
+        if self.layout == "legacy":
+            return f"{self.task}/{self.config}"
+        return f"{self.config}/{self.task}/{self.embodiment}"
+
+    @property
+    def folder(self) -> Path:
+        return self.out / self.name
+
+    def episode(self, number: int) -> EpisodePaths:
+        if self.layout == "legacy":
+            stem, words = f"episode{number}", "instructions"
+        else:
+            stem, words = f"episode_{number:07d}", "instruction"
+        at = self.folder
+        return EpisodePaths(
+            hdf5=at / "data" / f"{stem}.hdf5",
+            video=at / "video" / f"{stem}.mp4",
+            phys_meta=at / "phys_meta" / f"{stem}.json",
+            instruction=at / words / f"{stem}.json",
+        )
+
+    @property
+    def scene_info(self) -> Path:
+        return self.folder / "scene_info.json"
+
+    @property
+    def seed_txt(self) -> Path:
+        """Official: accepted seeds, each followed by a space, no newline."""
+        return self.folder / "seed.txt"
+
+    @property
+    def seeds_txt(self) -> Path:
+        """The phys release's: one accepted seed a line, line i belongs to episode i."""
+        return self.folder / "seeds.txt"
+
+    @property
+    def journal(self) -> Path:
+        return self.folder / JOURNAL
+
+    @property
+    def staging(self) -> Path:
+        return self.folder / STAGING
+
+    def staged(self, seed: int) -> Path:
+        """Where a worker puts the files of an attempt that nobody has numbered yet."""
+        return self.staging / f"seed_{seed}"
+
+
+def episode_number(path: Path) -> int | None:
+    """Number in an episode file's name of either layout, or None."""
+    match = re.fullmatch(r"episode_?(\d+)", path.stem)
+    return int(match[1]) if match else None

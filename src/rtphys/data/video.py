@@ -1,0 +1,122 @@
+"""The head camera's MP4: H.264, 30 fps, index in front, the same bits for the same pictures."""
+
+import io
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import av
+import numpy as np
+from av.video.stream import VideoStream
+from numpy.typing import NDArray
+
+FPS = 30  # official: plays 1.8 times faster than the 16.67 Hz of the frames
+CRF = "23"
+PRESET = "veryfast"  # 0.8 ms a 320x240 frame against 1.9 ms of "medium", at the same size
+
+
+class VideoWriter:
+    """Encodes RGB pictures (H, W, 3) into an MP4 in memory; H and W must be even."""
+
+    def __init__(self, height: int, width: int) -> None:
+        self._buffer = io.BytesIO()
+        # bitexact keeps the library's version and the date out of the file.
+        self._container = av.open(self._buffer, "w", format="mp4", options={"fflags": "+bitexact"})
+        stream = self._container.add_stream("libx264", rate=FPS)
+        assert isinstance(stream, VideoStream)
+        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        # x264 changes its decisions with the thread count, so the count is part of the format.
+        stream.options = {"preset": PRESET, "crf": CRF, "threads": "1"}
+        self._stream = stream
+
+    def add(self, rgb: NDArray[np.uint8]) -> None:
+        self._container.mux(self._stream.encode(av.VideoFrame.from_ndarray(rgb, format="rgb24")))
+
+    def finish(self) -> bytes:
+        """The whole file. The writer cannot be used afterwards."""
+        self._container.mux(self._stream.encode())
+        self._container.close()
+        return index_first(self._buffer.getvalue())
+
+
+def boxes(data: bytes, start: int, end: int) -> Iterator[tuple[bytes, int, int]]:
+    """(type, first byte, end) of the MP4 boxes between two offsets."""
+    while start < end:
+        size, kind = struct.unpack_from(">I4s", data, start)
+        if size == 1:  # 64-bit size follows the type
+            (size,) = struct.unpack_from(">Q", data, start + 8)
+        if size < 8:
+            raise ValueError(f"MP4 box {kind!r} at byte {start} has size {size}")
+        yield kind, start, start + size
+        start += size
+
+
+def index_first(data: bytes) -> bytes:
+    """Moves the index (`moov`) before the pictures, so that a browser starts at once.
+
+    FFmpeg's own `faststart` re-opens the file by name, which a file in memory has not.
+    """
+    parts = {kind: (start, end) for kind, start, end in boxes(data, 0, len(data))}
+    moov_start, moov_end = parts[b"moov"]
+    mdat_start, _ = parts[b"mdat"]
+    if moov_start < mdat_start:
+        return data
+    moov = bytearray(data[moov_start:moov_end])
+    _shift_chunks(moov, len(moov))
+    return data[:mdat_start] + bytes(moov) + data[mdat_start:moov_start] + data[moov_end:]
+
+
+def _shift_chunks(moov: bytearray, shift: int) -> None:
+    """Adds `shift` to every chunk offset of an index, in place."""
+    pending = [(8, len(moov))]
+    while pending:
+        start, end = pending.pop()
+        for kind, first, last in boxes(bytes(moov), start, end):
+            if kind in (b"trak", b"mdia", b"minf", b"stbl"):
+                pending.append((first + 8, last))
+            elif kind in (b"stco", b"co64"):
+                form = "I" if kind == b"stco" else "Q"
+                (count,) = struct.unpack_from(">I", moov, first + 12)
+                offsets = struct.unpack_from(f">{count}{form}", moov, first + 16)
+                struct.pack_into(
+                    f">{count}{form}", moov, first + 16, *(offset + shift for offset in offsets)
+                )
+
+
+@dataclass(frozen=True)
+class VideoFacts:
+    """What an MP4 says and holds."""
+
+    codec: str
+    width: int
+    height: int
+    fps: float
+    frames: int  # decoded, not the number in the header
+
+
+def probe(data: bytes) -> VideoFacts:
+    """Decodes a whole MP4 and says what is in it. Raises `av.FFmpegError` when it is damaged."""
+    with av.open(io.BytesIO(data), "r") as container:
+        stream = container.streams.video[0]
+        stream.codec_context.thread_count = 1
+        count = sum(1 for _ in container.decode(stream))
+        return VideoFacts(
+            codec=stream.codec_context.name,
+            width=stream.codec_context.width,
+            height=stream.codec_context.height,
+            fps=float(stream.average_rate or 0),
+            frames=count,
+        )
+
+
+def frame_count(data: bytes) -> int:
+    """Number of frames by the index, without decoding."""
+    with av.open(io.BytesIO(data), "r") as container:
+        return sum(1 for packet in container.demux(video=0) if packet.size)
+
+
+def decode(data: bytes) -> Iterator[NDArray[np.uint8]]:
+    """The pictures of an MP4, (H, W, 3) RGB."""
+    with av.open(io.BytesIO(data), "r") as container:
+        for frame in container.decode(video=0):
+            yield np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
