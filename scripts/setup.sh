@@ -11,7 +11,7 @@ VENV=.venv
 STAMP=$VENV/.setup-stamp          # what was installed, by the hash of what asked for it
 DRIVER_STAMP=$VENV/.driver-stamp  # a frame was rendered with this set of drivers
 
-hash_of() { cat "$@" 2>/dev/null | sha256sum | cut -d' ' -f1; }
+hash_of() { { cat "$@" 2>/dev/null || true; } | sha256sum | cut -d" " -f1; }
 environment_key() { hash_of pyproject.toml scripts/setup.sh scripts/system.sh; }
 driver_key() { hash_of /etc/os-release /usr/share/vulkan/icd.d/* /etc/vulkan/icd.d/*; }
 stamped() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; }
@@ -69,18 +69,18 @@ ensure_libraries() {
 renders() { "$VENV/bin/python" -W ignore -m rtphys.sim.probe; }
 
 ensure_driver() {
-    local key
     stamped "$DRIVER_STAMP" "$(driver_key)" && return
     say "looking for a Vulkan device that can render"
     if ! renders; then
-        if install_driver; then
-            renders || warn "the driver is installed, but no frame came out: see '$VENV/bin/rtphys doctor'"
-        else
-            warn "no Vulkan driver: all but pictures works; see '$VENV/bin/rtphys doctor'"
-        fi
+        install_driver || no_pictures "no Vulkan driver" || return 0
+        renders || no_pictures "the driver is installed, but no frame came out" || return 0
     fi
-    key=$(driver_key)
-    if renders >/dev/null 2>&1; then echo "$key" >"$DRIVER_STAMP"; fi
+    driver_key >"$DRIVER_STAMP"
+}
+
+no_pictures() {
+    warn "$1: everything but pictures works; '$VENV/bin/rtphys doctor' names the cure"
+    return 1
 }
 
 build_assets() {

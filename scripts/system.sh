@@ -31,10 +31,11 @@ apt_get() {
 install_packages() {
     local reason=$1
     shift
-    say "system-wide step: $reason; running: apt-get install $*"
+    say "system-wide step: $reason; apt-get install $*"
     may_change_system || die "without permission for that step; ask an administrator to run: apt-get install $*"
     refresh_lists
-    apt_get install -y --no-install-recommends "$@" >/dev/null
+    apt_get install -y --no-install-recommends "$@" >/dev/null 2>&1 ||
+        { warn "apt-get install $* failed"; return 1; }
 }
 
 refresh_lists() {
@@ -73,11 +74,11 @@ add_backports() {
         awk -v want="$release" '$2 == want && $3 == "Debian" { print $1; exit }')
     [ -n "$mirror" ] || die "no apt source for $release found to take the backports from"
     key=/usr/share/keyrings/debian-archive-keyring.gpg
-    say "system-wide step: adding $release-backports of your mirror in $file (lowest priority:"
-    say "nothing else is taken from it); remove the file to undo"
+    say "system-wide step: adding $release-backports of your mirror (nothing else is taken from it);"
+    say "  undo by removing $file"
     {
         printf 'Types: deb\nURIs: %s\nSuites: %s-backports\nComponents: main\n' "$mirror" "$release"
         if [ -f "$key" ]; then printf 'Signed-By: %s\n' "$key"; fi
     } | as_root tee "$file" >/dev/null
-    apt_get update
+    apt_get update || warn "apt-get update failed"
 }

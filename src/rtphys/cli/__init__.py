@@ -1,0 +1,1 @@
+"""The command line: parse, one call, print. The only package that imports typer and rich."""

@@ -1,0 +1,145 @@
+"""The only place that configures SAPIEN's renderer: shader pack, pixel format, lights, pictures.
+
+`configure` must run before the first scene with a render system is made; `pictures_ready` tells
+whether it did. Costs on a CPU (lavapipe) are vertex-bound: keep a scene under 20 000 triangles.
+"""
+
+import os
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+# Mesa's CPU driver reads this once, when the device is created: no threads of its own, because
+# rtphys runs one worker a core and pictures cost the same CPU time either way.
+os.environ.setdefault("LP_NUM_THREADS", "0")
+
+import numpy as np
+import sapien
+from numpy.typing import NDArray
+
+from rtphys.errors import BadValue, NoRenderer
+from rtphys.sim.shader import ShaderMismatch, cache_folder, slim_pack
+
+SHADERS = ("slim", "default", "minimal", "rt")
+Picture = NDArray[np.uint8]  # (H, W, 3) RGB
+
+_configured: list[str] = []  # SAPIEN's renderer settings are global to the process
+_anchor: list[sapien.Scene] = []
+
+
+@dataclass(frozen=True)
+class Lights:
+    """The official lighting: ambient, one directional light, two point lights (RoboTwin 2.0).
+
+    Only the directional light casts a shadow: each shadowed point light would draw the scene six
+    times more. Keep the number of lights and shadows constant over a process's scenes, because
+    SAPIEN compiles its pipelines anew for every combination; vary colours and positions instead.
+    """
+
+    ambient: tuple[float, float, float] = (0.5, 0.5, 0.5)
+    direction: tuple[float, float, float] = (0.0, 0.5, -1.0)  # in which light travels
+    directional: tuple[float, float, float] = (0.5, 0.5, 0.5)
+    points: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 1.8), (-1.0, 0.0, 1.8))  # [m]
+    point_colours: tuple[tuple[float, float, float], ...] = ((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+    shadow_half_size: float = 1.5  # [m] half the width of the square that the shadow map covers
+    shadow_reach: float = 5.0  # [m] before and behind the light's origin
+    shadow_map: int = 1024  # [px]
+
+
+def add_lights(scene: sapien.Scene, lights: Lights | None = None) -> None:
+    """Light a scene; `lights` defaults to the official ones."""
+    wanted = lights or Lights()
+    scene.set_ambient_light(wanted.ambient)
+    scene.add_directional_light(
+        wanted.direction,
+        wanted.directional,
+        shadow=True,
+        shadow_scale=wanted.shadow_half_size,
+        shadow_near=-wanted.shadow_reach,
+        shadow_far=wanted.shadow_reach,
+        shadow_map_size=wanted.shadow_map,
+    )
+    for position, colour in zip(wanted.points, wanted.point_colours, strict=True):
+        scene.add_point_light(position, colour, shadow=False)
+
+
+def configure(shader: str = "slim") -> None:
+    """Choose how this process draws. Repeating the same choice does nothing.
+
+    Args:
+        shader: "slim" (default), "default" or "minimal" (SAPIEN's own), "rt" (ray tracing, 32
+            samples a pixel, depth 8, denoised where possible; for machines with a GPU).
+
+    Raises:
+        BadValue: unknown shader, or another one was chosen before in this process.
+        NoRenderer: SAPIEN finds no device to draw with.
+    """
+    if shader not in SHADERS:
+        raise BadValue("shader", shader, f"allowed: {', '.join(SHADERS)}")
+    if _configured:
+        if _configured[0] != shader:
+            raise BadValue("shader", shader, f"this process already draws with {_configured[0]!r}")
+        return
+    sapien.render.set_log_level("error")
+    sapien.render.set_camera_shader_dir(_shader_folder(shader))
+    # Pictures arrive as bytes: reading floats back and converting costs three times as much.
+    sapien.render.set_picture_format("Color", "r8g8b8a8unorm")
+    if shader == "rt":
+        sapien.render.set_ray_tracing_samples_per_pixel(32)
+        sapien.render.set_ray_tracing_path_depth(8)
+        sapien.render.set_ray_tracing_denoiser("oidn" if _has_cuda() else "none")
+    _configured.append(shader)
+
+
+def pictures_ready() -> bool:
+    """Whether `configure` has run in this process."""
+    return bool(_configured)
+
+
+def hold_anchor() -> None:
+    """Keep one tiny scene drawn and alive, so that later scenes reuse its compiled pipelines.
+
+    SAPIEN drops everything it compiled when the last camera of the process dies.
+
+    Raises:
+        NoRenderer: no device, or the first frame fails.
+    """
+    if _anchor:
+        return
+    configure(_configured[0] if _configured else "slim")
+    try:
+        scene = sapien.Scene()
+        add_lights(scene)
+        camera = scene.add_camera("anchor", 16, 16, 0.6, 0.1, 100.0)
+        scene.update_render()
+        capture(camera)
+    except RuntimeError as error:
+        raise NoRenderer(f"no picture: {error}; `rtphys doctor` names the cure") from error
+    _anchor.append(scene)
+
+
+def capture(camera: sapien.render.RenderCameraComponent) -> Picture:
+    """What a camera sees, (H, W, 3) uint8 RGB. Call `scene.update_render()` before."""
+    camera.take_picture()
+    colour = camera.get_picture("Color")[..., :3]
+    if colour.dtype == np.uint8:
+        return np.ascontiguousarray(colour)
+    return np.rint(np.clip(colour, 0, 1) * 255).astype(np.uint8)  # ray tracing gives floats
+
+
+def _shader_folder(shader: str) -> str:
+    if shader != "slim":
+        return shader  # SAPIEN looks its own packs up by name
+    source = Path(sapien.__file__).parent / "vulkan_shader"
+    try:
+        return str(slim_pack(source, sapien.__version__, cache_folder()))
+    except (ShaderMismatch, OSError) as error:
+        warnings.warn(f"drawing with SAPIEN's slower default shader: {error}", stacklevel=3)
+        return "default"
+
+
+def _has_cuda() -> bool:
+    try:
+        return sapien.Device("cuda").is_cuda()
+    except RuntimeError:
+        return False
