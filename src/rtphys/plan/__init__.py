@@ -1,0 +1,1 @@
+"""Motion planning: kinematics, collision, search and timing. No simulator, no wall clock."""

@@ -1,0 +1,250 @@
+"""One six-joint arm: forward kinematics, inverse kinematics, straight tool lines."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
+from scipy.linalg import get_lapack_funcs
+
+from rtphys.errors import BadFile, UnknownName
+from rtphys.poses import Array, Pose
+
+# A posture with the elbow up and the tool pitched down, from which most of the table is reached.
+HOME_SEED = np.array([0.0, 1.2, 1.0, -0.8, 0.0, 0.0])
+HOME_SEED.setflags(write=False)
+
+# Radians of one joint are not worth the same: the base swings the whole arm, the last joint only
+# turns the fingers. Used to say which of two solutions is nearer.
+_JOINT_WEIGHTS = np.array([1.5, 1.5, 1.25, 1.0, 0.75, 0.5])
+
+(_SOLVE_POSITIVE,) = get_lapack_funcs(("posv",))
+
+_ITERATIONS = 48  # a solve that succeeds takes 4 to 12
+_PATIENCE = 4  # iterations allowed without a 20 % better error
+_LARGEST_STEP = 0.7  # [rad] a joint per iteration; the model is linear only near by
+_SAME_BRANCH = 1.0  # weighted distance below which no other branch can be nearer
+_LARGEST_JUMP = 0.35  # [rad] between neighbours of a line; more is another branch
+_ANGLE_STEP = 0.05  # [rad] between neighbours of a line
+
+
+@lru_cache(maxsize=8)
+def _model(urdf: Path) -> pin.Model:
+    try:
+        return pin.buildModelFromUrdf(str(urdf))
+    except (ValueError, RuntimeError) as error:
+        raise BadFile(urdf, f"no readable URDF: {error}") from error
+
+
+def _reduced(urdf: Path, joints: Sequence[str], X_WB: Pose) -> pin.Model:
+    """The model with all joints but `joints` locked at zero and its root at X_WB."""
+    full = _model(Path(urdf))
+    for name in joints:
+        if not full.existJointName(name):
+            raise UnknownName("joint", name, list(full.names)[1:], urdf)
+    locked = [i for i, name in enumerate(full.names) if i > 0 and name not in joints]
+    model = pin.buildReducedModel(full, locked, pin.neutral(full))
+    if list(model.names)[1:] != list(joints):
+        raise BadFile(urdf, f"joints {list(joints)} are no serial chain in this order")
+    # The world placement goes into the first joint: free at run time.
+    model.jointPlacements[1] = pin.SE3(X_WB.R, X_WB.p) * model.jointPlacements[1]
+    return model
+
+
+@dataclass(frozen=True)
+class _Goal:
+    """An end-effector pose to solve for, with what counts as reaching it."""
+
+    X_WE: pin.SE3
+    position_tolerance: float  # [m]
+    angle_tolerance: float  # [rad]
+
+
+class ArmKinematics:
+    """Kinematics of one arm in the world frame.
+
+    `q` is always (6,) in radians, in the order of `joints`. The end-effector frame is `ee_link`'s;
+    for the aloha that is link6, whose x is the approach and whose y the closing direction.
+    """
+
+    def __init__(self, model: pin.Model, ee_link: str, limits: Array) -> None:
+        self._model = model
+        self._data = model.createData()
+        self._frame = model.getFrameId(ee_link)
+        self._X_JE = pin.SE3(model.frames[self._frame].placement)
+        self._joint = model.frames[self._frame].parentJoint
+        self.limits = np.array(limits, float)
+        self.limits.setflags(write=False)
+        self._low, self._high = self.limits[:, 0].copy(), self.limits[:, 1].copy()
+
+    @classmethod
+    def from_urdf(
+        cls, urdf: Path, joints: Sequence[str], ee_link: str, X_WB: Pose, limits: Array
+    ) -> "ArmKinematics":
+        """Read one arm from a URDF of any size; all other joints are locked at zero.
+
+        Args:
+            urdf: file; parsed once per process.
+            joints: the six revolute joints, base first.
+            ee_link: link whose frame is the end effector.
+            X_WB: pose of the URDF's root link in the world.
+            limits: (6, 2) lower and upper angle [rad]. The file's own limits are not used: the
+                official model states ±10 rad, which invites solutions wound round by 2 pi.
+
+        Raises:
+            BadFile: no URDF, or the joints are no chain.
+            UnknownName: a joint or link that the URDF lacks.
+        """
+        model = _reduced(Path(urdf), tuple(joints), X_WB)
+        if not model.existBodyName(ee_link):
+            links = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
+            raise UnknownName("link", ee_link, links, urdf)
+        return cls(model, ee_link, limits)
+
+    def _forward(self, q: Array) -> pin.SE3:
+        pin.forwardKinematics(self._model, self._data, q)
+        return self._data.oMi[self._joint] * self._X_JE
+
+    def ee_pose(self, q: Array) -> Pose:
+        """World pose of the end-effector frame at q (6,)."""
+        return Pose.from_matrix(self._forward(np.asarray(q, float)).homogeneous)
+
+    def ee_matrix(self, q: Array) -> Array:
+        """World pose of the end-effector frame at q (6,) as a (4, 4) matrix."""
+        return self._forward(np.asarray(q, float)).homogeneous
+
+    def solve(
+        self,
+        X_WE: Pose,
+        seeds: Array,
+        *,
+        position_tolerance: float = 1e-4,
+        angle_tolerance: float = 1e-3,
+    ) -> Array | None:
+        """The first solution found from the seeds in order, inside the limits.
+
+        Args:
+            X_WE: wanted world pose of the end-effector frame.
+            seeds: (n, 6) or (6,) start angles [rad], clamped to the limits.
+            position_tolerance: [m].
+            angle_tolerance: [rad].
+
+        Returns:
+            q (6,), or None when no seed converges.
+        """
+        goal = _Goal(pin.SE3(X_WE.R, X_WE.p), position_tolerance, angle_tolerance)
+        for seed in np.atleast_2d(np.asarray(seeds, float)):
+            q = self._descend(goal, seed)
+            if q is not None:
+                return q
+        return None
+
+    def _descend(self, goal: _Goal, seed: Array) -> Array | None:
+        """Damped least squares from one seed on the local 6-vector error, clamped to the limits.
+
+        The damping is proportional to the squared error (Sugihara 2011): cautious far away and at
+        singularities, Gauss-Newton close by.
+        """
+        q = np.minimum(np.maximum(seed, self._low), self._high)
+        best, patience = np.inf, _PATIENCE
+        small_p, small_r = goal.position_tolerance**2, goal.angle_tolerance**2
+        clamped = True
+        for _ in range(_ITERATIONS):
+            # Not computeFrameJacobian: that one leaves data.oMi as it was.
+            pin.computeJointJacobians(self._model, self._data, q)
+            J = pin.getFrameJacobian(self._model, self._data, self._frame, pin.LOCAL)
+            X_WE = self._data.oMi[self._joint] * self._X_JE
+            e = pin.log6(X_WE.actInv(goal.X_WE)).vector
+            p, r = e[:3], e[3:]
+            position, angle = float(p @ p), float(r @ r)
+            if position < small_p and angle < small_r:
+                return q
+            error = position + angle
+            if error < 0.8 * best:
+                best, patience = error, _PATIENCE
+            else:
+                patience -= 1
+                if patience == 0:
+                    return None
+            if clamped:
+                # A joint pressed against its limit must not spend the step: let others move.
+                push = e @ J
+                J[:, ((q <= self._low) & (push < 0)) | ((q >= self._high) & (push > 0))] = 0
+            H = J.T @ J
+            H.flat[::7] += 0.02 * error + 1e-6
+            step = _SOLVE_POSITIVE(H, e @ J)[1]
+            size = float(np.abs(step).max())
+            moved = q + (step if size <= _LARGEST_STEP else step * (_LARGEST_STEP / size))
+            q = np.minimum(np.maximum(moved, self._low), self._high)
+            clamped = not np.array_equal(q, moved)
+        return None
+
+    def solve_near(
+        self, X_WE: Pose, q_near: Array, rng: np.random.Generator, restarts: int = 8
+    ) -> Array | None:
+        """The solution nearest to q_near (weighted joint distance) among several searches.
+
+        Searches start at q_near, at the home seed and at `restarts` random postures. Eight reach
+        every solvable pose of a 40-restart reference. The generator always advances by the same
+        number of draws, whatever is found.
+
+        Args:
+            X_WE: wanted world pose of the end-effector frame.
+            q_near: (6,) posture to stay close to [rad].
+            rng: source of the random postures.
+            restarts: number of random postures.
+
+        Returns:
+            q (6,) inside the limits, or None.
+        """
+        near = np.asarray(q_near, float)
+        random = rng.uniform(self._low, self._high, (restarts, 6))
+        found = []
+        for seed in (near, HOME_SEED, *random):
+            q = self.solve(X_WE, seed)
+            if q is None:
+                continue
+            if self.distance(q, near) < _SAME_BRANCH:
+                return q
+            found.append(q)
+        return min(found, key=lambda q: self.distance(q, near), default=None)
+
+    @staticmethod
+    def distance(a: Array, b: Array) -> float:
+        """Weighted joint distance of two postures (6,)."""
+        return float(np.linalg.norm((np.asarray(a) - b) * _JOINT_WEIGHTS))
+
+    def line(self, q_start: Array, X_goal: Pose, step: float = 0.01) -> Array | None:
+        """A straight line of the tool from its pose at q_start to X_goal.
+
+        Position moves linearly, orientation turns at a constant rate; neighbours are at most
+        `step` metres and 0.05 rad apart.
+
+        Args:
+            q_start: (6,) start posture [rad].
+            X_goal: world pose of the end-effector frame at the end.
+            step: largest distance between neighbours [m].
+
+        Returns:
+            (n, 6) postures, the first equal to q_start, or None when the line leaves the reach or
+            would have to change branch.
+        """
+        q = np.asarray(q_start, float)
+        X_start, X_end = pin.SE3(self._forward(q)), pin.SE3(X_goal.R, X_goal.p)
+        angle = float(np.linalg.norm(pin.log3(X_start.rotation.T @ X_end.rotation)))
+        distance = float(np.linalg.norm(X_end.translation - X_start.translation))
+        n = max(int(np.ceil(max(distance / step, angle / _ANGLE_STEP) - 1e-9)), 1)
+        turn = pin.log3(X_start.rotation.T @ X_end.rotation)
+        path, previous = [q], q
+        for s in np.linspace(0, 1, n + 1)[1:]:
+            p = (1 - s) * X_start.translation + s * X_end.translation
+            X_WE = pin.SE3(X_start.rotation @ pin.exp3(s * turn), p)
+            guess = 2 * q - previous if len(path) > 1 else q
+            found = self._descend(_Goal(X_WE, 2e-5, 2e-4), guess)
+            if found is None or np.abs(found - q).max() > _LARGEST_JUMP:
+                return None
+            previous, q = q, found
+            path.append(q)
+        return np.array(path)

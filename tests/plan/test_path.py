@@ -1,0 +1,144 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rtphys.errors import BadValue, Infeasible
+from rtphys.plan.blend import CORNER, BlendedPath
+from rtphys.plan.kinematics import HOME_SEED
+from rtphys.plan.path import JointLimits, retime
+from rtphys.seeds import stream
+
+DT = 1 / 250
+LIMITS = JointLimits(np.full(6, 2.0), np.full(6, 6.0))
+
+
+def distance_to_polyline(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    a, b = corners[:-1], corners[1:]
+    edge = b - a
+    t = np.einsum("pkd,kd->pk", points[:, None] - a, edge) / np.einsum("kd,kd->k", edge, edge)
+    near = a + np.clip(t, 0, 1)[..., None] * edge
+    return np.linalg.norm(points[:, None] - near, axis=2).min(axis=1)
+
+
+def assert_legal(motion, limits=LIMITS) -> None:
+    assert (np.abs(motion.qd) <= limits.velocity * (1 + 1e-6)).all()
+    acceleration = np.diff(motion.qd, axis=0) / DT
+    assert (np.abs(acceleration) <= limits.acceleration * (1 + 1e-6)).all()
+    assert (motion.qd[[0, -1]] == 0).all()
+    # Velocity is the derivative of position: the trapezoid rule is off by a dt^2 / 4 at most.
+    moved = np.diff(motion.q, axis=0) - (motion.qd[1:] + motion.qd[:-1]) * DT / 2
+    assert np.abs(moved).max() <= limits.acceleration.max() * DT**2 / 4 + 1e-9
+
+
+@settings(max_examples=40, deadline=None)
+@given(seed=st.integers(0, 10_000), n=st.integers(2, 7), d=st.sampled_from([6, 12]))
+def test_limits_and_corridor_hold_on_any_polyline(seed: int, n: int, d: int) -> None:
+    rng = np.random.default_rng(seed)
+    limits = JointLimits(rng.uniform(0.5, 3, d), rng.uniform(2, 8, d))
+    corners = rng.uniform(-1.5, 1.5, (n, d))
+    motion = retime(corners, limits, DT)
+    assert_legal(motion, limits)
+    np.testing.assert_array_equal(motion.q[0], corners[0])
+    np.testing.assert_array_equal(motion.q[-1], corners[-1])
+    assert distance_to_polyline(motion.q, corners).max() <= CORNER / 2 + 1e-9
+
+
+def test_straight_line_is_straight_and_as_fast_as_physics_allows() -> None:
+    goal = np.array([1.5, -0.75, 0.3, 0, 0, 0])
+    motion = retime(np.array([np.zeros(6), goal]), LIMITS, DT)
+    assert_legal(motion)
+    assert distance_to_polyline(motion.q, np.array([np.zeros(6), goal])).max() < 1e-12
+    optimum = 1.5 / 2 + 2 / 6  # s/v + v/a for the joint that moves most
+    assert optimum <= (len(motion) - 1) * DT < optimum + DT
+
+
+def test_short_straight_line_never_cruises() -> None:
+    motion = retime(np.array([np.zeros(6), np.full(6, 0.1)]), LIMITS, DT)
+    assert_legal(motion)
+    assert (len(motion) - 1) * DT == pytest.approx(2 * np.sqrt(0.1 / 6), abs=DT)
+
+
+def test_collinear_points_cost_no_time() -> None:
+    ends = np.array([np.zeros(6), np.full(6, 1.0)])
+    direct = len(retime(ends, LIMITS, DT))
+    assert len(retime(np.linspace(*ends, 9), LIMITS, DT)) <= direct + 3
+
+
+def test_corner_is_passed_without_stopping() -> None:
+    corners = np.zeros((3, 6))
+    corners[1:, 0], corners[2, 1] = 1.0, 1.0
+    motion = retime(corners, LIMITS, DT)
+    assert_legal(motion)
+    at_corner = np.argmin(np.linalg.norm(motion.q - corners[1], axis=1))
+    assert np.linalg.norm(motion.qd[at_corner]) > 0.3
+    stopping = sum(len(retime(corners[i : i + 2], LIMITS, DT)) for i in (0, 1))
+    assert len(motion) < stopping
+
+
+def test_reversal_turns_round_inside_the_corridor() -> None:
+    corners = np.zeros((3, 6))
+    corners[1, 0] = 1.0
+    motion = retime(corners, LIMITS, DT)
+    assert_legal(motion)
+    assert 0.94 < motion.q[:, 0].max() <= 1.0
+
+
+def test_no_length_is_one_sample_at_rest() -> None:
+    for points in (np.full((1, 6), 0.3), np.full((4, 6), 0.3)):
+        motion = retime(points, LIMITS, DT)
+        assert len(motion) == 1
+        np.testing.assert_array_equal(motion.q, points[-1:])
+        assert (motion.qd == 0).all()
+
+
+def test_repeated_points_are_no_obstacle() -> None:
+    points = np.repeat(np.array([np.zeros(6), np.full(6, 0.5), np.eye(6)[0]]), 3, axis=0)
+    motion = retime(points, LIMITS, DT)
+    assert_legal(motion)
+    np.testing.assert_array_equal(motion.q[-1], points[-1])
+
+
+def test_tool_line_stays_straight_when_timed(right, pose_above_table) -> None:
+    goal = pose_above_table(np.array([0.2, -0.1, 0.78]), 1.9)
+    q = right.solve_near(goal.moved((0, 0, 0.1)), HOME_SEED, stream(2, "test"))
+    motion = retime(right.line(q, goal), LIMITS, DT)
+    assert_legal(motion)
+    tools = np.array([right.ee_matrix(q)[:3, 3] for q in motion.q])
+    assert np.abs(tools[:, :2] - goal.p[:2]).max() < 5e-4
+    assert (np.diff(tools[:, 2]) < 1e-6).all()
+    np.testing.assert_allclose(tools[-1], goal.p, atol=1e-4)
+
+
+def test_slower_limits_take_proportionally_longer() -> None:
+    points = np.array([np.zeros(6), np.ones(6), np.eye(6)[1]])
+    fast, slow = retime(points, LIMITS, DT), retime(points, LIMITS.scaled(0.25), DT)
+    assert len(slow) / len(fast) == pytest.approx(4, rel=0.02)
+
+
+def test_same_input_same_bits() -> None:
+    points = np.random.default_rng(1).uniform(-1, 1, (5, 12))
+    limits = JointLimits(np.full(12, 2.0), np.full(12, 6.0))
+    first, second = retime(points, limits, DT), retime(points.copy(), limits, DT)
+    assert first.q.tobytes() == second.q.tobytes()
+
+
+def test_impossible_limits_and_points_are_refused(monkeypatch) -> None:
+    with pytest.raises(BadValue, match="velocity"):
+        JointLimits(np.array([1.0, 0.0]), np.ones(2))
+    with pytest.raises(ValueError, match="finite"):
+        retime(np.array([[0.0], [np.nan]]), JointLimits(np.ones(1), np.ones(1)))
+    monkeypatch.setattr(
+        "rtphys.plan.path.TOPPRA.compute_parameterization", lambda *a: (None, None, None)
+    )
+    with pytest.raises(Infeasible) as caught:
+        retime(np.eye(6)[:3], LIMITS)
+    assert caught.value.reason == "retime_failed"
+
+
+def test_blended_path_is_smooth() -> None:
+    path = BlendedPath.through(np.random.default_rng(0).uniform(-1, 1, (6, 6)))
+    before, after = path.breaks[1:-1] - 1e-9, path.breaks[1:-1] + 1e-9
+    np.testing.assert_allclose(path.at(before), path.at(after), atol=1e-8)
+    np.testing.assert_allclose(path.at(before, 1), path.at(after, 1), atol=1e-6)
+    assert BlendedPath.through(np.zeros((3, 6))) is None
