@@ -1,0 +1,205 @@
+"""Bodies, surfaces, joints and servos of SAPIEN, as the physics layer wants to see them."""
+
+from collections.abc import Iterable
+from typing import Literal
+
+import numpy as np
+import sapien
+from numpy.typing import ArrayLike
+from sapien import physx
+
+from rtphys.physics.handles import Material
+from rtphys.poses import Array
+
+Component = physx.PhysxRigidDynamicComponent | physx.PhysxArticulationLinkComponent
+AnyBody = Component | physx.PhysxRigidStaticComponent
+
+_CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
+_RING = np.array([[np.cos(a), np.sin(a)] for a in np.arange(24) * np.pi / 12])
+
+
+def shape_points(shape: physx.PhysxCollisionShape) -> Array:
+    """Vertices (n, 3) of one collision shape in its body's frame [m]; round ones are sampled."""
+    if isinstance(shape, physx.PhysxCollisionShapeConvexMesh):
+        points = np.asarray(shape.vertices, float) * np.asarray(shape.scale, float)
+    elif isinstance(shape, physx.PhysxCollisionShapeBox):
+        points = _CORNERS * np.asarray(shape.half_size, float)
+    elif isinstance(shape, physx.PhysxCollisionShapeSphere):
+        points = _sphere_points(shape.radius)
+    elif isinstance(shape, physx.PhysxCollisionShapeCylinder):
+        ends = [np.c_[np.full(24, s * shape.half_length), shape.radius * _RING] for s in (-1, 1)]
+        points = np.vstack(ends)  # PhysX cylinders and capsules lie along x
+    elif isinstance(shape, physx.PhysxCollisionShapeCapsule):
+        shift = np.array([shape.half_length, 0, 0])
+        ball = _sphere_points(shape.radius)
+        points = np.vstack([ball - shift, ball + shift])
+    else:
+        return np.empty((0, 3))
+    local = shape.local_pose
+    return points @ np.asarray(local.to_transformation_matrix())[:3, :3].T + np.asarray(local.p)
+
+
+def _sphere_points(radius: float) -> Array:
+    rings = [np.c_[_RING * np.cos(t), np.full(24, np.sin(t))] for t in np.linspace(-1.5, 1.5, 7)]
+    return radius * np.vstack(rings)
+
+
+def shape_size(shape: physx.PhysxCollisionShape) -> float:
+    """A length that scales with the shape: norm of mesh scale or half size, or the radius."""
+    if isinstance(shape, physx.PhysxCollisionShapeConvexMesh):
+        return float(np.linalg.norm(np.asarray(shape.scale, float)))
+    if isinstance(shape, physx.PhysxCollisionShapeBox):
+        return float(np.linalg.norm(np.asarray(shape.half_size, float)))
+    return float(shape.radius)
+
+
+def body_points(component: AnyBody) -> Array:
+    """Collision vertices (n, 3) of a body in its own frame [m]."""
+    parts = [shape_points(shape) for shape in component.collision_shapes]
+    return np.vstack(parts) if parts else np.empty((0, 3))
+
+
+class SimBody:
+    """A dynamic task body; remembers what it weighed as built (`rtphys.physics.handles.Body`)."""
+
+    def __init__(self, name: str, component: Component) -> None:
+        self._name, self.component = name, component
+        self._mass = float(component.mass)
+        self._inertia = np.array(component.inertia, float)
+        self._com = np.array(component.cmass_local_pose.p, float)
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    @property
+    def nominal_mass(self) -> float:
+        return self._mass
+
+    @property
+    def nominal_inertia(self) -> Array:
+        return self._inertia.copy()
+
+    @property
+    def nominal_com(self) -> Array:
+        return self._com.copy()
+
+    @property
+    def hull(self) -> Array:
+        return body_points(self.component)
+
+    @property
+    def mass(self) -> float:
+        return float(self.component.mass)
+
+    @property
+    def inertia(self) -> Array:
+        return np.array(self.component.inertia, float)
+
+    @property
+    def com(self) -> Array:
+        return np.array(self.component.cmass_local_pose.p, float)
+
+    def set_mass(self, kg: float) -> None:
+        self.component.set_mass(kg)
+
+    def set_inertia(self, diagonal: ArrayLike) -> None:
+        self.component.set_inertia(np.asarray(diagonal, np.float32))
+
+    def set_com(self, p: ArrayLike) -> None:
+        # Keep the rotation: it is that of the principal axes, and replacing it turns the inertia.
+        rotation = self.component.cmass_local_pose.q
+        self.component.set_cmass_local_pose(sapien.Pose(np.asarray(p, float).tolist(), rotation))
+
+
+class SimSurface:
+    """Shapes that share one material of their own (`rtphys.physics.handles.Surface`)."""
+
+    def __init__(self, name: str, shapes: Iterable[physx.PhysxCollisionShape]) -> None:
+        self._name = name
+        self.shapes = list(shapes)
+        # SAPIEN bodies share a default material: editing one would edit them all.
+        material = physx.PhysxMaterial(0.5, 0.5, 0.0)
+        for shape in self.shapes:
+            shape.set_physical_material(material)
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    def set_material(self, static: float, dynamic: float, restitution: float) -> None:
+        for shape in self.shapes:
+            material = shape.physical_material
+            material.set_static_friction(static)
+            material.set_dynamic_friction(dynamic)
+            material.set_restitution(restitution)
+
+    def materials(self) -> list[Material]:
+        found = [shape.physical_material for shape in self.shapes]
+        return [(m.static_friction, m.dynamic_friction, m.restitution) for m in found]
+
+
+class SimJoint:
+    """A joint of an articulated task object (`rtphys.physics.handles.Joint`)."""
+
+    def __init__(
+        self, name: str, joint: physx.PhysxArticulationJoint, damping: float | None
+    ) -> None:
+        self._name, self.joint = name, joint
+        # SAPIEN's default joint friction of 0.05 is load-dependent; nothing asked for it.
+        joint.set_friction(0.0)
+        if damping is not None:
+            joint.set_drive_properties(0.0, damping)
+        self._nominal = float(joint.damping)
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    @property
+    def kind(self) -> Literal["revolute", "prismatic"]:
+        return "prismatic" if self.joint.type == "prismatic" else "revolute"
+
+    @property
+    def nominal_damping(self) -> float:
+        return self._nominal
+
+    @property
+    def damping(self) -> float:
+        return float(self.joint.damping)
+
+    @property
+    def friction(self) -> float:
+        return float(self.joint.friction)
+
+    def set_damping(self, damping: float) -> None:
+        self.joint.set_drive_properties(0.0, damping)
+
+    def set_friction(self, friction: float) -> None:
+        self.joint.set_friction(friction)
+
+
+class SimServo:
+    """The position servo of one robot joint (`rtphys.physics.handles.Servo`)."""
+
+    def __init__(
+        self, joint: physx.PhysxArticulationJoint, stiffness: float, damping: float
+    ) -> None:
+        self.joint, self._nominal = joint, damping
+        joint.set_friction(0.0)
+        joint.set_drive_properties(stiffness, damping)
+
+    @property
+    def name(self) -> str:
+        return self.joint.name
+
+    @property
+    def nominal_damping(self) -> float:
+        return self._nominal
+
+    @property
+    def damping(self) -> float:
+        return float(self.joint.damping)
+
+    def set_damping(self, damping: float) -> None:
+        self.joint.set_drive_properties(self.joint.stiffness, damping)

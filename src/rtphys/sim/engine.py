@@ -1,0 +1,57 @@
+"""One PhysX configuration for every scene, and the border between our poses and SAPIEN's."""
+
+import numpy as np
+import sapien
+from sapien import physx
+
+from rtphys.physics.handles import GRAVITY
+from rtphys.poses import Pose
+
+RATE = 250  # [Hz] physics and control (RoboTwin)
+TIME_STEP = 1.0 / RATE  # [s]
+BOUNCE_THRESHOLD = 0.2  # [m/s] SAPIEN's own 2.0 makes restitution a no-op below 0.2 m of fall
+
+
+def new_scene(visuals: bool) -> sapien.Scene:
+    """An empty scene at 250 Hz.
+
+    Args:
+        visuals: with a render system (needs a Vulkan device). Without one, adding a visual shape
+            raises and then aborts the interpreter at exit, so builders must leave visuals out.
+    """
+    # One call with every field: each call resets the fields it does not name, for all scenes.
+    physx.set_scene_config(
+        gravity=np.array([0, 0, -GRAVITY], np.float32),
+        bounce_threshold=BOUNCE_THRESHOLD,
+        enable_pcm=True,
+        enable_tgs=True,
+        enable_ccd=False,
+        enable_enhanced_determinism=True,
+        enable_friction_every_iteration=True,
+        cpu_workers=0,
+    )
+    systems: list[sapien.System] = [physx.PhysxCpuSystem()]
+    if visuals:
+        systems.append(sapien.render.RenderSystem())
+    scene = sapien.Scene(systems)
+    scene.set_timestep(TIME_STEP)
+    return scene
+
+
+def to_sapien(pose: Pose) -> sapien.Pose:
+    """Our pose as SAPIEN's (single precision)."""
+    return sapien.Pose(pose.p.tolist(), pose.q.tolist())
+
+
+def from_sapien(pose: sapien.Pose) -> Pose:
+    """SAPIEN's pose as ours; the quaternion is normalised in double precision."""
+    return Pose(pose.p, pose.q)
+
+
+def renders(scene: sapien.Scene) -> bool:
+    """Whether the scene has a render system, so that visual shapes may be added."""
+    try:
+        scene.get_system("render")
+    except RuntimeError:  # SAPIEN raises instead of answering
+        return False
+    return True

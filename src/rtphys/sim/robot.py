@@ -1,0 +1,155 @@
+"""The dual-arm robot in the simulator: servos, commands, measured states."""
+
+import numpy as np
+import sapien
+from sapien import physx
+
+from rtphys.assets.embodiment import Embodiment, Limb
+from rtphys.errors import BadFile
+from rtphys.poses import Array, Pose
+from rtphys.sim.body import SimServo, SimSurface
+from rtphys.sim.engine import from_sapien
+from rtphys.sim.urdf import build_articulation
+
+TCP_OFFSET = 0.12  # [m] from the ee frame along its x (RoboTwin's virtual wrist)
+
+
+class SimArm:
+    """One arm and its gripper: drive targets in, joint states out."""
+
+    def __init__(self, limb: Limb, robot: "SimRobot") -> None:
+        self.limb, self.side = limb, limb.side
+        body, art = robot.embodiment, robot.articulation
+        names = [j.name for j in art.active_joints]
+        self.index = np.array([names.index(j) for j in limb.joints])
+        self.finger_index = np.array([names.index(j) for j in limb.finger_joints])
+        self._joints = [art.active_joints[i] for i in self.index]
+        self._fingers = [art.active_joints[i] for i in self.finger_index]
+        self._mimics = [(1.0, 0.0), *((m.multiplier, m.offset) for m in limb.mimics)]
+        self.servos = [SimServo(j, body.joint_stiffness, body.joint_damping) for j in self._joints]
+        self.finger_servos = [
+            SimServo(j, body.gripper_stiffness, body.gripper_damping) for j in self._fingers
+        ]
+        self.ee_link = art.find_link_by_name(limb.ee_link)
+        self.finger_links = [j.child_link for j in self._fingers]
+        self._embodiment, self._articulation = body, art
+        self.target = np.array(limb.home, float)  # (6,) commanded [rad]
+        self.velocity = np.zeros(6)  # (6,) commanded [rad/s]
+        self.gripper = 1.0  # commanded opening, 0 closed .. 1 open
+        self._send_arm()
+        self._send_gripper()
+
+    def command(self, q: Array, qd: Array) -> None:
+        """Drive targets (6,) [rad] and their velocities [rad/s] from the next step on."""
+        if np.array_equal(q, self.target) and np.array_equal(qd, self.velocity):
+            return
+        self.target, self.velocity = np.array(q, float), np.array(qd, float)
+        self._send_arm()
+
+    def grip(self, opening: float) -> None:
+        """Gripper drive target, 0 closed .. 1 open."""
+        if opening != self.gripper:
+            self.gripper = float(opening)
+            self._send_gripper()
+
+    def _send_arm(self) -> None:
+        for joint, q, v in zip(self._joints, self.target, self.velocity, strict=True):
+            joint.set_drive_target(q)
+            joint.set_drive_velocity_target(v)
+
+    def _send_gripper(self) -> None:
+        # Closed commands -1 cm: the target is never reached, so the servo keeps pressing.
+        base = self._embodiment.finger_target(self.gripper)
+        for joint, (multiplier, offset) in zip(self._fingers, self._mimics, strict=True):
+            joint.set_drive_target(multiplier * base + offset)
+
+    def measured(self) -> Array:
+        """Joint positions (6,) [rad]."""
+        return np.asarray(self._articulation.qpos, float)[self.index]
+
+    def gap(self) -> float:
+        """Distance between the finger pads [m], from joint positions."""
+        return float(np.asarray(self._articulation.qpos, float)[self.finger_index].sum())
+
+    def opening(self) -> float:
+        """Measured opening 0..1: the gap over the gap that a fully open command makes."""
+        _, open_target = self._embodiment.gripper_scale
+        return float(np.clip(self.gap() / (2 * open_target), 0.0, 1.0))
+
+    def ee(self) -> Pose:
+        """Measured end-effector pose, world."""
+        return from_sapien(self.ee_link.entity_pose)
+
+    def tcp(self) -> Pose:
+        """Measured tool centre point, world."""
+        return self.ee() @ Pose((TCP_OFFSET, 0, 0))
+
+
+class SimRobot:
+    """Both arms at home with open grippers, gravity compensated, driven by PD servos."""
+
+    def __init__(self, scene: sapien.Scene, embodiment: Embodiment) -> None:
+        if len(embodiment.bases) != 1:
+            raise BadFile(embodiment.urdf.parent, "only one URDF for both arms is supported")
+        self.embodiment = embodiment
+        art = build_articulation(scene, embodiment.urdf, embodiment.bases[0])
+        art.set_name(embodiment.name)
+        self.articulation: physx.PhysxArticulation = art
+        qpos = np.zeros(art.dof)
+        for joint in art.active_joints:
+            joint.set_friction(0.0)
+        for link in art.links:
+            # Gravity compensation. compute_passive_force must not be added to this: it ignores
+            # the flag, and both together push the arm up by 30 mrad.
+            link.set_disable_gravity(True)
+        self.left, self.right = (SimArm(limb, self) for limb in embodiment.limbs)
+        self._lock_scenery()
+        for arm in self.arms:
+            qpos[arm.index] = arm.target
+            qpos[arm.finger_index] = embodiment.gripper_scale[1]
+        art.set_qpos(qpos.astype(np.float32))
+        self.pads = [
+            SimSurface(f"{arm.side}_gripper/{link.name}", link.collision_shapes)
+            for arm in self.arms
+            for link in arm.finger_links
+        ]
+
+    @property
+    def arms(self) -> tuple[SimArm, SimArm]:
+        return self.left, self.right
+
+    def arm(self, side: str) -> SimArm:
+        return self.left if side == "left" else self.right
+
+    def _lock_scenery(self) -> None:
+        """Hold every joint that is no arm's (rear arms and wheels of the official URDF)."""
+        used = {int(i) for arm in self.arms for i in (*arm.index, *arm.finger_index)}
+        for i, joint in enumerate(self.articulation.active_joints):
+            if i not in used:
+                joint.set_drive_properties(1e4, 1e3)
+                joint.set_drive_target(0.0)
+
+    def effort(self) -> Array:
+        """(dof,) what each servo exerts now: k (target - q) + d (target velocity - qd)."""
+        joints = self.articulation.active_joints
+        k, d, q, v = (
+            np.array([f(j) for j in joints], float)
+            for f in (
+                lambda j: j.stiffness,
+                lambda j: j.damping,
+                lambda j: np.ravel(j.drive_target)[0],
+                lambda j: np.ravel(j.drive_velocity_target)[0],
+            )
+        )
+        art = self.articulation
+        return k * (q - np.asarray(art.qpos)) + d * (v - np.asarray(art.qvel))
+
+    def link_owner(self) -> dict[str, str]:
+        """Link name -> "left_gripper", "right_arm", ... or "robot", for contact queries."""
+        owners = {link.name: "robot" for link in self.articulation.links}
+        for arm in self.arms:
+            for joint in arm._joints:
+                owners[joint.child_link.name] = f"{arm.side}_arm"
+            for link in arm.finger_links:
+                owners[link.name] = f"{arm.side}_gripper"
+        return owners

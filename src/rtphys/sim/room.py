@@ -1,0 +1,94 @@
+"""Ground, table and wall: RoboTwin's room, with a table that may be lowered and tilted."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import sapien
+
+from rtphys.physics.handles import Blueprint
+from rtphys.poses import Pose, axis_angle
+from rtphys.sim.engine import from_sapien, renders, to_sapien
+
+TOP = 0.74  # [m] nominal height of the table's surface
+TOP_HALF = (0.6, 0.35, 0.025)  # [m] half size of the slab, 5 cm thick
+LEG_HALF = 0.025  # [m] square legs, inset 5 cm from the edges
+WALL_Y = 1.0  # [m] centre of the 1.2 m deep wall block: its front face is at y = 0.4
+
+
+@dataclass(frozen=True)
+class TablePlan:
+    """Where the table stands: the task's own shift, then the episode's physics."""
+
+    shift: tuple[float, float] = (0.0, 0.0)  # [m] of its centre, xy
+    drop: float = 0.0  # [m] below the usual height
+    colour: tuple[float, float, float] = (0.93, 0.92, 0.90)
+    wall_colour: tuple[float, float, float] = (1.0, 0.9, 0.9)
+
+
+def task_frame(plan: TablePlan, blueprint: Blueprint) -> Pose:
+    """X_WT: turn about the table's centre so that its normal leans towards +y, then lower it."""
+    centre = np.array([*plan.shift, TOP])
+    # A right-handed turn about +x leans the normal towards -y, hence the minus.
+    q = axis_angle((1, 0, 0), -blueprint.table_tilt)
+    turn = Pose((0, 0, 0), q)
+    drop = np.array([0, 0, blueprint.table_height - plan.drop])
+    return Pose(centre - turn.R @ centre + drop, q)
+
+
+class Room:
+    """The static surroundings; `table` is the entity whose pose is the label's truth."""
+
+    def __init__(self, scene: sapien.Scene, plan: TablePlan, blueprint: Blueprint) -> None:
+        self.plan = plan
+        self.X_WT = task_frame(plan, blueprint)
+        self._build_ground(scene)
+        self.table = self._build_table(scene)
+        self._build_wall(scene)
+
+    def measured(self) -> tuple[float, float]:
+        """Tilt [rad] and height above nominal [m] of the simulator's table."""
+        X_WT = from_sapien(self.table.pose) @ Pose((*self.plan.shift, TOP)).inverse()
+        centre = X_WT @ np.array([*self.plan.shift, TOP])
+        normal = X_WT.R[:, 2]
+        return float(np.arctan2(normal[1], normal[2])), float(centre[2] - TOP + self.plan.drop)
+
+    def _build_ground(self, scene: sapien.Scene) -> None:
+        ground = scene.create_actor_builder()
+        # A plane's normal is its x axis; turn it up.
+        up = sapien.Pose([0, 0, 0], [0.7071068, 0, -0.7071068, 0])
+        ground.add_plane_collision(up)
+        if renders(scene):
+            paint = sapien.render.RenderMaterial(base_color=[0.55, 0.55, 0.57, 1])
+            ground.add_plane_visual(up, [20, 20, 20], paint)
+        ground.build_static("ground")
+
+    def _build_table(self, scene: sapien.Scene) -> sapien.Entity:
+        builder = scene.create_actor_builder()
+        half_x, half_y, half_z = TOP_HALF
+        parts = [(np.array([0, 0, -half_z]), np.array(TOP_HALF))]
+        leg_half = (TOP - 2 * half_z - 0.12) / 2  # 12 cm off the ground: a lowered table fits
+        for sx in (-1, 1):
+            for sy in (-1, 1):
+                at = (sx * (half_x - 0.075), sy * (half_y - 0.075), -2 * half_z - leg_half)
+                parts.append((np.array(at), np.array([LEG_HALF, LEG_HALF, leg_half])))
+        for centre, half in parts:
+            self._add_box(scene, builder, (centre, half), self.plan.colour)
+        builder.initial_pose = to_sapien(self.X_WT @ Pose((*self.plan.shift, TOP)))
+        return builder.build_static("table")
+
+    def _build_wall(self, scene: sapien.Scene) -> None:
+        builder = scene.create_actor_builder()
+        half = np.array([3, 0.6, 1.5])
+        self._add_box(scene, builder, (np.zeros(3), half), self.plan.wall_colour)
+        builder.initial_pose = sapien.Pose([0, WALL_Y, 1.5])
+        builder.build_static("wall")
+
+    @staticmethod
+    def _add_box(scene: sapien.Scene, builder, box, colour: tuple[float, float, float]) -> None:
+        centre, half = box
+        pose = sapien.Pose(centre.tolist())
+        builder.add_box_collision(pose, half.tolist())
+        if renders(scene):
+            paint = sapien.render.RenderMaterial(base_color=[*colour, 1])
+            paint.roughness = 0.8
+            builder.add_box_visual(pose, half.tolist(), paint)

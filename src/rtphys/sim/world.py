@@ -1,0 +1,157 @@
+"""One built episode world: room, robot, task objects, and the clock that steps them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import sapien
+
+from rtphys.assets.pack import Pack
+from rtphys.errors import Infeasible, UnknownName
+from rtphys.physics.handles import GRAVITY, Blueprint
+from rtphys.poses import Array, Pose
+from rtphys.sim.body import SimBody, SimJoint, SimServo, SimSurface
+from rtphys.sim.engine import RATE, new_scene
+from rtphys.sim.head_camera import HeadCamera
+from rtphys.sim.objects import ObjectFactory, SimObject
+from rtphys.sim.robot import SimRobot
+from rtphys.sim.room import Room, TablePlan
+from rtphys.task.props import Prop
+
+REST_SPEED = 0.01  # [m/s] and
+REST_SPIN = 0.1  # [rad/s]: slower than this for REST_STEPS steps is at rest
+REST_STEPS = 50
+SETTLE_LIMIT = 3 * RATE  # [steps]
+
+
+@dataclass(frozen=True)
+class WorldPlan:
+    """All that a world is built from. The same plan builds the same world, bit for bit."""
+
+    pack: Pack
+    props: tuple[Prop, ...]
+    blueprint: Blueprint = field(default_factory=Blueprint)
+    table: TablePlan = field(default_factory=TablePlan)
+    embodiment: str = "aloha-agilex"
+    visuals: bool = False  # needs a Vulkan device; physics is the same without
+
+
+class World:
+    """The simulator of one episode (`rtphys.physics.handles.World`, and more)."""
+
+    def __init__(self, plan: WorldPlan) -> None:
+        self.plan, self.blueprint = plan, plan.blueprint
+        self.scene: sapien.Scene = new_scene(plan.visuals)
+        self.room = Room(self.scene, plan.table, plan.blueprint)
+        self.X_WT = self.room.X_WT
+        self.robot = SimRobot(self.scene, plan.pack.embodiment(plan.embodiment))
+        factory = ObjectFactory(self.scene, plan.pack, self.X_WT, plan.blueprint.object_scale)
+        self.objects: dict[str, SimObject] = {p.name: factory.build(p) for p in plan.props}
+        table = self.room.table.find_component_by_type(sapien.physx.PhysxRigidStaticComponent)
+        self._table_surface = SimSurface("table", table.collision_shapes)
+        self._bodies = [b for o in self.objects.values() for b in o.bodies]
+        embodiment = self.robot.embodiment
+        self._head_camera = HeadCamera(embodiment)
+        self.external_force = 0.0
+        self.steps = 0  # since the world was built
+        self.policy_stage = False  # the external force acts only when true
+
+    # ---- what physics may touch ----------------------------------------------------------------
+
+    @property
+    def bodies(self) -> Sequence[SimBody]:
+        return self._bodies
+
+    @property
+    def surfaces(self) -> Sequence[SimSurface]:
+        objects = [s for o in self.objects.values() for s in o.surfaces]
+        return [*objects, self._table_surface, *self.robot.pads]
+
+    @property
+    def joints(self) -> Sequence[SimJoint]:
+        return [j for o in self.objects.values() for j in o.joints]
+
+    @property
+    def arm_servos(self) -> Sequence[SimServo]:
+        return [s for arm in self.robot.arms for s in arm.servos]
+
+    @property
+    def gripper_servos(self) -> Sequence[SimServo]:
+        return [s for arm in self.robot.arms for s in arm.finger_servos]
+
+    @property
+    def head_camera(self) -> HeadCamera:
+        return self._head_camera
+
+    def measured_scale(self) -> dict[str, float]:
+        return {o.name: o.measured_scale() for o in self.objects.values() if o.scaled}
+
+    def measured_table(self) -> tuple[float, float]:
+        return self.room.measured()
+
+    def measured_force(self) -> dict[str, float]:
+        return {b.name: self.external_force * b.mass * GRAVITY for b in self._bodies}
+
+    # ---- time ----------------------------------------------------------------------------------
+
+    def step(self) -> None:
+        """One physics step of 4 ms under the current commands."""
+        if self.policy_stage and self.external_force:
+            for body in self._bodies:
+                # Cleared by PhysX after every step, and applied at the centre of mass.
+                force = self.external_force * body.mass * GRAVITY
+                body.component.add_force_torque([force, 0.0, 0.0], [0.0, 0.0, 0.0])
+        self.scene.step()
+        self.steps += 1
+
+    def settle(self) -> None:
+        """Step until every task body is at rest.
+
+        Raises:
+            Infeasible: "unsettled", when one still moves after 3 s.
+        """
+        if not self._bodies:
+            return
+        quiet = 0
+        for _ in range(SETTLE_LIMIT):
+            self.step()
+            quiet = quiet + 1 if self._at_rest() else 0
+            if quiet >= REST_STEPS:
+                return
+        moving = [b.name for b in self._bodies if not _slow(b)]
+        raise Infeasible("unsettled", f"{', '.join(moving)} still moved after 3 s")
+
+    def _at_rest(self) -> bool:
+        return all(_slow(body) for body in self._bodies)
+
+    # ---- lookup --------------------------------------------------------------------------------
+
+    def object(self, name: str) -> SimObject:
+        """A task object by its prop's name.
+
+        Raises:
+            UnknownName: with the nearest match.
+        """
+        try:
+            return self.objects[name]
+        except KeyError:
+            raise UnknownName("prop", name, self.objects) from None
+
+    def to_task(self, pose: Pose) -> Pose:
+        """A world pose in the task frame."""
+        return self.X_WT.inverse() @ pose
+
+    def state(self) -> Array:
+        """Joint positions, velocities and task body poses as one vector, for hashing."""
+        art = self.robot.articulation
+        parts = [np.asarray(art.qpos), np.asarray(art.qvel)]
+        for thing in self.objects.values():
+            for link in thing.links.values():
+                parts += [np.asarray(link.entity_pose.p), np.asarray(link.entity_pose.q)]
+        return np.concatenate(parts)
+
+
+def _slow(body: SimBody) -> bool:
+    c = body.component
+    v, w = c.linear_velocity, c.angular_velocity
+    return v @ v < REST_SPEED**2 and w @ w < REST_SPIN**2
