@@ -1,0 +1,43 @@
+"""How far the head camera stands from its nominal place."""
+
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from rtphys.physics import gaze
+from rtphys.physics.attribute import Attribute, Reading
+from rtphys.physics.handles import World
+from rtphys.physics.interval import Interval
+from rtphys.physics.values import Physics, Vector
+
+
+@dataclass(frozen=True)
+class CameraDistance(Attribute[World, float]):
+    """Straight distance between nominal and actual position.
+
+    Mode orbit keeps range and gaze point; mode shift keeps the orientation.
+    """
+
+    key = "camera_distance"
+    unit = "m"
+    nominal = 0.0
+    valid = Interval(0, 0.5)
+    resolution = 3e-7  # [m] single precision at 1.35 m
+    auxiliary = ("camera_mode", "camera_direction")
+    what = "displacement of the head camera"
+
+    mode: str = "orbit"
+    direction: Vector = (0.0, 1.0, 0.0)  # unit vector in the camera frame
+
+    def given(self, physics: Physics) -> "CameraDistance":
+        if physics["camera_mode"] is None:
+            return self
+        return CameraDistance(cast(str, physics["camera_mode"]), physics.vector("camera_direction"))
+
+    def apply(self, target: World, value: float) -> None:
+        gaze.move(target.head_camera, self.mode, self.direction, value)
+
+    def read(self, world: World) -> dict[str, Reading]:
+        camera = world.head_camera
+        return {camera.name: float(np.linalg.norm(camera.pose.p - camera.nominal_pose.p))}

@@ -1,0 +1,26 @@
+"""A steady push on every dynamic task body, as a fraction of its weight."""
+
+from rtphys.physics.attribute import Attribute, Reading
+from rtphys.physics.handles import GRAVITY, World
+from rtphys.physics.interval import Interval
+
+
+class ExternalForce(Attribute[World, float]):
+    """Force c·m·g along world +X at the centre of mass, in the policy stage only.
+
+    m is the mass in force (after `object_scale` and `object_mass`). The simulator forgets a force
+    after each step, so the world adds it before every one.
+    """
+
+    key = "external_force"
+    unit = "× m·g"
+    nominal = 0.0
+    valid = Interval(0, 2)
+    what = "force along world +X at the centre of mass, policy stage"
+
+    def apply(self, target: World, value: float) -> None:
+        target.external_force = value
+
+    def read(self, world: World) -> dict[str, Reading]:
+        mass = {body.name: body.mass for body in world.bodies}
+        return {n: force / (mass[n] * GRAVITY) for n, force in world.measured_force().items()}

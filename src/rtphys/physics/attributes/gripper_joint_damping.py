@@ -1,0 +1,22 @@
+"""How sluggish the grippers' servos are."""
+
+from rtphys.physics.attribute import Attribute, Reading
+from rtphys.physics.handles import World
+from rtphys.physics.interval import Interval
+
+
+class GripperJointDamping(Attribute[World, float]):
+    """Factor on the damping gain of every gripper joint's servo."""
+
+    key = "gripper_joint_damping"
+    unit = "×"
+    nominal = 1.0
+    valid = Interval(0.05, 20)
+    what = "damping gain of the gripper servos"
+
+    def apply(self, target: World, value: float) -> None:
+        for servo in target.gripper_servos:
+            servo.set_damping(servo.nominal_damping * value)
+
+    def read(self, world: World) -> dict[str, Reading]:
+        return {s.name: s.damping / s.nominal_damping for s in world.gripper_servos}

@@ -1,0 +1,232 @@
+"""How a value may vary: uniform, log-uniform, fixed, one of a few, or by another draw."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import exp, isfinite, log
+from typing import Protocol
+
+import numpy as np
+
+from rtphys.physics.interval import Interval
+from rtphys.physics.values import Value, Vector
+
+JsonRule = object  # what JSON can hold; a rule is a number, a name, a list or a one-key mapping
+
+
+class Distribution(Protocol):
+    """A rule of a domain. `size` is the number of components, drawn independently."""
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value: ...
+
+    def __contains__(self, value: object) -> bool:
+        """Whether `value` could be drawn (for a vector: each component)."""
+        ...
+
+    def within(self, other: "Distribution") -> bool:
+        """Whether everything that this rule can draw, `other` could draw too."""
+        ...
+
+    def to_json(self) -> JsonRule: ...
+
+    def __str__(self) -> str:
+        """The allowed values, for people."""
+        ...
+
+
+class _Range:
+    """What uniform and log-uniform share: a support that is an interval."""
+
+    interval: Interval
+
+    def __contains__(self, value: object) -> bool:
+        return value in self.interval
+
+    def within(self, other: Distribution) -> bool:
+        ends = (self.interval.low, self.interval.high)
+        continuous = isinstance(other, Uniform | LogUniform)
+        return all(e in other for e in ends) and (continuous or ends[0] == ends[1])
+
+
+@dataclass(frozen=True)
+class Uniform(_Range):
+    interval: Interval
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        drawn = rng.uniform(self.interval.low, self.interval.high, size)
+        return float(drawn[0]) if size == 1 else tuple(float(x) for x in drawn)
+
+    def to_json(self) -> JsonRule:
+        return {"uniform": [self.interval.low, self.interval.high]}
+
+    def __str__(self) -> str:
+        return str(self.interval)
+
+
+@dataclass(frozen=True)
+class LogUniform(_Range):
+    """Uniform in the logarithm: 0.1 to 1 is as likely as 1 to 10."""
+
+    interval: Interval
+
+    def __post_init__(self) -> None:
+        if self.interval.low <= 0:
+            raise ValueError("log_uniform needs a positive lower end")
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        low, high = self.interval.low, self.interval.high
+        exponents = rng.uniform(log(low), log(high), size)
+        # exp(log(x)) may leave the interval by one rounding.
+        drawn = [min(max(exp(e), low), high) for e in exponents]
+        return drawn[0] if size == 1 else tuple(drawn)
+
+    def to_json(self) -> JsonRule:
+        return {"log_uniform": [self.interval.low, self.interval.high]}
+
+    def __str__(self) -> str:
+        return f"{self.interval} log-uniform"
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """Always the same number, name or vector. A number stands for every component."""
+
+    value: float | str | Vector
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        if size > 1 and isinstance(self.value, float):
+            return (self.value,) * size
+        return self.value
+
+    def __contains__(self, value: object) -> bool:
+        if isinstance(value, tuple) and isinstance(self.value, float):
+            return all(v == self.value for v in value)
+        return value == self.value
+
+    def within(self, other: Distribution) -> bool:
+        return self.value in other
+
+    def to_json(self) -> JsonRule:
+        return list(self.value) if isinstance(self.value, tuple) else self.value
+
+    def __str__(self) -> str:
+        return f"{self.value:g}" if isinstance(self.value, float) else str(self.value)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of a few numbers or names, equally likely."""
+
+    options: tuple[float | str, ...]
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        # By one uniform number: fewer options then leave the draw as near as can be.
+        drawn = [self.options[int(u * len(self.options))] for u in rng.random(size)]
+        return drawn[0] if size == 1 else tuple(float(x) for x in drawn)
+
+    def __contains__(self, value: object) -> bool:
+        parts = value if isinstance(value, tuple) else (value,)
+        return all(part in self.options for part in parts)
+
+    def within(self, other: Distribution) -> bool:
+        return all(option in other for option in self.options)
+
+    def to_json(self) -> JsonRule:
+        return {"choice": list(self.options)}
+
+    def __str__(self) -> str:
+        return "one of " + ", ".join(str(Fixed(o)) for o in self.options)
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A unit vector (3,), uniform on the sphere."""
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        v = rng.standard_normal(3)
+        return tuple(float(x) for x in v / np.linalg.norm(v))
+
+    def __contains__(self, value: object) -> bool:
+        if not (isinstance(value, tuple) and len(value) == 3):
+            return False
+        norm = float(np.linalg.norm(np.asarray(value, float)))
+        return isfinite(norm) and abs(norm - 1) < 1e-9
+
+    def within(self, other: Distribution) -> bool:
+        return isinstance(other, Direction)
+
+    def to_json(self) -> JsonRule:
+        return {"direction": 3}
+
+    def __str__(self) -> str:
+        return "any direction"
+
+
+@dataclass(frozen=True)
+class By:
+    """A rule for each value of another key: `{by: {camera_mode: {orbit: ..., shift: ...}}}`."""
+
+    selector: str
+    branches: Mapping[str, Distribution]
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        raise TypeError(f"choose a branch by {self.selector} first")
+
+    def __contains__(self, value: object) -> bool:
+        return any(value in branch for branch in self.branches.values())
+
+    def within(self, other: Distribution) -> bool:
+        if isinstance(other, By):
+            return other.selector == self.selector and all(
+                name in other.branches and rule.within(other.branches[name])
+                for name, rule in self.branches.items()
+            )
+        return all(rule.within(other) for rule in self.branches.values())
+
+    def to_json(self) -> JsonRule:
+        return {"by": {self.selector: {n: r.to_json() for n, r in self.branches.items()}}}
+
+    def __str__(self) -> str:
+        return "; ".join(f"{name}: {rule}" for name, rule in self.branches.items())
+
+
+@dataclass(frozen=True)
+class SameAs:
+    """The same draw as another key."""
+
+    source: str
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        raise TypeError(f"take the draw of {self.source}")
+
+    def __contains__(self, value: object) -> bool:
+        return False  # known only together with the source; `Domain` looks there
+
+    def within(self, other: Distribution) -> bool:
+        return self == other
+
+    def to_json(self) -> JsonRule:
+        return {"same_as": self.source}
+
+    def __str__(self) -> str:
+        return f"same as {self.source}"
+
+
+def narrows(child: Distribution, parent: Distribution) -> bool:
+    """Whether `child` may stand in `parent`'s place: it draws nothing that `parent` could not.
+
+    A child that no longer asks for the mode must fit the parent's rule of every mode.
+    """
+    if isinstance(parent, By) and not isinstance(child, By):
+        return all(child.within(branch) for branch in parent.branches.values())
+    return child.within(parent)
+
+
+def extremes(rule: Distribution) -> list[Value]:
+    """Values whose being allowed makes every draw allowed: ends, options, the fixed value."""
+    if isinstance(rule, Uniform | LogUniform):
+        return [rule.interval.low, rule.interval.high]
+    if isinstance(rule, Choice):
+        return list(rule.options)
+    if isinstance(rule, By):
+        return [value for branch in rule.branches.values() for value in extremes(branch)]
+    return [rule.value] if isinstance(rule, Fixed) else []

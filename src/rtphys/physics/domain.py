@@ -1,0 +1,119 @@
+"""A domain: which attributes vary, and how. Data; `load.py` reads it, `sampling.py` draws."""
+
+import hashlib
+import json
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from rtphys.physics.auxiliary import AUXILIARY
+from rtphys.physics.distribution import Distribution, JsonRule, SameAs
+from rtphys.physics.registry import attributes
+from rtphys.physics.rules import parse_rule
+from rtphys.physics.sampling import Request, draw
+from rtphys.physics.values import Physics, Value, Vector
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Rules by key. A key without a rule is nominal."""
+
+    name: str
+    rules: Mapping[str, Distribution]
+    sources: Mapping[str, str] = field(default_factory=dict)  # key -> domain that wrote the rule
+    why: str = ""
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the resolved rules: equal digests draw equal physics from equal seeds."""
+        rules = {key: rule.to_json() for key, rule in self.rules.items()}
+        text = json.dumps(rules, sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    @property
+    def keys(self) -> list[str]:
+        """Attributes that this domain varies, sorted; auxiliary keys are not among them."""
+        return sorted(self.rules.keys() - AUXILIARY.keys())
+
+    def rule(self, key: str) -> Distribution | None:
+        """The rule of an attribute or auxiliary key; None where the attribute is nominal."""
+        return self.rules.get(key, AUXILIARY.get(key))
+
+    def sample(
+        self,
+        seed: int,
+        only: Collection[str] | None = None,
+        overrides: Mapping[str, Value] | None = None,
+        inside: Callable[[Vector], bool] | None = None,
+    ) -> Physics:
+        """The physics of one episode.
+
+        Every key draws from `stream(seed, "physics", key)`: no key moves another's draw, and
+        neither `only`, `overrides` nor a new attribute moves what remains.
+
+        Args:
+            seed: episode seed.
+            only: attributes to vary; the others are nominal. None: all that have a rule.
+            overrides: values held instead of drawn; they may leave the domain, not `valid`.
+            inside: whether a centre of mass [m] lies inside every dynamic body; it is redrawn
+                from its own stream until it does. It may depend on `object_scale`: sample once
+                without, read the scale, sample again (see `hull.inside`).
+
+        Raises:
+            UnknownName: `only` or `overrides` names no attribute.
+            BadValue: an override that no simulator could have, or camera values that exclude
+                each other.
+            Infeasible: "invalid_physics" if no centre of mass fits.
+        """
+        return draw(self.rules, Request(self.name, seed, only, overrides or {}, inside))
+
+    def problems(self, physics: Physics, held: Collection[str] = ()) -> list[str]:
+        """One sentence for each value that this domain would not draw. `held` keys are free."""
+        wrong: list[str] = []
+        for key, attribute in attributes().items():
+            if key in held or key not in physics:
+                continue
+            value = physics[key]
+            if key not in physics.varied:
+                if value != attribute.nominal:
+                    wrong.append(f"{key} = {value!r} is not varied yet not nominal")
+            elif not self._allows(key, value, physics, held):
+                allowed = str(self.rule(key) or "nothing")
+                wrong.append(f"{key} = {value!r} is outside {self.name}: {allowed}")
+        return wrong
+
+    def _allows(self, key: str, value: Value, physics: Physics, held: Collection[str]) -> bool:
+        rule = self.rule(key)
+        if isinstance(rule, SameAs):
+            if rule.source in physics.varied and physics[rule.source] != value:
+                return False
+            return rule.source in held or value in self.rules[rule.source]
+        return rule is not None and value in rule
+
+    def to_json(self) -> dict[str, object]:
+        """The resolved domain for a manifest."""
+        return {
+            "name": self.name,
+            "digest": self.digest,
+            "why": self.why,
+            "rules": {key: rule.to_json() for key, rule in sorted(self.rules.items())},
+            "sources": dict(sorted(self.sources.items())),
+        }
+
+    @staticmethod
+    def from_json(data: Mapping[str, object], where: str = "") -> "Domain":
+        """Inverse of `to_json`; the digest is computed anew, compare it with the stored one.
+
+        Raises:
+            BadValue: a rule that cannot be read.
+        """
+        raw, sources = data.get("rules", {}), data.get("sources", {})
+        rules: dict[str, JsonRule] = dict(raw) if isinstance(raw, Mapping) else {}
+        return Domain(
+            name=str(data.get("name", "")),
+            rules={key: parse_rule(key, rule, where) for key, rule in sorted(rules.items())},
+            sources={str(k): str(v) for k, v in sources.items()}
+            if isinstance(sources, Mapping)
+            else {},
+            why=str(data.get("why", "")),
+        )

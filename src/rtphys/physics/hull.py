@@ -1,0 +1,54 @@
+"""Whether a centre of mass lies inside a body: in its convex hull, shrunk by a tenth."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull, Delaunay
+
+from rtphys.physics.values import Vector
+from rtphys.poses import Array
+
+SHRINK = 0.1  # a real body has a shell: nothing balances on its very surface
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """One dynamic body: collision vertices (n, 3) and its own centre of mass (3,), body frame."""
+
+    vertices: Array  # [m]
+    com: Array  # [m]
+
+    @cached_property
+    def _planes(self) -> tuple[Array, Array]:
+        """Normals (m, 3) and limits (m,) with `normals @ x <= limits` inside the shrunk hull."""
+        hull = ConvexHull(np.asarray(self.vertices, float))
+        center = centroid(hull.points[hull.vertices])
+        normals, offsets = hull.equations[:, :3], hull.equations[:, 3]
+        gap = -(normals @ center + offsets)  # distance of each face from the centroid
+        return normals, normals @ center + (1 - SHRINK) * gap
+
+    def holds(self, offset: ArrayLike, scale: float = 1.0) -> bool:
+        """Whether the body, `scale` times as large, keeps com + `offset` [m] inside."""
+        point = np.asarray(self.com) + np.asarray(offset, float) / scale
+        normals, limits = self._planes
+        return bool(np.all(normals @ point <= limits))
+
+
+def centroid(vertices: Array) -> Array:
+    """Centre of volume (3,) of the convex hull of (n, 3) points."""
+    simplices = np.asarray(vertices)[Delaunay(vertices).simplices]  # (m, 4, 3)
+    edges = simplices[:, 1:] - simplices[:, :1]
+    volumes = np.abs(np.linalg.det(edges))
+    return volumes @ simplices.mean(axis=1) / volumes.sum()
+
+
+def inside(solids: Sequence[Solid], scale: float = 1.0) -> Callable[[Vector], bool]:
+    """The test that `Domain.sample` needs: is an offset inside every solid?
+
+    Solids are given at nominal size, `scale` is the episode's `object_scale`; the offset itself
+    is in metres and does not scale.
+    """
+    return lambda offset: all(solid.holds(offset, scale) for solid in solids)

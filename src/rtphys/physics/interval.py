@@ -1,0 +1,31 @@
+"""A closed interval of numbers, the support of most physical attributes."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+
+@dataclass(frozen=True)
+class Interval:
+    """All numbers from `low` to `high`, both ends included.
+
+    Raises:
+        ValueError: ends that are not finite or in the wrong order.
+    """
+
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.low) and isfinite(self.high) and self.low <= self.high):
+            raise ValueError(f"[{self.low}, {self.high}] is not an interval")
+
+    def __contains__(self, value: object) -> bool:
+        """True for a number inside, and for a vector whose every component is inside."""
+        if isinstance(value, tuple):
+            return all(component in self for component in value)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return False
+        return self.low <= value <= self.high
+
+    def __str__(self) -> str:
+        return f"[{self.low:g}, {self.high:g}]"

@@ -1,0 +1,151 @@
+"""Reads domains from YAML: inheritance, narrowing, and errors that name file and key."""
+
+import re
+from pathlib import Path
+
+from rtphys import library
+from rtphys.errors import BadFile, BadValue, UnknownName
+from rtphys.physics.auxiliary import AUXILIARY
+from rtphys.physics.distribution import (
+    By,
+    Choice,
+    Distribution,
+    SameAs,
+    extremes,
+    narrows,
+)
+from rtphys.physics.domain import Domain
+from rtphys.physics.registry import attributes
+from rtphys.physics.rules import parse_rule
+
+GLOBAL = "global"
+FIELDS = ("extends", "why", "physics")
+
+
+def load_domain(name: str | Path) -> Domain:
+    """A domain by name (from any library) or by path to its file.
+
+    Raises:
+        UnknownName: no such domain, field or key; names the nearest match.
+        BadFile: not readable as a domain, or domains that extend each other in a circle.
+        BadValue: a rule that is misspelt, impossible, or wider than its parent's.
+    """
+    return _load(_path(name), ())
+
+
+def domain_for_task(task: str) -> Domain:
+    """A task's own domain if a library has one of that name, else the global one."""
+    return load_domain(task if task in library.names("domains") else GLOBAL)
+
+
+def _path(name: str | Path) -> Path:
+    if isinstance(name, Path) or re.search(r"\.ya?ml$|[/\\]", name):
+        return Path(name)
+    return library.find("domains", name)
+
+
+def _load(path: Path, children: tuple[Path, ...]) -> Domain:
+    if path.resolve() in children:
+        raise BadFile(path, "extends itself, directly or in a circle")
+    content = library.read_yaml(path)
+    for field in content:
+        if field not in FIELDS:
+            raise UnknownName("field", field, FIELDS, path)
+    parent = _parent(content.get("extends"), path, children)
+    rules = dict(parent.rules) if parent else {}
+    sources = dict(parent.sources) if parent else {}
+    for key, rule in _own_rules(content.get("physics"), path).items():
+        if parent:
+            _check_narrower(key, rule, parent, path)
+        if rule is None:
+            rules.pop(key, None)
+            sources.pop(key, None)
+        else:
+            rules[key], sources[key] = rule, path.stem
+    _check_references(rules, path)
+    return Domain(path.stem, dict(sorted(rules.items())), sources, str(content.get("why", "")))
+
+
+def _parent(extends: object, path: Path, children: tuple[Path, ...]) -> Domain | None:
+    if extends is None:
+        return None
+    if not isinstance(extends, str):
+        raise BadFile(path, f"extends needs the name of one domain, not {extends!r}")
+    beside = path.parent / f"{extends}.yaml"
+    # A file outside every library may extend its neighbour; a bundled name wins otherwise.
+    known = library.names("domains")
+    if extends not in known and not beside.is_file():
+        raise UnknownName("domain", extends, known, path)
+    return _load(known.get(extends, beside), (*children, path.resolve()))
+
+
+def _own_rules(raw: object, path: Path) -> dict[str, Distribution | None]:
+    if raw is None:
+        return {}
+    if not isinstance(raw, dict):
+        raise BadFile(path, "physics must be a mapping of attributes to rules")
+    known = {*attributes(), *AUXILIARY}
+    rules: dict[str, Distribution | None] = {}
+    for key, spelt in raw.items():
+        if key not in known:
+            raise UnknownName("attribute", str(key), known, path)
+        rules[key] = None if spelt is None else parse_rule(key, spelt, str(path))
+        _check_possible(key, rules[key], path)
+    return rules
+
+
+def _check_possible(key: str, rule: Distribution | None, path: Path) -> None:
+    """Every draw must be something that the simulator can do."""
+    if rule is None or isinstance(rule, SameAs):
+        return
+    if key in AUXILIARY:
+        if not rule.within(AUXILIARY[key]):
+            raise BadValue(key, rule.to_json(), f"it is {AUXILIARY[key]}", path)
+        return
+    attribute = attributes()[key]
+    for value in extremes(rule):
+        one_for_all = attribute.size > 1 and isinstance(value, float)
+        attribute.check((value,) * attribute.size if one_for_all else value, str(path))
+    if not extremes(rule):
+        raise BadValue(key, rule.to_json(), "an attribute needs numbers", path)
+
+
+def _check_narrower(key: str, rule: Distribution | None, parent: Domain, path: Path) -> None:
+    """A key held nominal (null) is always narrower; a new key never is."""
+    if rule is None:
+        return
+    wide = parent.rule(key)
+    if isinstance(wide, SameAs) and rule != wide:
+        wide = parent.rules[wide.source]
+    if isinstance(rule, SameAs) and rule != wide:
+        rule = parent.rule(rule.source) or rule
+    if wide is None:
+        nominal = attributes()[key].nominal
+        held = "the asset's own" if nominal is None else f"{nominal}"
+        raise BadValue(key, rule.to_json(), f"domain {parent.name} holds it at {held}", path)
+    if not narrows(rule, wide):
+        allowed = f"domain {parent.name} allows {wide}, and a child may only narrow"
+        raise BadValue(key, rule.to_json(), allowed, path)
+
+
+def _check_references(rules: dict[str, Distribution], path: Path) -> None:
+    """`same_as` needs a plain rule to copy, `by` a rule for each option that can be drawn."""
+    for key, rule in rules.items():
+        if isinstance(rule, SameAs):
+            plain = {k for k, r in rules.items() if not isinstance(r, SameAs | By) and k != key}
+            if rule.source not in plain - AUXILIARY.keys():
+                raise UnknownName("source", rule.source, plain - AUXILIARY.keys(), path)
+            for value in extremes(rules[rule.source]):
+                attributes()[key].check(value, str(path))
+        elif isinstance(rule, By):
+            everything = AUXILIARY.get(rule.selector)
+            if not isinstance(everything, Choice):
+                selectors = [k for k, r in AUXILIARY.items() if isinstance(r, Choice)]
+                raise UnknownName("selector", rule.selector, selectors, path)
+            for name in rule.branches:
+                if name not in everything:
+                    raise UnknownName(rule.selector, name, map(str, everything.options), path)
+            drawn = extremes(rules.get(rule.selector, everything))
+            if missing := [str(o) for o in drawn if o not in rule.branches]:
+                need = f"it needs a rule for {rule.selector} {', '.join(missing)}"
+                raise BadValue(key, rule.to_json(), need, path)

@@ -1,0 +1,175 @@
+"""Draws the physics of one episode from a domain's rules, each key from its own stream."""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+
+from rtphys.errors import BadValue, Infeasible, UnknownName
+from rtphys.physics.auxiliary import AUXILIARY
+from rtphys.physics.distribution import By, Choice, Distribution, Fixed, SameAs, extremes
+from rtphys.physics.registry import attributes
+from rtphys.physics.values import REDRAWS, Physics, Value, Vector
+from rtphys.seeds import stream
+
+Rules = Mapping[str, Distribution]
+CENTER_OF_MASS = "center_of_mass"
+MOST_REDRAWS = 10_000
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked of a domain; fields as in `Domain.sample`."""
+
+    domain: str
+    seed: int
+    only: Collection[str] | None
+    overrides: Mapping[str, Value]
+    inside: Callable[[Vector], bool] | None
+
+
+def draw(rules: Rules, request: Request) -> Physics:
+    """See `Domain.sample`."""
+    check_overrides(request.overrides)
+    active = _active(rules, request)
+    values: dict[str, Value] = {key: a.nominal for key, a in attributes().items()}
+    values |= dict.fromkeys(AUXILIARY) | {REDRAWS: 0}
+    values |= _auxiliary(rules, request, active)
+    for key in active:
+        if key in request.overrides:
+            values[key] = request.overrides[key]
+        else:
+            values[key] = _own_draw(rules, request, key, values)
+    if CENTER_OF_MASS in active and request.inside is not None:
+        values |= _center_of_mass(rules, request)
+    return Physics(values, active)
+
+
+def check_overrides(overrides: Mapping[str, Value]) -> None:
+    """Refuse what no attribute and no auxiliary draw can be.
+
+    Raises:
+        UnknownName: no such key.
+        BadValue: outside what the simulator can do.
+    """
+    known = attributes()
+    for key, value in overrides.items():
+        if key in known:
+            known[key].check(value)
+        elif key not in AUXILIARY:
+            raise UnknownName("attribute", key, [*known, *AUXILIARY])
+        elif value not in AUXILIARY[key]:
+            raise BadValue(key, value, f"it is {AUXILIARY[key]}")
+
+
+def _active(rules: Rules, request: Request) -> list[str]:
+    """Attributes that are set in this episode, sorted."""
+    known = attributes()
+    varied = {key for key in rules if key in known}
+    if request.only is not None:
+        for key in request.only:
+            if key not in known:
+                raise UnknownName("attribute", key, known)
+            if key not in varied and key not in request.overrides:
+                raise UnknownName(f"attribute of domain {request.domain}", key, varied)
+        varied &= set(request.only)
+    return sorted(varied | (request.overrides.keys() & known.keys()))
+
+
+def _auxiliary(rules: Rules, request: Request, active: list[str]) -> dict[str, Value]:
+    known = attributes()
+    needed = {aux for key in active for aux in known[key].auxiliary}
+    values: dict[str, Value] = {}
+    for key in AUXILIARY:
+        if key in request.overrides:
+            values[key] = request.overrides[key]
+        elif key in needed:
+            rule = rules.get(key, AUXILIARY[key])
+            if isinstance(rule, Choice):
+                rule = Choice(tuple(_compatible(key, rule, rules, (active, request.overrides))))
+            values[key] = rule.draw(stream(request.seed, "physics", key), 1)
+    return values
+
+
+def _own_draw(rules: Rules, request: Request, key: str, values: Mapping[str, Value]) -> Value:
+    rule, source = rules[key], key
+    if isinstance(rule, SameAs):
+        if rule.source in request.overrides:
+            return request.overrides[rule.source]
+        source = rule.source  # its stream too, so that it is the same draw
+        rule = rules[source]
+    if isinstance(rule, By):
+        rule = rule.branches[str(values[rule.selector])]
+    return rule.draw(stream(request.seed, "physics", source), attributes()[key].size)
+
+
+def _center_of_mass(rules: Rules, request: Request) -> dict[str, Value]:
+    """Redrawn until `inside`; an override is taken or refused as it is."""
+    inside = request.inside or (lambda _: True)
+    held = request.overrides.get(CENTER_OF_MASS)
+    if isinstance(held, tuple):
+        if inside(held):
+            return {}
+        raise Infeasible("invalid_physics", f"center_of_mass {held} lies outside a body")
+    rng = stream(request.seed, "physics", CENTER_OF_MASS)
+    for redraws in range(MOST_REDRAWS):
+        value = rules[CENTER_OF_MASS].draw(rng, 3)
+        if isinstance(value, tuple) and inside(value):
+            return {CENTER_OF_MASS: value, REDRAWS: redraws}
+    raise Infeasible(
+        "invalid_physics", f"no center_of_mass of {MOST_REDRAWS} lies inside every dynamic body"
+    )
+
+
+def after(redraws: int) -> Callable[[Vector], bool]:
+    """An `inside` that refuses as many draws as an episode's label says: no geometry needed."""
+    left = [redraws]
+
+    def inside(_: Vector) -> bool:
+        left[0] -= 1
+        return left[0] < 0
+
+    return inside
+
+
+def _compatible(
+    selector: str, rule: Choice, rules: Rules, asked: tuple[list[str], Mapping[str, Value]]
+) -> list[str]:
+    """Options of `selector` under which the overrides hold and something active can move.
+
+    `--only camera_distance` never draws mode rotate, `--set camera_distance=0.05` needs an orbit.
+
+    Raises:
+        BadValue: overrides that exclude each other.
+    """
+    active, overrides = asked
+    by = {k: r for k in active if isinstance(r := rules.get(k), By) and r.selector == selector}
+    options = [str(option) for option in rule.options]
+    for key in by.keys() & overrides.keys():
+        options = _holding(by[key], options, overrides[key])
+        if not options:
+            others = ", ".join(sorted(by.keys() & overrides.keys() - {key}))
+            raise BadValue(key, overrides[key], f"no {selector} has it together with {others}")
+    moving = [
+        option
+        for option in options
+        if any(_moves(r.branches[option], overrides.get(key)) for key, r in by.items())
+    ]
+    return moving or options
+
+
+def _holding(rule: By, options: list[str], value: Value) -> list[str]:
+    """Options whose branch allows `value`; else those of the widest branch that is no constant."""
+    fitting = [o for o in options if value in rule.branches[o]]
+    if fitting:
+        return fitting
+    reach = {
+        o: max(x for x in extremes(rule.branches[o]) if isinstance(x, float))
+        for o in options
+        if not isinstance(rule.branches[o], Fixed)
+    }
+    return [o for o, far in reach.items() if far == max(reach.values())]
+
+
+def _moves(branch: Distribution, held: Value) -> bool:
+    if held is not None:
+        return held != 0.0
+    return not isinstance(branch, Fixed)

@@ -1,0 +1,113 @@
+"""The physics of one episode: an immutable mapping from key to value."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+
+Vector = tuple[float, ...]
+Value = float | int | str | Vector | None
+Json = float | int | str | list[float] | None
+
+REDRAWS = "center_of_mass_redraws"  # how often the centre of mass fell outside a body
+
+
+class Physics(Mapping[str, Value]):
+    """Attribute and auxiliary keys -> value, in each attribute's own unit.
+
+    None means the asset's own value (friction, object_joint_damping) or, for an auxiliary key
+    such as `camera_mode`, that nothing in this episode needs it.
+    """
+
+    __slots__ = ("_values", "varied")
+
+    def __init__(self, values: Mapping[str, Value], varied: Iterable[str] = ()) -> None:
+        self._values = MappingProxyType({key: values[key] for key in sorted(values)})
+        self.varied = frozenset(varied)  # attributes that a domain or a user set
+        if unknown := self.varied - self._values.keys():
+            raise ValueError(f"varied names keys without a value: {sorted(unknown)}")
+
+    def __getitem__(self, key: str) -> Value:
+        return self._values[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Physics):
+            return NotImplemented
+        return self._values == other._values and self.varied == other.varied
+
+    def __hash__(self) -> int:
+        return hash((tuple(self._values.items()), self.varied))
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{key}={self[key]!r}" for key in sorted(self.varied))
+        return f"Physics({told or 'nominal'})"
+
+    def __reduce__(self):  # a mapping proxy does not pickle, and episodes cross processes
+        return Physics, (dict(self._values), self.varied)
+
+    def scalar(self, key: str, default: float | None = None) -> float:
+        """A number; `default` where the value is the asset's own.
+
+        Raises:
+            TypeError: the value is not a number and there is no default.
+        """
+        value = self[key]
+        if value is None and default is not None:
+            return default
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise TypeError(f"{key} is {value!r}, not a number")
+        return float(value)
+
+    def vector(self, key: str) -> Vector:
+        """A vector such as `center_of_mass`.
+
+        Raises:
+            TypeError: the value is not a vector.
+        """
+        value = self[key]
+        if not isinstance(value, tuple):
+            raise TypeError(f"{key} is {value!r}, not a vector")
+        return value
+
+    @property
+    def redraws(self) -> int:
+        """How many centres of mass were drawn and thrown away before this one."""
+        return int(self.scalar(REDRAWS, 0)) if REDRAWS in self else 0
+
+    def to_json(self) -> dict[str, dict[str, Json] | list[str]]:
+        """Plain JSON; `from_json` gives back an equal object, bit for bit."""
+        values: dict[str, Json] = {
+            k: list(v) if isinstance(v, tuple) else v for k, v in self.items()
+        }
+        return {"values": values, "varied": sorted(self.varied)}
+
+    @staticmethod
+    def from_json(data: Mapping[str, object]) -> "Physics":
+        """Inverse of `to_json`.
+
+        Raises:
+            ValueError: not the shape that `to_json` writes.
+        """
+        values, varied = data.get("values"), data.get("varied", [])
+        if not isinstance(values, Mapping) or not isinstance(varied, list):
+            raise ValueError("physics needs a mapping 'values' and a list 'varied'")
+        return Physics({str(k): plain_value(v) for k, v in values.items()}, map(str, varied))
+
+
+def plain_value(raw: object) -> Value:
+    """A value from JSON or YAML: lists of numbers become tuples.
+
+    Raises:
+        ValueError: anything that is no number, name, vector or null.
+    """
+    if raw is None or (isinstance(raw, str | int | float) and not isinstance(raw, bool)):
+        return raw
+    if isinstance(raw, list | tuple) and raw:
+        numbers = [v for v in raw if isinstance(v, int | float) and not isinstance(v, bool)]
+        if len(numbers) == len(raw):
+            return tuple(float(v) for v in numbers)
+    raise ValueError(f"{raw!r} is neither a number, a name, a vector nor null")
