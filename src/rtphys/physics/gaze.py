@@ -14,7 +14,8 @@ MODES: tuple[Mode, ...] = ("orbit", "shift", "rotate")
 
 def gaze_point(camera: Camera) -> Array:
     """(3,) where the nominal optical axis meets the nominal table top, world frame [m]."""
-    return camera.nominal_pose @ np.array([camera.range_to_table, 0.0, 0.0])
+    nominal = camera.nominal_pose
+    return nominal.p + nominal.R @ np.array([camera.range_to_table, 0.0, 0.0])
 
 
 def unturned(camera: Camera, p: Array, mode: str) -> Array:

@@ -104,8 +104,9 @@ def _check_possible(key: str, rule: Distribution | None, path: Path) -> None:
         return
     attribute = attributes()[key]
     for value in extremes(rule):
-        one_for_all = attribute.size > 1 and isinstance(value, float)
-        attribute.check((value,) * attribute.size if one_for_all else value, str(path))
+        if attribute.size > 1 and isinstance(value, float):  # one number for all components
+            value = (value,) * attribute.size
+        attribute.check(value, str(path))
     if not extremes(rule):
         raise BadValue(key, rule.to_json(), "an attribute needs numbers", path)
 
