@@ -1,0 +1,56 @@
+"""Under which conditions a leaf is collected: equal conditions may continue each other's work."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtphys.data.episode import JSON
+from rtphys.data.json_text import plain
+from rtphys.data.layout import EMBODIMENT, LAYOUTS, Leaf
+from rtphys.data.schema import DATASET_VERSION
+from rtphys.errors import UnknownName
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Everything that decides what the episodes of one leaf are; the journal's first line."""
+
+    task: str
+    protocol: str
+    first_seed: int
+    domain_name: str
+    domain_digest: str
+    domain: Mapping[str, JSON]  # resolved
+    cameras: tuple[str, ...]  # official names, such as head_camera
+    versions: Mapping[str, str]  # rtphys, sapien, numpy, python, ...
+    assets: Mapping[str, str]  # pack, digest
+    only: tuple[str, ...] | None = None
+    overrides: Mapping[str, JSON] = field(default_factory=dict)
+    embodiment: str = EMBODIMENT
+    layout: str = "native"
+
+    def __post_init__(self) -> None:
+        if self.layout not in LAYOUTS:
+            raise UnknownName("layout", self.layout, LAYOUTS)
+
+    def leaf(self, out: Path) -> Leaf:
+        return Leaf(out, self.protocol, self.task, self.embodiment, self.layout)
+
+    def to_json(self) -> dict[str, JSON]:
+        names = self.__dataclass_fields__
+        found = {name: plain(getattr(self, name), name) for name in names}
+        return {**found, "dataset_version": DATASET_VERSION}
+
+
+def differences(stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> list[str]:
+    """One clause for each condition that is not the same, nested keys spelled with dots."""
+    found: list[str] = []
+    for key in sorted({*stored, *wanted}):
+        old, new = stored.get(key), wanted.get(key)
+        if old == new:
+            continue
+        if isinstance(old, Mapping) and isinstance(new, Mapping):
+            found += [f"{key}.{clause}" for clause in differences(old, new)]
+        else:
+            found.append(f"{key} was {old!r}, now {new!r}")
+    return found

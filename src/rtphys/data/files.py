@@ -1,0 +1,105 @@
+"""Writing so that a reader sees the old file or the new one, and nothing in between."""
+
+import hashlib
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtphys.data.faults import CannotWrite
+from rtphys.errors import BadFile
+
+TEMPORARY = ".part"  # suffix of files that are not finished
+CHUNK = 1 << 20
+
+
+@dataclass(frozen=True)
+class FileFacts:
+    """Size [bytes] and SHA-256 of a file, as the manifest states them."""
+
+    size: int
+    sha256: str
+
+    @staticmethod
+    def of(data: bytes) -> "FileFacts":
+        return FileFacts(len(data), hashlib.sha256(data).hexdigest())
+
+    def to_json(self) -> dict[str, int | str]:
+        return {"size": self.size, "sha256": self.sha256}
+
+
+@contextmanager
+def refusals(path: Path) -> Iterator[None]:
+    """Turns an `OSError` of a write into `CannotWrite`, which names the cure."""
+    try:
+        yield
+    except OSError as error:
+        raise CannotWrite(path, error) from error
+
+
+def make_folder(path: Path) -> None:
+    """Raises `CannotWrite`."""
+    with refusals(path):
+        path.mkdir(parents=True, exist_ok=True)
+
+
+def write_synced(path: Path, data: bytes) -> FileFacts:
+    """Writes, syncs, reads back, compares. A failed write leaves no file. Raises `CannotWrite`."""
+    try:
+        with refusals(path):
+            with path.open("wb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            facts = FileFacts.of(data)
+            if facts_of(path) != facts:
+                raise OSError("the disk returned other bytes than were written")
+    except BaseException:
+        with suppress(OSError):
+            path.unlink()
+        raise
+    return facts
+
+
+def replace_file(path: Path, data: bytes) -> FileFacts:
+    """Atomic: temporary name in the same folder, sync, rename, sync the folder."""
+    temporary = path.with_name(f".{path.name}{TEMPORARY}")
+    facts = write_synced(temporary, data)
+    move(temporary, path)
+    sync_folder(path.parent)
+    return facts
+
+
+def move(source: Path, target: Path) -> None:
+    """Atomic rename on one file system. Raises `CannotWrite`."""
+    with refusals(target):
+        source.replace(target)
+
+
+def sync_folder(folder: Path) -> None:
+    """Makes renames in a folder durable. Raises `CannotWrite`."""
+    with refusals(folder):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def facts_of(path: Path) -> FileFacts:
+    """Reads the whole file once."""
+    digest, size = hashlib.sha256(), 0
+    with path.open("rb") as file:
+        while block := file.read(CHUNK):
+            digest.update(block)
+            size += len(block)
+    return FileFacts(size, digest.hexdigest())
+
+
+def read(path: Path) -> bytes:
+    """Raises `BadFile` when the file is missing or unreadable."""
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise BadFile(path, (error.strerror or "cannot be read").lower()) from error

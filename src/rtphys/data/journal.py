@@ -1,0 +1,106 @@
+"""The append-only record of a leaf: one checksummed line per attempt; the truth for resume.
+
+Each line is `{"check": ..., "entry": ...}`; `check` is the SHA-256 of the previous check and this
+entry, so a changed, lost or moved line breaks the chain. A line that a crash cut short is the only
+damage that is expected, and it is dropped.
+"""
+
+import hashlib
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtphys.data import files
+from rtphys.data.episode import JSON
+from rtphys.data.json_text import compact, parse_mapping
+from rtphys.errors import BadFile
+
+START = "0" * 64
+
+
+def link(previous: str, entry: JSON) -> str:
+    """The check of an entry that follows one with check `previous`."""
+    return hashlib.sha256(previous.encode() + compact(entry)).hexdigest()
+
+
+@dataclass(frozen=True)
+class Line:
+    """One entry and the chain's check after it."""
+
+    entry: Mapping[str, JSON]
+    check: str
+
+
+@dataclass(frozen=True)
+class Contents:
+    """All whole lines of a journal file."""
+
+    lines: tuple[Line, ...]
+    whole_bytes: int  # where the last whole line ends
+    torn_bytes: int  # what a crash left after it
+
+
+def read_journal(path: Path) -> Contents:
+    """Reads and checks the chain.
+
+    Raises:
+        BadFile: unreadable, or a line other than a torn last one is damaged; names the line.
+    """
+    data = files.read(path)
+    whole = data.rfind(b"\n") + 1
+    lines: list[Line] = []
+    previous = START
+    for number, text in enumerate(data[:whole].split(b"\n")[:-1], start=1):
+        line = _parse(text, previous, f"{path} line {number}")
+        lines.append(line)
+        previous = line.check
+    return Contents(tuple(lines), whole, len(data) - whole)
+
+
+def _parse(text: bytes, previous: str, where: str) -> Line:
+    record = parse_mapping(text, where)
+    entry, check = record.get("entry"), str(record.get("check"))
+    # The text is compared too: a flipped byte may leave the same JSON value behind (1.0, 1e0).
+    if not isinstance(entry, Mapping) or compact(record) != text or check != link(previous, entry):
+        raise BadFile(where, "its checksum does not match: it was changed after it was written")
+    return Line(entry, check)
+
+
+class Journal:
+    """An open journal. Created on first append; a torn last line is cut off when opened."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.lines: list[Line] = []
+        if path.exists():
+            contents = read_journal(path)
+            self.lines = list(contents.lines)
+            if contents.torn_bytes:
+                with files.refusals(path):
+                    os.truncate(path, contents.whole_bytes)
+
+    @property
+    def check(self) -> str:
+        """The chain's check after the last entry."""
+        return self.lines[-1].check if self.lines else START
+
+    def append(self, entry: Mapping[str, JSON], *, durable: bool) -> None:
+        """Adds one line. Raises `CannotWrite`, and then the file is as it was."""
+        line = Line(entry, link(self.check, entry))
+        text = compact({"check": line.check, "entry": entry}) + b"\n"
+        with files.refusals(self.path):
+            fresh = not self.path.exists()
+            with self.path.open("ab") as file:
+                size = file.tell()
+                try:
+                    file.write(text)
+                    file.flush()
+                    if durable:
+                        os.fsync(file.fileno())
+                except OSError:
+                    os.truncate(self.path, size)
+                    raise
+        if fresh:
+            files.sync_folder(self.path.parent)
+        self.lines.append(line)

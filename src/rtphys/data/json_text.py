@@ -1,0 +1,70 @@
+"""JSON as this package writes it: plain numbers, stable order, no NaN, the same bytes always."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rtphys.data.episode import JSON
+from rtphys.errors import BadFile, BadValue
+
+
+def plain(value: object, where: str = "value") -> JSON:
+    """Copy with numpy values, tuples and paths turned into what JSON knows.
+
+    Raises:
+        BadValue: a number that is not finite, or a type that JSON has not; names its place.
+    """
+    if isinstance(value, np.generic | np.ndarray):
+        return plain(value.tolist(), where)
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise BadValue(where, value, "numbers in a dataset are finite")
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): plain(item, f"{where}.{key}") for key, item in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, bytes):
+        return [plain(item, f"{where}[{i}]") for i, item in enumerate(value)]
+    raise BadValue(where, value, f"JSON has no {type(value).__name__}")
+
+
+def pretty(value: JSON, *, ascii_only: bool = False, indent: int = 2, sort: bool = True) -> bytes:
+    """Indented, keys sorted, one newline at the end."""
+    text = json.dumps(
+        value, indent=indent, sort_keys=sort, ensure_ascii=ascii_only, allow_nan=False
+    )
+    return (text + "\n").encode()
+
+
+def compact(value: JSON) -> bytes:
+    """One line without spaces, keys sorted: what checksums are taken of."""
+    return json.dumps(
+        value, separators=(",", ":"), sort_keys=True, ensure_ascii=False, allow_nan=False
+    ).encode()
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"{name} is no JSON number")
+
+
+def parse(data: bytes, path: str | Path) -> JSON:
+    """Raises `BadFile` with line and column when `data` is not UTF-8 JSON."""
+    try:
+        return json.loads(data.decode("utf-8"), parse_constant=_no_constant)
+    except json.JSONDecodeError as error:
+        place = f"line {error.lineno}, column {error.colno}"
+        raise BadFile(path, f"not JSON at {place}: {error.msg}") from error
+    except (UnicodeDecodeError, ValueError, RecursionError) as error:
+        raise BadFile(path, f"not JSON: {error}") from error
+
+
+def parse_mapping(data: bytes, path: str | Path) -> dict[str, JSON]:
+    """As `parse`, and the top level must be an object."""
+    value = parse(data, path)
+    if not isinstance(value, dict):
+        raise BadFile(path, f"holds a JSON {type(value).__name__}, not an object")
+    return value

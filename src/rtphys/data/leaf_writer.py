@@ -1,0 +1,190 @@
+"""Numbers the attempts of one task in seed order and moves accepted episodes into place."""
+
+import shutil
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtphys.data import files, staging
+from rtphys.data.conditions import Conditions, differences
+from rtphys.data.episode import JSON
+from rtphys.data.faults import CannotWrite, DatasetExists, DatasetMismatch
+from rtphys.data.files import FileFacts
+from rtphys.data.journal import Journal
+from rtphys.data.json_text import plain, pretty
+from rtphys.data.layout import EpisodePaths, Leaf, episode_number
+from rtphys.data.staging import StagedEpisode
+from rtphys.errors import BadFile
+
+EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
+
+
+@dataclass(frozen=True)
+class Rejection:
+    """An attempt that gave no episode. `reason` is counted, so it comes from a short list."""
+
+    seed: int
+    reason: str
+    detail: str = ""  # deterministic text: it enters the journal
+    physics: Mapping[str, JSON] = field(default_factory=dict)  # attribute -> value, for the report
+
+
+class TaskWriter:
+    """Outcomes arrive in any order; files, numbers and journal follow the seeds.
+
+    An outcome waits until all earlier seeds are known. Whatever lies beyond the episode that fills
+    the order is dropped, so the dataset does not depend on the number of workers.
+    """
+
+    def __init__(self, leaf: Leaf, conditions: Conditions, *, resume: bool) -> None:
+        self.leaf = leaf
+        self.conditions = conditions
+        self.wanted = 0
+        self._journal = Journal(leaf.journal)
+        self._pending: dict[int, StagedEpisode | Rejection] = {}
+        self._accept_header(resume)
+        self.episodes = sum(e.entry["verdict"] == "accepted" for e in self._journal.lines[1:])
+        self._remove_leftovers()
+
+    def _accept_header(self, resume: bool) -> None:
+        header = self.conditions.to_json()
+        if not self._journal.lines:
+            if self._episode_files(0):  # somebody else's: they must not be taken for leftovers
+                raise DatasetMismatch(self.leaf.folder, ["its episodes have no journal"])
+            files.make_folder(self.leaf.folder)
+            self._journal.append(header, durable=True)
+            return
+        stored = self._journal.lines[0].entry
+        if found := differences(stored, header):
+            raise DatasetMismatch(self.leaf.folder, found)
+        if not resume and len(self._journal.lines) > 1:
+            accepted = sum(e.entry["verdict"] == "accepted" for e in self._journal.lines[1:])
+            raise DatasetExists(self.leaf.folder, accepted)
+
+    def _remove_leftovers(self) -> None:
+        """Of a killed run: staged attempts, files of a commit that never reached the journal."""
+        shutil.rmtree(self.leaf.staging, ignore_errors=True)
+        for path in self._episode_files(self.episodes):
+            with files.refusals(path):
+                path.unlink()
+        for path in self.leaf.folder.rglob(f".*{files.TEMPORARY}"):
+            path.unlink(missing_ok=True)
+        for line in self._journal.lines[1:]:
+            self._check_present(line.entry)
+
+    def _episode_files(self, first: int) -> list[Path]:
+        """Files of episodes with that number or a higher one."""
+        found = [path for name in EPISODE_FOLDERS for path in (self.leaf.folder / name).glob("*")]
+        numbered = [(episode_number(path), path) for path in found]
+        return [path for number, path in numbered if number is not None and number >= first]
+
+    def _check_present(self, entry: Mapping[str, JSON]) -> None:
+        stored = entry.get("files")
+        for name, facts in (stored if isinstance(stored, Mapping) else {}).items():
+            path = self.leaf.folder / name
+            size = facts["size"] if isinstance(facts, Mapping) else None
+            if not path.is_file() or path.stat().st_size != size:
+                raise BadFile(path, "the journal lists it, but it is missing or has another size")
+
+    @property
+    def next_seed(self) -> int:
+        """The lowest seed whose outcome is not known."""
+        seed = self.conditions.first_seed + len(self._journal.lines) - 1
+        while seed in self._pending:
+            seed += 1
+        return seed
+
+    @property
+    def done(self) -> bool:
+        return self.episodes >= self.wanted
+
+    def staging(self, seed: int) -> Path:
+        """The folder for `stage_episode`, which a worker may be told."""
+        return self.leaf.staged(seed)
+
+    def record(self, outcome: StagedEpisode | Rejection) -> list[int]:
+        """Takes one outcome; commits all that are now in order. Returns the seeds committed.
+
+        Raises:
+            CannotWrite: the folder still is a valid prefix; the same run can be resumed.
+        """
+        self._pending[outcome.seed] = outcome
+        committed = []
+        while not self.done:
+            seed = self.conditions.first_seed + len(self._journal.lines) - 1
+            if seed not in self._pending:
+                break
+            self._commit(self._pending[seed])
+            del self._pending[seed]
+            committed.append(seed)
+        if self.done:
+            self.discard()
+        return committed
+
+    def discard(self) -> None:
+        """Forgets outcomes that nobody will number."""
+        self._pending.clear()
+        shutil.rmtree(self.leaf.staging, ignore_errors=True)
+
+    def _commit(self, outcome: StagedEpisode | Rejection) -> None:
+        if isinstance(outcome, Rejection):
+            entry = plain(
+                {
+                    "seed": outcome.seed,
+                    "verdict": "rejected",
+                    "reason": outcome.reason,
+                    "detail": outcome.detail,
+                    "physics": outcome.physics,
+                }
+            )
+            assert isinstance(entry, dict)
+            self._journal.append(entry, durable=False)
+            return
+        number = self.episodes
+        listed = self._place(outcome, self.leaf.episode(number), number)
+        self._journal.append(
+            {
+                "seed": outcome.seed,
+                "verdict": "accepted",
+                "episode": number,
+                "frames": outcome.frames,
+                "scene_info": outcome.scene_info,
+                "physics": _values(outcome.phys_meta),
+                "files": listed,
+            },
+            durable=True,
+        )
+        self.episodes += 1
+        shutil.rmtree(outcome.folder, ignore_errors=True)
+
+    def _place(self, staged: StagedEpisode, paths: EpisodePaths, number: int) -> dict[str, JSON]:
+        meta = pretty({**staged.phys_meta, "episode": number})
+        facts: dict[str, FileFacts] = dict(staged.files)
+        facts[staging.PHYS_META] = files.write_synced(staged.folder / staging.PHYS_META, meta)
+        targets = {
+            staging.HDF5: paths.hdf5,
+            staging.VIDEO: paths.video,
+            staging.PHYS_META: paths.phys_meta,
+            staging.INSTRUCTION: paths.instruction,
+        }
+        try:
+            for name, target in targets.items():
+                files.make_folder(target.parent)
+                files.move(staged.folder / name, target)
+                files.sync_folder(target.parent)
+        except CannotWrite:
+            for target in targets.values():  # an episode is there as a whole or not at all
+                with suppress(OSError):
+                    target.unlink()
+            raise
+        return {
+            target.relative_to(self.leaf.folder).as_posix(): facts[name].to_json()
+            for name, target in targets.items()
+        }
+
+
+def _values(phys_meta: Mapping[str, JSON]) -> JSON:
+    attributes = phys_meta["attributes"]
+    assert isinstance(attributes, Mapping)
+    return {key: a["value"] if isinstance(a, Mapping) else None for key, a in attributes.items()}

@@ -1,0 +1,123 @@
+"""The manifest and the side files of a leaf, as pure functions of the journals."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtphys.data.episode import JSON
+from rtphys.data.files import FileFacts
+from rtphys.data.journal import Line
+from rtphys.data.json_text import pretty
+from rtphys.data.layout import JOURNAL, Leaf
+from rtphys.data.schema import DATASET_VERSION, MANIFEST_VERSION
+
+Entry = Mapping[str, JSON]
+
+
+@dataclass(frozen=True)
+class LeafHistory:
+    """A leaf and its journal up to some line; the first line holds the conditions."""
+
+    leaf: Leaf
+    lines: Sequence[Line]
+
+    @property
+    def header(self) -> Entry:
+        return self.lines[0].entry
+
+    @property
+    def attempts(self) -> list[Entry]:
+        return [line.entry for line in self.lines[1:]]
+
+    @property
+    def accepted(self) -> list[Entry]:
+        return [entry for entry in self.attempts if entry["verdict"] == "accepted"]
+
+    def until(self, lines: int) -> "LeafHistory":
+        """The same leaf when its journal had that many lines."""
+        return LeafHistory(self.leaf, self.lines[:lines])
+
+    def side_files(self) -> dict[Path, bytes]:
+        """scene_info.json, seed.txt and seeds.txt."""
+        seeds = [str(entry["seed"]) for entry in self.accepted]
+        scenes = {f"episode_{entry['episode']}": entry["scene_info"] for entry in self.accepted}
+        legacy = self.leaf.layout == "legacy"
+        return {
+            self.leaf.scene_info: pretty(scenes, ascii_only=legacy, indent=4, sort=False),
+            self.leaf.seed_txt: "".join(f"{seed} " for seed in seeds).encode(),
+            self.leaf.seeds_txt: "".join(f"{seed}\n" for seed in seeds).encode(),
+        }
+
+    def files(self) -> dict[str, JSON]:
+        """Every file of the leaf below `out`, with size and SHA-256."""
+        listed: dict[str, JSON] = {}
+        for entry in self.accepted:
+            stored = entry["files"]
+            assert isinstance(stored, Mapping)
+            listed |= {f"{self.leaf.name}/{name}": facts for name, facts in stored.items()}
+        for path, data in self.side_files().items():
+            listed[path.relative_to(self.leaf.out).as_posix()] = FileFacts.of(data).to_json()
+        return listed
+
+    def entry(self) -> dict[str, JSON]:
+        """The leaf's part of the manifest."""
+        header, accepted = self.header, self.accepted
+        reasons = Counter(str(e["reason"]) for e in self.attempts if e["verdict"] == "rejected")
+        copied = ("task", "embodiment", "layout", "first_seed", "only", "overrides")
+        copied += ("cameras", "assets", "versions")
+        return {
+            **{key: header[key] for key in copied},
+            "config": header["protocol"],
+            "domain": {"name": header["domain_name"], "digest": header["domain_digest"]},
+            "episodes": len(accepted),
+            "frames": sum(_count(entry["frames"]) for entry in accepted),
+            "seeds": [entry["seed"] for entry in accepted],
+            "attempts": [_attempt(entry) for entry in self.attempts],
+            "rejections": dict(sorted(reasons.items())),
+            "journal": {"entries": len(self.lines), "check": self.lines[-1].check},
+        }
+
+
+def _count(value: JSON) -> int:
+    assert isinstance(value, int)
+    return value
+
+
+def _attempt(entry: Entry) -> dict[str, JSON]:
+    kept = {"seed": entry["seed"], "verdict": entry["verdict"]}
+    return kept if entry["verdict"] == "accepted" else {**kept, "reason": entry["reason"]}
+
+
+def manifest_of(histories: Sequence[LeafHistory]) -> bytes:
+    """`manifest.json` of all leaves; the same bytes for the same journals."""
+    domains = {str(h.header["domain_digest"]): h.header["domain"] for h in histories}
+    listed: dict[str, JSON] = {}
+    for history in histories:
+        listed |= history.files()
+    return pretty(
+        {
+            "schema_version": MANIFEST_VERSION,
+            "dataset_version": DATASET_VERSION,
+            "leaves": {history.leaf.name: history.entry() for history in histories},
+            "domains": domains,
+            "files": listed,
+        }
+    )
+
+
+def leaf_of(out: Path, header: Entry) -> Leaf:
+    """The leaf that a journal's first line describes."""
+    return Leaf(
+        out,
+        config=str(header["protocol"]),
+        task=str(header["task"]),
+        embodiment=str(header["embodiment"]),
+        layout=str(header["layout"]),
+    )
+
+
+def journals_below(out: Path) -> list[Path]:
+    """Journal files of both layouts, sorted by leaf."""
+    found = [*out.glob(f"*/*/*/{JOURNAL}"), *out.glob(f"*/*/{JOURNAL}")]
+    return sorted(found, key=lambda path: path.parent.relative_to(out).as_posix())

@@ -1,0 +1,204 @@
+"""The JSON files of a dataset as typed, versioned models; also the source of their JSON Schemas."""
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
+
+from rtphys.errors import RtphysError
+
+PHYS_META_VERSION = "1.0"
+MANIFEST_VERSION = "1.0"
+DATASET_VERSION = "1.0"  # raised by any change that alters what an accepted seed looks like
+
+Seed = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(ge=0)]
+Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+Vector3 = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Quaternion = Annotated[list[FiniteFloat], Field(min_length=4, max_length=4)]
+
+
+class SchemaError(RtphysError):
+    """JSON that breaks its schema; one clause per problem, naming the place."""
+
+    def __init__(self, what: str, error: ValidationError) -> None:
+        self.problems = [
+            f"{'.'.join(map(str, item['loc'])) or 'top level'}: {item['msg'].lower()}"
+            for item in error.errors()
+        ]
+        super().__init__(f"{what} breaks its schema: {'; '.join(self.problems)}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _rebuild, (self.args, self.__dict__)
+
+
+def _rebuild(args: tuple[object, ...], state: dict[str, object]) -> SchemaError:
+    error = SchemaError.__new__(SchemaError, *args)
+    error.__dict__.update(state)
+    return error
+
+
+class Model(BaseModel):
+    """A closed record: an unknown key is a mistake, not an extension."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class DomainName(Model):
+    """Which domain the physics was drawn from."""
+
+    name: str
+    digest: str
+
+
+class AttributeLabel(Model):
+    """One of the 13 physical attributes, in force during the whole episode."""
+
+    value: FiniteFloat | list[FiniteFloat] | None = Field(description="null: the asset's own value")
+    unit: str
+    varied: bool = Field(description="false: nominal in this episode")
+
+
+class Readback(Model):
+    """What the simulator said after everything was applied. Keys are names of the scene."""
+
+    bodies: dict[str, dict[str, JsonValue]] = Field(default={}, description="mass, inertia, com")
+    surfaces: dict[str, dict[str, JsonValue]] = Field(default={}, description="friction, ...")
+    joints: dict[str, dict[str, JsonValue]] = Field(default={}, description="damping, friction")
+    servos: dict[str, dict[str, JsonValue]] = Field(default={}, description="stiffness, damping")
+    table: dict[str, JsonValue] = Field(default={}, description="tilt_deg, height")
+    scale: dict[str, JsonValue] = {}
+    external_force: dict[str, JsonValue] = Field(default={}, description="per body [N], world")
+
+
+class CameraPose(Model):
+    """Camera in the world at the first frame: x forward, y left, z up."""
+
+    position: Vector3 = Field(description="m")
+    quaternion_wxyz: Quaternion
+
+
+class Verdict(Model):
+    """Why the episode counts."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, strict=True)
+
+    accepted: bool
+    first_success_time: FiniteFloat | None = Field(default=None, description="s")
+    held: bool | None = Field(default=None, description="success still held at the end")
+    stages: list[JsonValue] = []
+
+
+class PhysMeta(Model):
+    """`phys_meta/episode_*.json`: the physics of one episode as the contact solver had it."""
+
+    schema_version: Literal["1.0"] = PHYS_META_VERSION
+    seed: Seed
+    task: str
+    protocol: str
+    episode: Count
+    domain: DomainName
+    attributes: Annotated[dict[str, AttributeLabel], Field(min_length=1)]
+    draws: dict[str, JsonValue] = Field(default={}, description="camera_mode, redraws, ...")
+    readback: Readback
+    cameras: dict[str, CameraPose]
+    verdict: Verdict
+    recipe: dict[str, JsonValue]
+    versions: dict[str, str]
+    state_hash: str
+
+
+class SceneEntry(Model):
+    """One episode of `scene_info.json`, the official keys."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, strict=True)
+
+    cluttered_table_info: list[dict[str, JsonValue]] = []
+    texture_info: dict[str, JsonValue] = {}
+    info: dict[str, JsonValue] = {}
+
+
+class Instructions(Model):
+    """`instruction/*.json`."""
+
+    seen: list[str]
+    unseen: list[str]
+
+
+class FileEntry(Model):
+    """One file of the dataset."""
+
+    size: Count
+    sha256: Sha256
+
+
+class AttemptEntry(Model):
+    """One seed that was tried."""
+
+    seed: Seed
+    verdict: Literal["accepted", "rejected"]
+    reason: str | None = None
+
+
+class JournalState(Model):
+    """How much of the leaf's journal this manifest tells."""
+
+    entries: Count
+    check: Sha256
+
+
+class LeafEntry(Model):
+    """One task under one configuration."""
+
+    task: str
+    config: str
+    embodiment: str
+    layout: Literal["native", "legacy"]
+    episodes: Count
+    frames: Count
+    first_seed: Seed
+    seeds: list[Seed] = Field(description="accepted, ascending; entry i is episode i")
+    attempts: list[AttemptEntry]
+    rejections: dict[str, Count]
+    domain: DomainName
+    only: list[str] | None
+    overrides: dict[str, JsonValue]
+    cameras: list[str]
+    assets: dict[str, str]
+    versions: dict[str, str]
+    journal: JournalState
+
+
+class Manifest(Model):
+    """`manifest.json`: everything needed to check the dataset and to make it again."""
+
+    schema_version: Literal["1.0"] = MANIFEST_VERSION
+    dataset_version: str = DATASET_VERSION
+    leaves: dict[str, LeafEntry] = Field(description="by folder below the manifest")
+    domains: dict[str, dict[str, JsonValue]] = Field(description="resolved, by digest")
+    files: dict[str, FileEntry] = Field(description="by path below the manifest")
+
+
+MODELS: dict[str, type[BaseModel]] = {
+    "phys_meta": PhysMeta,
+    "manifest": Manifest,
+    "scene_info": SceneEntry,
+    "instruction": Instructions,
+}
+
+
+def check(name: str, value: object) -> BaseModel:
+    """Validates against one of `MODELS`. Raises `SchemaError`."""
+    try:
+        return MODELS[name].model_validate(value)
+    except ValidationError as error:
+        raise SchemaError(name, error) from error
+
+
+def json_schema(name: str) -> dict[str, object]:
+    """JSON Schema (2020-12) of one of `MODELS`, with its version in `$id`."""
+    version = MANIFEST_VERSION if name == "manifest" else PHYS_META_VERSION
+    head = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": f"https://rtphys.dev/schemas/{name}-{version}.json",
+    }
+    return {**head, **MODELS[name].model_json_schema()}

@@ -1,0 +1,124 @@
+"""A dataset folder open for writing: the lock, the leaves, the manifest."""
+
+import time
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+
+from rtphys.data import files
+from rtphys.data.conditions import Conditions
+from rtphys.data.faults import CannotWrite, DatasetMismatch
+from rtphys.data.files import replace_file
+from rtphys.data.journal import read_journal
+from rtphys.data.json_text import parse_mapping
+from rtphys.data.layout import MANIFEST
+from rtphys.data.leaf_writer import Rejection, TaskWriter
+from rtphys.data.lock import FolderLock
+from rtphys.data.manifest import LeafHistory, journals_below, leaf_of, manifest_of
+from rtphys.data.schema import MANIFEST_VERSION
+from rtphys.data.staging import StagedEpisode, stage_episode
+
+__all__ = ["DatasetWriter", "Rejection", "StagedEpisode", "TaskWriter", "stage_episode"]
+
+CHECKPOINT_SECONDS = 20.0  # how far the manifest may lag behind the journals
+
+
+class DatasetWriter:
+    """Use as a context manager in the supervising process.
+
+    At every instant the journals and the files they list are a valid dataset; the manifest follows
+    at checkpoints and tells a prefix of it.
+
+        with DatasetWriter(out) as dataset:
+            task = dataset.task(conditions, episodes=10)
+            while not task.done:
+                seed = task.next_seed
+                ...                                # in any process:
+                staged = stage_episode(task.staging(seed), episode)
+                task.record(staged)                # or task.record(Rejection(seed, reason))
+                dataset.checkpoint_if_due()
+    """
+
+    def __init__(self, out: str | Path, *, resume: bool = True) -> None:
+        """Locks the folder, making it if needed.
+
+        Raises:
+            CannotWrite, DatasetLocked, DatasetMismatch (the manifest is of another version),
+            BadFile (there is a `manifest.json` that is no dataset's).
+        """
+        self.out = Path(out)
+        self.resume = resume
+        self._tasks: dict[str, TaskWriter] = {}
+        self._saved = time.monotonic()
+        files.make_folder(self.out)
+        self._lock = FolderLock(self.out)
+        try:
+            self._check_manifest()
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _check_manifest(self) -> None:
+        path = self.out / MANIFEST
+        if path.exists():
+            found = parse_mapping(files.read(path), path).get("schema_version")
+            if found != MANIFEST_VERSION:
+                clause = f"manifest version was {found!r}, now {MANIFEST_VERSION!r}"
+                raise DatasetMismatch(self.out, [clause])
+
+    def task(self, conditions: Conditions, episodes: int) -> TaskWriter:
+        """Opens one leaf, continuing what is there.
+
+        Raises:
+            DatasetMismatch: it was collected under other conditions.
+            DatasetExists: it has attempts and `resume` is False.
+            BadFile: its journal is damaged, or a listed file is missing.
+        """
+        leaf = conditions.leaf(self.out)
+        writer = self._tasks.get(leaf.name) or TaskWriter(leaf, conditions, resume=self.resume)
+        writer.wanted = episodes
+        self._tasks[leaf.name] = writer
+        return writer
+
+    def histories(self) -> list[LeafHistory]:
+        """All leaves of the folder, also those of earlier runs."""
+        read = [read_journal(path).lines for path in journals_below(self.out)]
+        return [LeafHistory(leaf_of(self.out, lines[0].entry), lines) for lines in read if lines]
+
+    def checkpoint(self) -> None:
+        """Writes side files and manifest of what the journals hold. Raises `CannotWrite`."""
+        histories = self.histories()
+        if not histories:  # refused before any work: leave nothing behind
+            return
+        for history in histories:
+            for path, data in history.side_files().items():
+                replace_file(path, data)
+        replace_file(self.out / MANIFEST, manifest_of(histories))
+        self._saved = time.monotonic()
+
+    def checkpoint_if_due(self) -> None:
+        """Cheap enough to be called after every attempt."""
+        if time.monotonic() - self._saved >= CHECKPOINT_SECONDS:
+            self.checkpoint()
+
+    def close(self) -> None:
+        """Last checkpoint, then unlocks, also when the checkpoint fails."""
+        try:
+            for writer in self._tasks.values():
+                writer.discard()
+            self.checkpoint()
+        finally:
+            self._lock.release()
+
+    def __enter__(self) -> "DatasetWriter":
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        # The first error is the one to show; a full disk also fails the last checkpoint.
+        with suppress(*([CannotWrite] if error else [])):
+            self.close()

@@ -1,0 +1,112 @@
+"""Small episodes without a simulator: everything is a function of (seed, frames)."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rtphys.data.conditions import Conditions
+from rtphys.data.episode import CameraFrames, Episode, Frames, Images
+from rtphys.seeds import stream
+
+CAMERAS = ("head_camera", "left_camera", "right_camera")
+HEIGHT, WIDTH = 48, 64
+JOINTS = tuple(f"f{side}_joint{k}" for side in "lr" for k in range(1, 9))
+
+
+def poses(rng: np.random.Generator, frames: int) -> np.ndarray:
+    """(T, 7) xyz + unit wxyz, a smooth line."""
+    turn = rng.normal(size=4)
+    start, step = rng.normal(size=3), rng.normal(size=3) / 100
+    line = start + np.arange(frames)[:, None] * step
+    return np.column_stack([line, np.tile(turn / np.linalg.norm(turn), (frames, 1))])
+
+
+def camera(rng: np.random.Generator, frames: int) -> CameraFrames:
+    """A camera that moves along x, its three matrices in agreement."""
+    K = np.array([[60.0, 0, WIDTH / 2], [0, 60.0, HEIGHT / 2], [0, 0, 1]])
+    gl = np.tile(np.eye(4), (frames, 1, 1))
+    gl[:, :3, 3] = rng.normal(size=3)
+    gl[:, 0, 3] += np.arange(frames) / 100
+    extrinsic = np.linalg.inv(gl @ np.diag([1.0, -1, -1, 1]))[:, :3]
+    return CameraFrames(np.tile(K, (frames, 1, 1)), extrinsic, gl)
+
+
+def frames_of(seed: int, frames: int = 8) -> Frames:
+    rng = stream(seed, "synthetic")
+    n = len(JOINTS)
+    return Frames(
+        time=np.arange(frames) * 0.06,
+        left_arm=rng.normal(size=(frames, 6)),
+        right_arm=rng.normal(size=(frames, 6)),
+        left_gripper=np.linspace(1, 0, frames),
+        right_gripper=np.linspace(0, 1, frames),
+        left_endpose=poses(rng, frames),
+        right_endpose=poses(rng, frames),
+        qpos=rng.normal(size=(frames, n)),
+        qvel=rng.normal(size=(frames, n)),
+        effort=rng.normal(size=(frames, n)),
+        joint_names=JOINTS,
+        object_poses={"bell": poses(rng, frames)},
+        contacts={"bell": rng.random((frames, 2)) > 0.5},
+        stage=np.arange(frames) * 2 // frames,
+        stages=("reach", "press"),
+        cameras={name: camera(rng, frames) for name in CAMERAS},
+    )
+
+
+def pictures(seed: int, frames: int = 8) -> Iterator[Images]:
+    """Red left, green middle, blue right, and a square that moves."""
+    shade = 200 + seed % 50
+    for t in range(frames):
+        picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+        for channel in range(3):
+            first = channel * WIDTH // 3
+            picture[:, first : first + WIDTH // 3, channel] = shade
+        picture[8:16, 2 * t : 2 * t + 8] = 255
+        yield {name: picture.copy() for name in CAMERAS}
+
+
+def phys_meta(seed: int) -> dict[str, object]:
+    return {
+        "seed": seed,
+        "task": "click_bell",
+        "protocol": "phys_random",
+        "domain": {"name": "global", "digest": "d" * 64},
+        "attributes": {
+            "friction": {"value": 0.1 + seed % 7 / 10, "unit": "1", "varied": True},
+            "center_of_mass": {"value": (0.001, -0.002, 0.003), "unit": "m", "varied": True},
+            "object_joint_damping": {"value": None, "unit": "N m s/rad", "varied": False},
+        },
+        "draws": {"camera_mode": "orbit", "center_of_mass_redraws": 0},
+        "readback": {"bodies": {"bell": {"mass": np.float32(0.25), "inertia": [1e-4] * 3}}},
+        "cameras": {"head_camera": {"position": [0, 0.5, 1.2], "quaternion_wxyz": [1, 0, 0, 0]}},
+        "verdict": {"accepted": True, "first_success_time": 2.5, "held": True, "stages": ["press"]},
+        "versions": {"rtphys": "0.1.0"},
+        "state_hash": f"{seed:064x}",
+    }
+
+
+def episode(seed: int, frames: int = 8) -> Episode:
+    return Episode(
+        recipe={"task": "click_bell", "seed": seed},
+        frames=frames_of(seed, frames),
+        phys_meta=phys_meta(seed),  # type: ignore[arg-type]
+        instructions={"seen": ["ring the bell", "läute die Glocke"], "unseen": ["press it"]},
+        scene_info={"info": {"{A}": "050_bell/base0", "{a}": "left"}},
+        images=pictures(seed, frames),
+    )
+
+
+def conditions(layout: str = "native", task: str = "click_bell") -> Conditions:
+    return Conditions(
+        task=task,
+        protocol="phys_random",
+        first_seed=0,
+        domain_name="global",
+        domain_digest="d" * 64,
+        domain={"friction": {"uniform": [0.01, 1.25]}},
+        cameras=CAMERAS,
+        versions={"rtphys": "0.1.0", "sapien": "3.0.3"},
+        assets={"pack": "builtin", "digest": "a" * 64},
+        layout=layout,
+    )
