@@ -66,8 +66,8 @@ class Attribute(Generic[Target, Label]):
         """
         if value is None and self.nominal is None:
             return
-        shaped = isinstance(value, tuple) and len(value) == self.size
-        if (self.size > 1) != shaped or value not in self.valid:
+        components = len(value) if isinstance(value, tuple) else 1
+        if components != self.size or value not in self.valid:
             parts = f"{self.size} numbers, each" if self.size > 1 else "a number"
             raise BadValue(self.key, value, f"it is {parts} in {self.valid} {self.unit}", where)
 

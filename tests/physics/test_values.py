@@ -1,0 +1,68 @@
+"""Physics: immutable, exact in JSON, and it travels between processes."""
+
+import json
+import pickle
+
+import pytest
+
+from rtphys.errors import BadValue, UnknownName
+from rtphys.physics import Physics, load_domain, parse_overrides
+
+
+def test_json_round_trip_is_exact():
+    for seed in range(50):
+        physics = load_domain("global").sample(seed)
+        again = Physics.from_json(json.loads(json.dumps(physics.to_json())))
+        assert again == physics
+        assert hash(again) == hash(physics)
+
+
+def test_pickle_round_trip():
+    physics = load_domain("global").sample(3)
+    assert pickle.loads(pickle.dumps(physics)) == physics
+
+
+def test_immutable():
+    physics = load_domain("global").sample(3)
+    with pytest.raises(TypeError):
+        physics["friction"] = 1.0  # type: ignore[index]
+    with pytest.raises(AttributeError):
+        physics.more = 1  # type: ignore[attr-defined]
+
+
+def test_scalar_and_vector():
+    clean = load_domain("global").sample(1, only=[])
+    assert clean.scalar("object_mass") == 1.0
+    assert clean.scalar("friction", 0.5) == 0.5
+    assert clean.vector("center_of_mass") == (0, 0, 0)
+    with pytest.raises(TypeError, match="friction is None"):
+        clean.scalar("friction")
+    with pytest.raises(TypeError, match="not a vector"):
+        clean.vector("object_mass")
+
+
+@pytest.mark.parametrize("bad", [{}, {"values": 3}, {"values": {"friction": {}}}])
+def test_what_is_not_physics_is_refused(bad):
+    with pytest.raises(ValueError, match=r"physics needs|neither"):
+        Physics.from_json(bad)
+
+
+def test_command_line_values():
+    texts = ["friction=0.2", "center_of_mass=0,0,0.01", "camera_mode=orbit"]
+    assert parse_overrides(texts) == {
+        "friction": 0.2,
+        "center_of_mass": (0.0, 0.0, 0.01),
+        "camera_mode": "orbit",
+    }
+    with pytest.raises(UnknownName, match="did you mean 'restitution'"):
+        parse_overrides(["restitutoin=0.2"])
+    for text, words in {
+        "friction": "write key=value",
+        "friction=ice": "it needs a number",
+        "friction=9": "it is a number in",
+        "friction=nan": "it is a number in",
+        "center_of_mass=0,0": "it is 3 numbers",
+        "camera_mode=pan": "it is one of orbit, shift, rotate",
+    }.items():
+        with pytest.raises(BadValue, match=words):
+            parse_overrides([text])
