@@ -30,6 +30,8 @@ class Model:
     contact_points: tuple[Array, ...]  # (4, 4) object frame <- point, [m]
     functional_points: tuple[Array, ...]  # (4, 4) likewise
     mass_kg: float | None  # None in the official pack, which has no masses
+    center_of_mass: Array | None  # (3,) [m] object frame, None where mass_kg is
+    inertia: Array | None  # (3, 3) [kg m^2] about the centre of mass, object axes
     material: str
     density: float | None  # [kg/m^3] mean over the solid
     friction: float | None  # nominal coefficient, static = dynamic
@@ -108,6 +110,8 @@ def read_model(folder: Path, index: int) -> Model:
             contact_points=_matrices(data.get("contact_points_pose"), scale),
             functional_points=_matrices(data.get("functional_matrix"), scale),
             mass_kg=_number(data.get("mass_kg")),
+            center_of_mass=_array(data.get("center_of_mass"), (3,)),
+            inertia=_array(data.get("inertia"), (3, 3)),
             material=str(data.get("material", "")),
             density=_number(data.get("density")),
             friction=_number(data.get("friction")),
@@ -178,6 +182,15 @@ def _link_points(value: object, scale: float) -> tuple[LinkPoint, ...]:
 
 def _number(value: object) -> float | None:
     return float(value) if isinstance(value, int | float) else None
+
+
+def _array(value: object, shape: tuple[int, ...]) -> Array | None:
+    if value is None:
+        return None
+    array = frozen(value)
+    if array.shape != shape:
+        raise ValueError(f"expected numbers of shape {shape}, not {array.shape}")
+    return array
 
 
 def _words(value: object) -> tuple[str, ...]:

@@ -1,0 +1,31 @@
+"""PNG without compression: the same bytes on every machine, whichever zlib it has."""
+
+import struct
+import zlib
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def png_bytes(picture: NDArray[np.uint8]) -> bytes:
+    """Encode (h, w, 3) RGB, 8 bit."""
+    height, width, _ = picture.shape
+    rows = np.zeros((height, 1 + 3 * width), np.uint8)  # each row starts with filter type 0
+    rows[:, 1:] = picture.reshape(height, -1)
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    body = _chunk(b"IHDR", header) + _chunk(b"IDAT", _stored(rows.tobytes()))
+    return b"\x89PNG\r\n\x1a\n" + body + _chunk(b"IEND", b"")
+
+
+def _stored(data: bytes) -> bytes:
+    """A zlib stream of stored blocks; compressors differ between zlib builds, this cannot."""
+    out = [b"\x78\x01"]
+    for start in range(0, len(data), 0xFFFF):
+        block = data[start : start + 0xFFFF]
+        last = start + 0xFFFF >= len(data)
+        out += [struct.pack("<BHH", last, len(block), len(block) ^ 0xFFFF), block]
+    return b"".join([*out, struct.pack(">I", zlib.adler32(data))])
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
