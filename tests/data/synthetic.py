@@ -6,9 +6,11 @@ import numpy as np
 
 from rtphys.data.conditions import Conditions
 from rtphys.data.episode import CameraFrames, Episode, Frames, Images
+from rtphys.physics import after, attributes, load_domain
 from rtphys.seeds import stream
 
 CAMERAS = ("head_camera", "left_camera", "right_camera")
+DOMAIN = load_domain("global")
 HEIGHT, WIDTH = 48, 64
 JOINTS = tuple(f"f{side}_joint{k}" for side in "lr" for k in range(1, 9))
 
@@ -67,17 +69,17 @@ def pictures(seed: int, frames: int = 8) -> Iterator[Images]:
 
 
 def phys_meta(seed: int) -> dict[str, object]:
+    physics = DOMAIN.sample(seed, inside=after(seed % 3))
     return {
         "seed": seed,
         "task": "click_bell",
         "protocol": "phys_random",
-        "domain": {"name": "global", "digest": "d" * 64},
+        "domain": {"name": DOMAIN.name, "digest": DOMAIN.digest},
         "attributes": {
-            "friction": {"value": 0.1 + seed % 7 / 10, "unit": "1", "varied": True},
-            "center_of_mass": {"value": (0.001, -0.002, 0.003), "unit": "m", "varied": True},
-            "object_joint_damping": {"value": None, "unit": "N m s/rad", "varied": False},
+            key: {"value": physics[key], "unit": known.unit, "varied": key in physics.varied}
+            for key, known in attributes().items()
         },
-        "draws": {"camera_mode": "orbit", "center_of_mass_redraws": 0},
+        "draws": {key: physics[key] for key in physics if key not in attributes()},
         "readback": {"bodies": {"bell": {"mass": np.float32(0.25), "inertia": [1e-4] * 3}}},
         "cameras": {"head_camera": {"position": [0, 0.5, 1.2], "quaternion_wxyz": [1, 0, 0, 0]}},
         "verdict": {"accepted": True, "first_success_time": 2.5, "held": True, "stages": ["press"]},
@@ -90,7 +92,7 @@ def episode(seed: int, frames: int = 8) -> Episode:
     return Episode(
         recipe={"task": "click_bell", "seed": seed},
         frames=frames_of(seed, frames),
-        phys_meta=phys_meta(seed),  # type: ignore[arg-type]
+        phys_meta=phys_meta(seed),
         instructions={"seen": ["ring the bell", "läute die Glocke"], "unseen": ["press it"]},
         scene_info={"info": {"{A}": "050_bell/base0", "{a}": "left"}},
         images=pictures(seed, frames),
@@ -102,9 +104,9 @@ def conditions(layout: str = "native", task: str = "click_bell") -> Conditions:
         task=task,
         protocol="phys_random",
         first_seed=0,
-        domain_name="global",
-        domain_digest="d" * 64,
-        domain={"friction": {"uniform": [0.01, 1.25]}},
+        domain_name=DOMAIN.name,
+        domain_digest=DOMAIN.digest,
+        domain=DOMAIN.to_json(),
         cameras=CAMERAS,
         versions={"rtphys": "0.1.0", "sapien": "3.0.3"},
         assets={"pack": "builtin", "digest": "a" * 64},

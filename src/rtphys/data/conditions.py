@@ -20,12 +20,12 @@ class Conditions:
     first_seed: int
     domain_name: str
     domain_digest: str
-    domain: Mapping[str, JSON]  # resolved
+    domain: Mapping[str, object]  # resolved, `Domain.to_json()`
     cameras: tuple[str, ...]  # official names, such as head_camera
     versions: Mapping[str, str]  # rtphys, sapien, numpy, python, ...
     assets: Mapping[str, str]  # pack, digest
     only: tuple[str, ...] | None = None
-    overrides: Mapping[str, JSON] = field(default_factory=dict)
+    overrides: Mapping[str, object] = field(default_factory=dict)
     embodiment: str = EMBODIMENT
     layout: str = "native"
 

@@ -112,9 +112,9 @@ class Episode:
     encoded. Each item needs fresh arrays: a buffer that the renderer overwrites would tear.
     """
 
-    recipe: Mapping[str, JSON]
+    recipe: Mapping[str, object]
     frames: Frames
-    phys_meta: Mapping[str, JSON]  # schema.PhysMeta without `episode`, which commit knows
+    phys_meta: Mapping[str, object]  # schema.PhysMeta without `episode`, which commit knows
     instructions: Mapping[str, Sequence[str]]  # {"seen": [...], "unseen": [...]}
-    scene_info: Mapping[str, JSON]  # one entry: cluttered_table_info, texture_info, info
+    scene_info: Mapping[str, object]  # one entry: cluttered_table_info, texture_info, info
     images: Iterable[Images] = field(repr=False)

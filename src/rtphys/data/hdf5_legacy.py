@@ -19,24 +19,31 @@ def legacy_bytes(frames: Frames, images: EncodedImages) -> bytes:
     """The file's bytes."""
 
     def fill(file: h5py.File) -> None:
-        for arm in ARMS:
-            opening = np.asarray(getattr(frames, f"{arm}_gripper"), np.float64)
-            joints = np.asarray(getattr(frames, f"{arm}_arm"), np.float64)
-            put(file, f"joint_action/{arm}_arm", joints)
-            put(file, f"joint_action/{arm}_gripper", opening)
-            pose = np.asarray(getattr(frames, f"{arm}_endpose"), np.float64)
-            put(file, f"endpose/{arm}_endpose", pose)
-            put(file, f"endpose/{arm}_gripper", opening)
-        put(file, "joint_action/vector", frames.vector)
-        put(file, "pointcloud", np.zeros((len(frames), 0)))
+        for key, value in unshifted(frames).items():
+            put(file, key, value)
         for name, streams in images.jpegs.items():
-            camera = file.create_group(f"observation/{name}")
-            put(camera, "rgb", jpeg.padded(streams))
-            for key in CALIBRATION:
-                put(camera, key, np.asarray(getattr(frames.cameras[name], key), np.float32))
+            put(file, f"observation/{name}/rgb", jpeg.padded(streams))
         write_record(file, frames)
 
     return build(fill)
+
+
+def unshifted(frames: Frames) -> dict[str, np.ndarray]:
+    """Every official array that follows from the frames, T rows, by path in the file."""
+    found: dict[str, np.ndarray] = {}
+    for arm in ARMS:
+        opening = np.asarray(getattr(frames, f"{arm}_gripper"), np.float64)
+        found[f"joint_action/{arm}_arm"] = np.asarray(getattr(frames, f"{arm}_arm"), np.float64)
+        found[f"joint_action/{arm}_gripper"] = found[f"endpose/{arm}_gripper"] = opening
+        pose = np.asarray(getattr(frames, f"{arm}_endpose"), np.float64)
+        found[f"endpose/{arm}_endpose"] = pose
+    found["joint_action/vector"] = frames.vector
+    found["pointcloud"] = np.zeros((len(frames), 0))
+    for name, camera in frames.cameras.items():
+        for key in CALIBRATION:
+            matrices = np.asarray(getattr(camera, key), np.float32)
+            found[f"observation/{name}/{key}"] = matrices
+    return found
 
 
 def read_legacy(file: h5py.File) -> tuple[Frames, EncodedImages]:

@@ -40,35 +40,38 @@ def native_bytes(
         put(file, "instruction", sentences[0])
         put(file, "instructions", json.dumps(sentences, ensure_ascii=False))
         put(file, "additional_info/frequency", np.int32(FRAME_STEPS))
-        for part, rows in (("state", slice(0, -1)), ("action", slice(1, None))):
-            _write_motion(file.create_group(part), frames, rows)
+        for key, value in shifted(frames).items():
+            put(file, key, value)
         write_record(file, frames)
         for name in images.jpegs:
-            _write_camera(file, name, frames, images)
+            _write_pictures(file, name, images)
 
     return build(fill)
 
 
-def _write_motion(part: h5py.Group, frames: Frames, rows: slice) -> None:
-    for arm in ARMS:
-        joints = np.asarray(getattr(frames, f"{arm}_arm"), np.float32)[rows]
-        opening = np.asarray(getattr(frames, f"{arm}_gripper"), np.float32)[rows, None]
-        pose = np.asarray(getattr(frames, f"{arm}_endpose"), np.float32)[rows]
-        put(part, f"{arm}_arm_joint_states", joints)
-        put(part, f"{arm}_ee_joint_states", opening)  # (R, 1) in native files, not (R,)
-        put(part, f"{arm}_ee_poses", pose)
+def shifted(frames: Frames) -> dict[str, np.ndarray]:
+    """Every official array that follows from the frames: float32, R rows, by path in the file."""
+    found: dict[str, np.ndarray] = {}
+    for part, rows in (("state", slice(0, -1)), ("action", slice(1, None))):
+        for arm in ARMS:
+            opening = np.asarray(getattr(frames, f"{arm}_gripper"))[:, None]  # (R, 1), not (R,)
+            found[f"{part}/{arm}_arm_joint_states"] = getattr(frames, f"{arm}_arm")[rows]
+            found[f"{part}/{arm}_ee_joint_states"] = opening[rows]
+            found[f"{part}/{arm}_ee_poses"] = getattr(frames, f"{arm}_endpose")[rows]
+    for name, camera in frames.cameras.items():
+        vision = f"vision/{CAMERA_KEYS[name]}"
+        found[f"{vision}/intrinsic_matrix"] = camera.intrinsic_cv[:-1]
+        # Named `extrinsics` but holding the OpenGL camera-to-world pose, as upstream has it.
+        found[f"{vision}/extrinsics_matrix"] = camera.cam2world_gl[:-1]
+    return {key: np.asarray(value, np.float32) for key, value in found.items()}
 
 
-def _write_camera(file: h5py.File, name: str, frames: Frames, images: EncodedImages) -> None:
-    vision = file.create_group(f"vision/{CAMERA_KEYS[name]}")
-    streams, camera = images.jpegs[name], frames.cameras[name]
-    put(vision, "colors", jpeg.padded(streams[:-1]), {"channel_order": jpeg.CHANNEL_ORDER})
-    put(vision, "shape", np.array(images.shapes[name], np.int32))
-    put(vision, "intrinsic_matrix", np.asarray(camera.intrinsic_cv, np.float32)[:-1])
-    # Named `extrinsics` but holding the OpenGL camera-to-world pose, as upstream has it.
-    put(vision, "extrinsics_matrix", np.asarray(camera.cam2world_gl, np.float32)[:-1])
-    last = {"channel_order": jpeg.CHANNEL_ORDER}
-    put(file, f"{GROUP}/last/{name}", np.bytes_(streams[-1]), last)
+def _write_pictures(file: h5py.File, name: str, images: EncodedImages) -> None:
+    vision, streams = f"vision/{CAMERA_KEYS[name]}", images.jpegs[name]
+    order = {"channel_order": jpeg.CHANNEL_ORDER}
+    put(file, f"{vision}/colors", jpeg.padded(streams[:-1]), order)
+    put(file, f"{vision}/shape", np.array(images.shapes[name], np.int32))
+    put(file, f"{GROUP}/last/{name}", np.bytes_(streams[-1]), order)
 
 
 def read_native(file: h5py.File) -> tuple[Frames, EncodedImages, dict[str, list[str]]]:

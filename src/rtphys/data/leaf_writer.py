@@ -27,7 +27,9 @@ class Rejection:
     seed: int
     reason: str
     detail: str = ""  # deterministic text: it enters the journal
-    physics: Mapping[str, JSON] = field(default_factory=dict)  # attribute -> value, for the report
+    physics: Mapping[str, object] = field(
+        default_factory=dict
+    )  # attribute -> value, for the report
 
 
 class TaskWriter:

@@ -1,0 +1,77 @@
+"""Whether the four files of an episode are sound and agree with each other and the manifest."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtphys.data import files, schema, video
+from rtphys.data.check_hdf5 import Hdf5Facts, check_hdf5
+from rtphys.data.check_tree import Findings
+from rtphys.data.json_text import parse_mapping
+from rtphys.data.layout import EpisodePaths
+from rtphys.data.schema import Instructions, LeafEntry, PhysMeta
+from rtphys.errors import BadFile
+
+
+@dataclass(frozen=True)
+class EpisodeClaim:
+    """What the manifest says of an episode."""
+
+    leaf: LeafEntry
+    number: int
+    seed: int | None  # None: newer than the manifest
+
+
+def check_episode(
+    paths: EpisodePaths, claim: EpisodeClaim, findings: Findings, *, decode: bool
+) -> PhysMeta | None:
+    """Adds what is wrong to `findings`; returns the label when it is readable."""
+    facts = check_hdf5(paths.hdf5, claim.leaf.layout, decode=decode)
+    for text in facts.problems:
+        findings.problem(paths.hdf5, text)
+    _check_video(paths.video, facts, findings)
+    words = _model("instruction", paths.instruction, findings)
+    if isinstance(words, Instructions) and facts.seen and words.seen not in ([], [*facts.seen]):
+        findings.problem(paths.instruction, "its sentences are not those in the HDF5 file")
+    meta = _model("phys_meta", paths.phys_meta, findings)
+    if not isinstance(meta, PhysMeta):
+        return None
+    _check_meta(meta, paths.phys_meta, claim, findings)
+    if facts.frames is not None and set(meta.cameras) - set(claim.leaf.cameras):
+        findings.problem(paths.phys_meta, "names cameras that were not recorded")
+    return meta
+
+
+def _check_video(path: Path, facts: Hdf5Facts, findings: Findings) -> None:
+    try:
+        count = video.frame_count(files.read(path))
+    except (BadFile, video.BadVideo) as error:
+        findings.problem(path, getattr(error, "problem", str(error)))
+        return
+    if facts.frames is not None and count != len(facts.frames):
+        findings.problem(path, f"has {count} frames for {len(facts.frames)} recorded ones")
+
+
+def _model(name: str, path: Path, findings: Findings) -> object:
+    try:
+        return schema.check(name, parse_mapping(files.read(path), path))
+    except BadFile as error:
+        findings.problem(path, error.problem)
+    except schema.SchemaError as error:
+        for text in error.problems:
+            findings.problem(path, text)
+    return None
+
+
+def _check_meta(meta: PhysMeta, path: Path, claim: EpisodeClaim, findings: Findings) -> None:
+    leaf = claim.leaf
+    pairs = {
+        "episode": (meta.episode, claim.number),
+        "seed": (meta.seed, meta.seed if claim.seed is None else claim.seed),
+        "task": (meta.task, leaf.task),
+        "protocol": (meta.protocol, leaf.config),
+        "domain": (meta.domain, leaf.domain),
+        "verdict.accepted": (meta.verdict.accepted, True),
+    }
+    for key, (stored, expected) in pairs.items():
+        if stored != expected:
+            findings.problem(path, f"{key} is {stored!r}, the manifest says {expected!r}")

@@ -1,0 +1,174 @@
+"""Whether manifest, journals and folder tell one story; lists the files to look into."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtphys.data import files, schema
+from rtphys.data.episode import JSON
+from rtphys.data.files import FileFacts
+from rtphys.data.journal import START, Line, read_journal
+from rtphys.data.json_text import parse_mapping
+from rtphys.data.layout import JOURNAL, MANIFEST, STAGING, Leaf, episode_number
+from rtphys.data.manifest import LeafHistory, journals_below, leaf_of, manifest_of
+from rtphys.data.schema import LeafEntry, Manifest
+from rtphys.errors import BadFile
+
+
+@dataclass
+class Findings:
+    """What was found, in words: problems are damage, notes are not."""
+
+    problems: list[tuple[Path, str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def problem(self, path: Path, text: str) -> None:
+        self.problems.append((path, text))
+
+
+@dataclass(frozen=True)
+class ListedFile:
+    """A file that must exist; it may have one of several contents while the manifest lags."""
+
+    path: Path
+    allowed: tuple[FileFacts, ...]
+
+
+@dataclass
+class Tree:
+    """A dataset folder as its manifest and journals describe it."""
+
+    out: Path
+    manifest: Manifest
+    leaves: dict[str, Leaf] = field(default_factory=dict)
+    episodes: dict[str, int] = field(default_factory=dict)  # leaf -> number, journal included
+    files: dict[str, ListedFile] = field(default_factory=dict)  # by path below `out`
+
+
+def read_tree(out: Path, findings: Findings) -> Tree:
+    """Reads and cross-checks manifest and journals, and looks for files that nobody listed.
+
+    Raises:
+        BadFile: there is no dataset, or its manifest cannot be read at all.
+    """
+    path = out / MANIFEST
+    if not out.is_dir():
+        raise BadFile(out, "there is no such folder")
+    if not path.exists():
+        cure = " (a collection was stopped early; resume it)" if journals_below(out) else ""
+        raise BadFile(out, f"there is no {MANIFEST} here{cure}")
+    data = files.read(path)
+    try:
+        manifest = schema.check("manifest", parse_mapping(data, path))
+    except schema.SchemaError as error:
+        raise BadFile(path, "; ".join(error.problems)) from error
+    assert isinstance(manifest, Manifest)
+    tree = Tree(out, manifest)
+    histories = _histories(out, findings)
+    for name, entry in manifest.leaves.items():
+        tree.leaves[name] = Leaf(out, entry.config, entry.task, entry.embodiment, entry.layout)
+        if tree.leaves[name].name != name:
+            findings.problem(path, f"leaf {name!r} does not lie where its task and config say")
+    for name, facts in manifest.files.items():
+        listed = FileFacts(facts.size, facts.sha256)
+        tree.files[name] = ListedFile(out / name, (listed,))
+    tree.episodes = {name: entry.episodes for name, entry in manifest.leaves.items()}
+    _compare(tree, data, histories, findings)
+    _unlisted(tree, findings)
+    return tree
+
+
+def _histories(out: Path, findings: Findings) -> dict[str, LeafHistory]:
+    found: dict[str, LeafHistory] = {}
+    for path in journals_below(out):
+        try:
+            contents = read_journal(path)
+        except BadFile as error:
+            findings.problem(path, str(error).removeprefix(f"{path} "))
+            continue
+        if contents.torn_bytes:
+            findings.notes.append(f"{path}: a crash cut its last line short; resuming drops it")
+        if contents.lines:
+            leaf = leaf_of(out, contents.lines[0].entry)
+            if leaf.folder != path.parent:
+                findings.problem(path, f"belongs to {leaf.name}")
+            found[leaf.name] = LeafHistory(leaf, contents.lines)
+    return found
+
+
+def _compare(
+    tree: Tree, data: bytes, histories: Mapping[str, LeafHistory], findings: Findings
+) -> None:
+    """The manifest must be what the journals say, at some earlier moment if a run was cut off."""
+    past: list[LeafHistory] = []
+    complete = True
+    for name, entry in tree.manifest.leaves.items():
+        history = histories.get(name)
+        if history is None:
+            complete = False
+            findings.notes.append(f"{name}: there is no readable journal; it cannot be resumed")
+            _alone(tree, entry, name, findings)
+        elif _check_at(history.lines, entry.journal.entries) != entry.journal.check:
+            complete = False
+            findings.problem(history.leaf.journal, "does not hold the lines the manifest counted")
+        else:
+            past.append(history.until(entry.journal.entries))
+            _extend(tree, history, entry.journal.entries, findings)
+    if complete and manifest_of(past) != data:
+        text = "differs from what the journals say: it was changed after it was written"
+        findings.problem(tree.out / MANIFEST, text)
+    for name in histories.keys() - tree.manifest.leaves.keys():
+        findings.notes.append(f"{name}: was begun and is not in the manifest yet; resume it")
+
+
+def _check_at(lines: tuple[Line, ...] | list[Line] | object, count: int) -> str:
+    if not isinstance(lines, tuple | list) or len(lines) < count:
+        return ""
+    return lines[count - 1].check if count else START
+
+
+def _extend(tree: Tree, history: LeafHistory, counted: int, findings: Findings) -> None:
+    """Adds what the journal knows beyond the manifest."""
+    total = len(history.lines)
+    if total == counted:
+        return
+    name = history.leaf.name
+    findings.notes.append(
+        f"{name}: {total - counted} attempts are newer than the manifest; the run was cut off or "
+        "still goes on"
+    )
+    tree.episodes[name] = len(history.accepted)
+    for key, facts in history.files().items():
+        tree.files[key] = ListedFile(tree.out / key, (_facts(facts),))
+    for path in history.side_files():
+        states = [history.until(n).side_files()[path] for n in range(counted, total + 1)]
+        allowed = tuple(dict.fromkeys(FileFacts.of(state) for state in states))
+        tree.files[path.relative_to(tree.out).as_posix()] = ListedFile(path, allowed)
+
+
+def _facts(value: JSON) -> FileFacts:
+    assert isinstance(value, Mapping)
+    return FileFacts(int(str(value["size"])), str(value["sha256"]))
+
+
+def _alone(tree: Tree, entry: LeafEntry, name: str, findings: Findings) -> None:
+    """Without a journal the manifest must at least agree with itself."""
+    path, accepted = tree.out / MANIFEST, [a.seed for a in entry.attempts if a.reason is None]
+    if not entry.episodes == len(entry.seeds) == len(accepted) or entry.seeds != accepted:
+        findings.problem(path, f"{name}: seeds, attempts and the number of episodes disagree")
+
+
+def _unlisted(tree: Tree, findings: Findings) -> None:
+    for name, leaf in tree.leaves.items():
+        if leaf.staging.exists():
+            findings.notes.append(f"{name}: a run was cut off or still goes on ({STAGING})")
+        for path in sorted(leaf.folder.rglob("*")):
+            inside = path.relative_to(leaf.folder)
+            if path.is_dir() or inside.parts[0] in (STAGING, JOURNAL):
+                continue
+            if path.relative_to(tree.out).as_posix() in tree.files:
+                continue
+            if episode_number(path) == tree.episodes[name] or path.suffix == files.TEMPORARY:
+                findings.notes.append(f"{path}: of a commit that was cut off; resuming removes it")
+            else:
+                findings.problem(path, "is in no manifest")
