@@ -1,11 +1,9 @@
-"""The slim shader pack: SAPIEN's default one with everything removed that no picture of ours uses.
+"""The slim shader pack: SAPIEN's default one without all that no picture of ours shows.
 
-Image-based lighting alone costs 5 CPU-seconds at the first frame (it integrates a BRDF table) and
-changes no pixel where no environment map is set. The passes for transparency, lines and points
-cost half of each frame on a CPU. The pack is edited at run time from the installed SAPIEN's own
-files and cached, so nothing of SAPIEN is copied into this repository.
-
-Slim draws no transparent parts: a material with alpha in (0, 1) comes out opaque.
+The pack is edited at run time from the installed SAPIEN's own files and kept in the user's cache,
+so nothing of SAPIEN is copied into this repository. Pictures agree with SAPIEN's default pack but
+for shadow edges. Slim draws colour only (no depth, no segmentation), opaque parts only (a material
+with 0 < alpha < 1 comes out opaque), and neither normal maps nor emission.
 """
 
 import hashlib
@@ -17,9 +15,7 @@ import tempfile
 from pathlib import Path
 
 from rtphys.errors import RtphysError
-
-_RECIPE = 1  # raise when an edit below changes: it is part of the cache key
-_UNUSED_PASSES = ("gbuffer1.*", "line.*", "point.*")
+from rtphys.sim.shader_edits import EDITS, UNUSED_FILES, Edit
 
 
 class ShaderMismatch(RtphysError):
@@ -58,7 +54,7 @@ def slim_pack(source: Path, version: str, cache: Path) -> Path:
         try:
             shutil.copytree(source / "common", work / "common")  # included as ../common
             shutil.copytree(source / "default", work / "slim")
-            _make_slim(work / "slim")
+            _make_slim(work)
             work.chmod(0o755)
             _publish(work, root)
         finally:
@@ -75,7 +71,7 @@ def _publish(work: Path, root: Path) -> None:
 
 
 def _digest(source: Path) -> str:
-    total = hashlib.sha256(f"recipe {_RECIPE}".encode())
+    total = hashlib.sha256(repr((UNUSED_FILES, EDITS)).encode())
     for folder in ("common", "default"):
         for file in sorted((source / folder).iterdir()):
             total.update(file.name.encode())
@@ -83,58 +79,27 @@ def _digest(source: Path) -> str:
     return total.hexdigest()[:12]
 
 
-def _make_slim(pack: Path) -> None:
-    for pattern in _UNUSED_PASSES:
-        files = sorted(pack.glob(pattern))
+def _make_slim(root: Path) -> None:
+    for pattern in UNUSED_FILES:
+        files = sorted((root / "slim").glob(pattern))
         if not files:
-            raise ShaderMismatch(pack, pattern)
+            raise ShaderMismatch(root / "slim", pattern)
         for file in files:
             file.unlink()
-    _edit(pack / "scene_set.glsl", _drop_line("samplerEnvironment"), _drop_line("samplerBRDFLUT"))
-    _edit(
-        pack / "deferred.frag",
-        (r"textureLod\(samplerEnvironment, texcoord, 0\)\.rgb", "vec3(0)"),
-        (r"vec3 diffuseIBL\(.*?\n}\n", ""),
-        (r"vec3 specularIBL\(.*?\n}\n", ""),
-        (r"color \+= diffuseIBL\(.*?\);\n", ""),
-        (r"color \+= specularIBL\(.*?camDir\);\n", ""),
-        _drop_line("samplerEmission;"),
-        (r"vec4 emission = texture\(samplerEmission, inUV\);\n", ""),
-        (r"vec3 color = emission\.rgb \* emission\.a;", "vec3 color = vec3(0);"),
-    )
-    _edit(
-        pack / "gbuffer.frag",
-        _drop_line("out vec4 outEmission;"),
-        (r"  outEmission = materialBuffer\.emission;\n", ""),
-        (r"  if \(\(materialBuffer\.textureMask & 16\) != 0\) {\n.*?\n  }\n", ""),
-    )
-    _edit(
-        pack / "composite0.frag",
-        _drop_line("samplerLineDepth;"),
-        _drop_line("samplerLine;"),
-        _drop_line("samplerPointDepth;"),
-        _drop_line("samplerPoint;"),
-        _drop_line("uniform usampler2D samplerSegmentation;"),
-        _drop_line("out vec4 outSegmentationView0;"),
-        _drop_line("out vec4 outSegmentationView1;"),
-        (r"vec4 colors\[60\] = {.*?};\n", ""),
-        (r"  uvec2 seg = .*?(?=  outPosition)", ""),
-    )
+    for name, edits in EDITS.items():
+        _apply(root / name, edits)
 
 
-def _drop_line(mark: str) -> tuple[str, str]:
-    return rf"[^\n]*{re.escape(mark)}[^\n]*(\n|$)", ""
-
-
-def _edit(file: Path, *changes: tuple[str, str]) -> None:
-    """Apply regular-expression replacements, each exactly once."""
+def _apply(file: Path, edits: tuple[Edit, ...]) -> None:
     text = file.read_text()
-    for pattern, replacement in changes:
+    for pattern, replacement in edits:
         text, count = re.subn(pattern, replacement, text, flags=re.DOTALL)
         if count != 1:
             raise ShaderMismatch(file, f"{count} times {pattern!r}, once expected,")
     text = _renumber(text, r"(?<=binding = )\d+(?=\) uniform u?sampler2D sampler\w+;)")
-    text = _renumber(text, r"(?<=location = )\d+(?=\) out )")
+    if file.suffix == ".frag":
+        text = _renumber(text, r"(?<=location = )\d+(?=\) in )")
+        text = _renumber(text, r"(?<=location = )\d+(?=\) out )")
     file.write_text(text)
 
 
