@@ -1,0 +1,104 @@
+"""Which two bodies are checked against each other, and how near they may come."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from rtphys.plan.robot_shapes import HAND_DEPTH, SIDES, STATIC, RobotShapes, Side
+from rtphys.poses import Array
+
+OBSTACLE = "obstacle"
+
+# Least distances [m]. A negative one allows that much overlap.
+ARM_MARGIN = 0.005  # arm links and the hand's body to the surroundings and the other arm
+FINGER_MARGIN = 0.0015  # fingers to anything; grasps keep 2 mm to the table, servo error takes some
+SELF_MARGIN = 0.0  # links of one arm
+CARRIED_MARGIN = 0.003  # a carried body to the robot and to what the other hand carries
+RESTING_MARGIN = -0.002  # a carried body to obstacles: it starts and ends in contact with them
+
+
+@dataclass(frozen=True)
+class Body:
+    """One geometry. `owner`: "left", "right", "static" or "obstacle"; `carried`: in that hand."""
+
+    name: str
+    owner: str
+    depth: int = 0  # joints between it and the base, see `Shape`
+    carried: bool = False
+
+    @property
+    def in_hand(self) -> bool:
+        return self.carried or self.depth >= HAND_DEPTH
+
+
+@dataclass
+class Rules:
+    """What the caller may change about pairs."""
+
+    ignored: set[tuple[Side, str]] = field(default_factory=set)
+    carried_margin: float = RESTING_MARGIN  # [m]
+
+
+def robot_pairs(robot: RobotShapes) -> list[tuple[int, int]]:
+    """Pairs of the robot's own shapes that can meet: no neighbours, nothing out of reach."""
+    balls = [robot.reach(shape) for shape in robot.shapes]
+    pairs = []
+    for i, j in combinations(range(len(robot.shapes)), 2):
+        a, b = robot.shapes[i], robot.shapes[j]
+        if a.owner == b.owner == STATIC:
+            continue
+        gap = float(np.linalg.norm(balls[i][0] - balls[j][0]))
+        if gap > balls[i][1] + balls[j][1] + ARM_MARGIN:
+            continue
+        # The hand is one piece: link6, what is fixed to it, and the fingers.
+        steps = abs(min(a.depth, HAND_DEPTH) - min(b.depth, HAND_DEPTH))
+        if a.owner == b.owner and steps <= 1:
+            continue
+        pairs.append((i, j))
+    return pairs
+
+
+def margins(
+    bodies: Sequence[Body], own_pairs: Sequence[tuple[int, int]], own: int, rules: Rules
+) -> Array:
+    """Least distance of every pair (i < j), NaN where a pair is not checked.
+
+    Args:
+        bodies: n bodies, the robot's `own` shapes first, then obstacles, then carried bodies.
+        own_pairs: pairs among the robot's own shapes.
+        own: number of the robot's own shapes.
+        rules: what the caller changed.
+
+    Returns:
+        (n, n) [m].
+    """
+    table = np.full((len(bodies), len(bodies)), np.nan)
+    for i, j in own_pairs:
+        table[i, j] = _own_margin(bodies[i], bodies[j])
+    for j in range(own, len(bodies)):
+        for i in range(j):
+            table[i, j] = _margin(bodies[i], bodies[j], rules)
+    return table
+
+
+def _own_margin(a: Body, b: Body) -> float:
+    if a.owner == b.owner:
+        return SELF_MARGIN
+    return FINGER_MARGIN if max(a.depth, b.depth) > HAND_DEPTH else ARM_MARGIN
+
+
+def _margin(a: Body, b: Body, rules: Rules) -> float:
+    """Margin of a pair whose second is an obstacle or carried."""
+    if {a.owner, b.owner} <= {OBSTACLE, STATIC}:
+        return np.nan
+    if a.owner == b.owner and a.in_hand and b.in_hand:
+        return np.nan
+    for hand, other in ((a, b), (b, a)):
+        if hand.owner in SIDES and hand.in_hand and (hand.owner, other.name) in rules.ignored:
+            return np.nan
+    if a.carried or b.carried:
+        obstacle = OBSTACLE in (a.owner, b.owner)
+        return rules.carried_margin if obstacle else CARRIED_MARGIN
+    return FINGER_MARGIN if a.depth > HAND_DEPTH else ARM_MARGIN

@@ -1,0 +1,173 @@
+"""The collision shapes of a dual-arm robot, convex and sorted by what moves them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
+import numpy as np
+import pinocchio as pin  # pyright: ignore[reportMissingImports]
+
+from rtphys.errors import BadFile, BadValue, UnknownName
+from rtphys.poses import Array, Pose
+
+Side = str  # "left" or "right"
+SIDES = ("left", "right")
+STATIC = "static"
+_FLAT = 1e-6  # [m] spread in the thinnest direction below which a cloud has no volume
+HAND_DEPTH = 6  # link6 and whatever hangs on it
+
+
+@dataclass(frozen=True)
+class ArmJoints:
+    """Joint names of one arm: six revolute ones, base first, and two prismatic fingers."""
+
+    joints: tuple[str, ...]
+    fingers: tuple[str, ...]
+
+    @classmethod
+    def prefixed(cls, prefix: str) -> "ArmJoints":
+        """The aloha's naming: <prefix>_joint1 to 6, then 7 and 8 for the fingers."""
+        names = [f"{prefix}_joint{i}" for i in range(1, 9)]
+        return cls(tuple(names[:6]), tuple(names[6:]))
+
+
+ALOHA = {"left": ArmJoints.prefixed("fl"), "right": ArmJoints.prefixed("fr")}
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """One convex shape of the robot.
+
+    `owner` is "left", "right" or "static". `depth` counts the joints between it and the base:
+    0 static, 1 to 6 arm links, 7 fingers. So `depth >= HAND_DEPTH` is the hand.
+    """
+
+    link: str
+    owner: str
+    depth: int
+    joint: int  # pin joint that moves it
+    geometry: coal.CollisionGeometry
+    placement: pin.SE3  # in the joint's frame; in the world for static shapes
+    centre: Array  # (3,) of the bounding sphere, in the same frame [m]
+    radius: float  # of the bounding sphere [m]
+
+
+@dataclass(frozen=True, eq=False)
+class RobotShapes:
+    """The robot reduced to its two arms and grippers, in the world frame."""
+
+    model: pin.Model
+    shapes: tuple[Shape, ...]
+    arm_index: dict[Side, Array]  # (6,) positions of the arm's joints in the model's q
+    finger_index: dict[Side, Array]  # (2,)
+    finger_limits: dict[Side, Array]  # (2,) lower and upper position of a finger [m]
+
+    @classmethod
+    def from_urdf(cls, urdf: Path, X_WB: Pose, arms: dict[Side, ArmJoints]) -> "RobotShapes":
+        """Read `<collision>` primitives and meshes; a mesh becomes its convex hull.
+
+        All joints that belong to neither arm are locked at zero and their links become static.
+
+        Raises:
+            BadFile: no readable URDF or mesh.
+            UnknownName: a joint that the URDF lacks.
+        """
+        model, geometry = _read(Path(urdf))
+        kept = [name for side in SIDES for name in (*arms[side].joints, *arms[side].fingers)]
+        for name in kept:
+            if not model.existJointName(name):
+                raise UnknownName("joint", name, list(model.names)[1:], urdf)
+        locked = [i for i, name in enumerate(model.names) if i > 0 and name not in kept]
+        model, (geometry,) = pin.buildReducedModel(model, [geometry], locked, pin.neutral(model))
+        root = pin.SE3(X_WB.R, X_WB.p)
+        for i in range(1, model.njoints):
+            if model.parents[i] == 0:
+                model.jointPlacements[i] = root * model.jointPlacements[i]
+
+        owners = {0: (STATIC, 0)}
+        for side in SIDES:
+            for depth, name in enumerate(arms[side].joints, 1):
+                owners[model.getJointId(name)] = (side, depth)
+            for name in arms[side].fingers:
+                owners[model.getJointId(name)] = (side, len(arms[side].joints) + 1)
+        shapes = [_shape(o, owners[o.parentJoint], root) for o in geometry.geometryObjects]
+
+        fingers = {side: _indices(model, arms[side].fingers) for side in SIDES}
+        limits = {
+            side: np.array(
+                [
+                    model.lowerPositionLimit[fingers[side]].min(),
+                    model.upperPositionLimit[fingers[side]].max(),
+                ]
+            )
+            for side in SIDES
+        }
+        arm_index = {side: _indices(model, arms[side].joints) for side in SIDES}
+        return cls(model, tuple(shapes), arm_index, fingers, limits)
+
+    def reach(self, shape: Shape) -> tuple[Array, float]:
+        """A ball in the world that a shape never leaves: centre (3,) and radius [m]."""
+        if shape.owner == STATIC:
+            return shape.centre, shape.radius
+        length, joint = float(np.linalg.norm(shape.centre)) + shape.radius, shape.joint
+        while self.model.parents[joint] != 0:
+            placement = self.model.jointPlacements[joint]
+            length += float(np.linalg.norm(placement.translation))
+            joint = self.model.parents[joint]
+        if shape.depth > HAND_DEPTH:  # a finger slides as well
+            length += float(self.finger_limits[shape.owner].max())
+        return np.array(self.model.jointPlacements[joint].translation), length
+
+
+def hull(points: Array) -> coal.CollisionGeometry:
+    """Convex hull of points (n, 3).
+
+    Raises:
+        BadValue: fewer than four points, or all in one plane.
+    """
+    points = np.asarray(points, float)
+    centred = points - points.mean(axis=0)
+    # Checked here because coal's binding crashes the process on a flat cloud.
+    if len(points) < 4 or np.linalg.svd(centred, compute_uv=False)[-1] < _FLAT:
+        raise BadValue("hull of", f"{len(points)} points", "they must span a volume")
+    cloud = coal.StdVec_Vec3s()
+    for point in points:
+        cloud.append(point)
+    # The option string is needed: without "Qt" qhull leaves faces that are no triangles.
+    return coal.Convex.convexHull(cloud, True, "Qt")
+
+
+def bounding_sphere(geometry: coal.CollisionGeometry) -> tuple[Array, float]:
+    """Centre (3,) and radius in the geometry's own frame."""
+    geometry.computeLocalAABB()
+    return np.array(geometry.aabb_center), float(geometry.aabb_radius)
+
+
+def _read(urdf: Path) -> tuple[pin.Model, pin.GeometryModel]:
+    # Cached: the same mesh serves four arms. OBBRSS is the one kind whose points can be read.
+    loader = coal.CachedMeshLoader(coal.NODE_TYPE.BV_OBBRSS)
+    try:
+        model = pin.buildModelFromUrdf(str(urdf))
+        return model, pin.buildGeomFromUrdf(
+            model, str(urdf), pin.GeometryType.COLLISION, None, [str(urdf.parent)], loader
+        )
+    except (ValueError, RuntimeError) as error:
+        raise BadFile(urdf, f"no readable collision geometry: {error}") from error
+
+
+def _shape(read: pin.GeometryObject, owner: tuple[str, int], root: pin.SE3) -> Shape:
+    side, depth = owner
+    geometry = read.geometry
+    if isinstance(geometry, coal.BVHModelBase):
+        geometry = hull(geometry.vertices())  # the file's scale is already in the points
+    placement = root * read.placement if side == STATIC else pin.SE3(read.placement)
+    centre, radius = bounding_sphere(geometry)
+    link = read.name.rsplit("_", 1)[0]  # pin appends the index of the <collision>
+    return Shape(
+        link, side, depth, read.parentJoint, geometry, placement, placement.act(centre), radius
+    )
+
+
+def _indices(model: pin.Model, names: Sequence[str]) -> Array:
+    return np.array([model.joints[model.getJointId(name)].idx_q for name in names])

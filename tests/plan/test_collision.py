@@ -1,0 +1,249 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import LIMITS
+
+from rtphys.errors import BadFile, BadValue, UnknownName
+from rtphys.plan.collision import CollisionChecker, Obstacle
+from rtphys.plan.kinematics import HOME_SEED
+from rtphys.plan.robot_shapes import ArmJoints, hull
+from rtphys.poses import Pose, axis_angle
+from rtphys.seeds import stream
+
+ZERO = np.zeros(6)
+TABLE = Obstacle("table", np.array([0.6, 0.35, 0.025]), Pose((0, 0, 0.715)))  # top at 0.74
+TIP = 0.12 + 0.0356  # of the test robot's fingers, from link6 along x
+CUBE = 0.02 * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+
+
+@pytest.fixture(scope="module")
+def robot(urdf, X_WB) -> CollisionChecker:
+    return CollisionChecker(urdf, X_WB)
+
+
+@pytest.fixture
+def checker(robot: CollisionChecker) -> CollisionChecker:
+    robot.detach("left")
+    robot.detach("right")
+    robot.set_obstacles([TABLE])
+    for name in ("table", "cube", "block"):
+        robot.stop_ignoring("left", name)
+        robot.stop_ignoring("right", name)
+    robot.keep_carried_clear()
+    return robot
+
+
+@pytest.fixture
+def reach(right, pose_above_table):
+    """q of the right arm with its tool pointing down and the fingertips at p."""
+
+    def solve(p) -> np.ndarray:
+        p_tcp = np.array([0, 0, TIP - 0.12]) + p
+        q = right.solve(pose_above_table(p_tcp, 2.0), HOME_SEED, position_tolerance=1e-6)
+        assert q is not None
+        return q
+
+    return solve
+
+
+def test_home_postures_are_clear(checker) -> None:
+    assert checker.clear(ZERO, ZERO)
+    assert checker.clear(HOME_SEED, HOME_SEED)
+    assert checker.first_contact(ZERO, ZERO) is None
+
+
+def test_elbow_in_the_table_is_named(checker) -> None:
+    q = np.array([0, 2.8, 0.5, 0, 0, 0])
+    assert not checker.clear(ZERO, q)
+    assert "table" in checker.first_contact(ZERO, q)
+    assert checker.first_contact(ZERO, q).startswith("fr_link")
+    assert checker.first_contact(q, ZERO).startswith("fl_link")
+
+
+@pytest.mark.parametrize(("gap", "clear"), [(0.0005, False), (0.0019, True), (0.004, True)])
+def test_fingers_may_come_within_two_millimetres_of_the_table(checker, reach, gap, clear) -> None:
+    q = reach((0.2, -0.1, 0.74 + gap))
+    assert checker.clear(ZERO, q) is clear
+
+
+@pytest.mark.parametrize(("gap", "clear"), [(0.002, False), (0.0045, False), (0.0055, True)])
+def test_other_links_keep_five_millimetres(checker, right, gap, clear) -> None:
+    q = HOME_SEED  # elbow up
+    top = highest_point(checker, q)
+    plate = Obstacle("plate", np.array([0.5, 0.5, 0.01]), Pose((0.3, -0.6, top + 0.01 + gap)))
+    checker.set_obstacles([plate])
+    assert checker.clear(ZERO, q) is clear
+
+
+def highest_point(checker: CollisionChecker, q: np.ndarray) -> float:
+    """Height at which a thin plate coming down first touches, by bisection without margin."""
+    low, high = 0.9, 1.6
+    for _ in range(40):
+        middle = (low + high) / 2
+        plate = Obstacle("plate", np.array([0.5, 0.5, 0.01]), Pose((0.3, -0.6, middle + 0.01)))
+        checker.set_obstacles([plate])
+        low, high = (low, middle) if checker.clear(ZERO, q) else (middle, high)
+    return low - 0.005  # the bisection itself feels the margin of 5 mm
+
+
+def test_arms_that_meet_are_seen(checker, arms, pose_above_table) -> None:
+    p = np.array([0.0, -0.1, 0.85])
+    rng = stream(0, "test")
+    q_left = arms["left"].solve_near(pose_above_table(p, 0.8), HOME_SEED, rng)
+    q_right = arms["right"].solve_near(pose_above_table(p, 2.2), HOME_SEED, rng)
+    assert checker.clear(q_left, ZERO)
+    assert checker.clear(ZERO, q_right)
+    contact = checker.first_contact(q_left, q_right)
+    assert "fl_link" in contact
+    assert "fr_link" in contact
+
+
+def test_arm_turned_back_meets_the_tower(checker) -> None:
+    q = np.array([2.4, 1.6, 0.6, 0, 0, 0])
+    assert checker.first_contact(ZERO, q) == "fr_link4 and tower"
+
+
+def test_finger_opening_matters(checker, reach) -> None:
+    q = reach((0.2, -0.1, 0.80))
+    side = np.array([np.cos(2.0), np.sin(2.0), 0])  # closing direction
+    post = np.array([0.2, -0.1, 0.80]) + 0.055 * side
+    checker.set_obstacles([Obstacle("post", np.array([0.008, 0.008, 0.02]), Pose(post))])
+    assert checker.clear(ZERO, q, (0.045, 0.01))
+    assert "post" in checker.first_contact(ZERO, q, (0.045, 0.045))
+    assert checker.clear(ZERO, q, (0.01, 0.01))
+    assert not checker.clear(ZERO, q, (0.01, 0.045))
+
+
+def test_ignoring_concerns_one_hand_and_one_body(checker, reach) -> None:
+    q = reach((0.2, -0.1, 0.75))
+    cube = Obstacle("cube", CUBE, Pose((0.2, -0.1, 0.765)))
+    checker.set_obstacles([TABLE, cube])
+    assert "cube" in checker.first_contact(ZERO, q, (0.045, 0.01))
+    checker.ignore("left", "cube")
+    assert not checker.clear(ZERO, q, (0.045, 0.01))
+    checker.ignore("right", "cube")
+    assert checker.clear(ZERO, q, (0.045, 0.01))
+    checker.stop_ignoring("right", "cube")
+    assert not checker.clear(ZERO, q, (0.045, 0.01))
+    checker.ignore("right", "cube")
+    lid = Obstacle("cube", np.array([0.5, 0.5, 0.05]), Pose((0.3, -0.6, 1.0)))
+    checker.set_obstacles([lid])
+    assert not checker.clear(ZERO, q)  # the elbow is no part of the hand
+
+
+def test_carried_body_moves_with_the_hand(checker, reach) -> None:
+    in_hand = CUBE + np.array([TIP - 0.01, 0, 0])
+    low, high = reach((0.2, -0.1, 0.745)), reach((0.2, -0.1, 0.80))
+    checker.set_obstacles([TABLE, Obstacle("cube", CUBE, Pose((0.2, -0.1, 0.765)))])
+    checker.attach("right", "cube", in_hand)
+    assert checker.clear(ZERO, high, (0.045, 0.02))
+    assert "cube and table" in reversed_or_not(checker.first_contact(ZERO, low, (0.045, 0.02)))
+    checker.detach("right")
+    assert checker.clear(ZERO, low, (0.045, 0.02))  # the old obstacle is gone too
+
+
+def reversed_or_not(contact: str) -> tuple[str, str]:
+    return contact, " and ".join(reversed(contact.split(" and ")))
+
+
+@pytest.mark.parametrize(
+    ("gap", "resting", "transfer"), [(-0.001, 1, 0), (0.003, 1, 0), (0.007, 1, 1)]
+)
+def test_carried_body_may_rest_but_not_graze(checker, reach, gap, resting, transfer) -> None:
+    # The lower face of the cube is 2 cm past its centre, 1 cm past the tips.
+    q = reach((0.2, -0.1, 0.74 + 0.01 + gap))
+    checker.attach("right", "cube", CUBE + np.array([TIP - 0.01, 0, 0]))
+    assert checker.clear(ZERO, q, (0.045, 0.02)) == bool(resting)
+    checker.keep_carried_clear(0.005)
+    assert checker.clear(ZERO, q, (0.045, 0.02)) == bool(transfer)
+
+
+def test_carried_body_may_be_handed_over(checker, reach) -> None:
+    q = reach((0.2, -0.1, 0.80))
+    checker.attach("right", "cube", CUBE + np.array([TIP + 0.02, 0, 0]))
+    block = Obstacle("block", CUBE, Pose((0.2, -0.1, 0.77)))
+    checker.set_obstacles([block])
+    assert not checker.clear(ZERO, q)
+    checker.ignore("right", "block")
+    assert checker.clear(ZERO, q)
+
+
+def test_a_body_of_two_parts_is_two_obstacles(checker, reach) -> None:
+    q = reach((0.2, -0.1, 0.80))
+    far, near = Pose((-0.4, 0.2, 0.8)), Pose((0.2, -0.1, 0.80))
+    checker.set_obstacles([Obstacle("block", CUBE, far), Obstacle("block", CUBE, near)])
+    assert not checker.clear(ZERO, q, (0.045, 0.01))
+    checker.ignore("right", "block")
+    assert checker.clear(ZERO, q, (0.045, 0.01))
+
+
+def test_tilted_table_is_where_it_is(checker, reach) -> None:
+    q = reach((0.2, -0.25, 0.742))
+    assert checker.clear(ZERO, q)
+    for tilt_deg, clear in ((2, True), (-2, False)):  # about x: positive lowers the near edge
+        X_tilt = Pose((0, 0, 0.74), axis_angle((1, 0, 0), np.radians(tilt_deg)))
+        tilted = Obstacle("table", TABLE.vertices, X_tilt @ Pose((0, 0, -0.025)))
+        checker.set_obstacles([tilted])
+        assert checker.clear(ZERO, q) is clear
+
+
+def test_broad_phase_agrees_with_checking_every_pair(checker) -> None:
+    rng = np.random.default_rng(0)
+    boxes = [
+        Obstacle(f"box{i}", np.full(3, 0.03), Pose(rng.uniform([-0.4, -0.3, 0.75], [0.4, 0.2, 1])))
+        for i in range(6)
+    ]
+    checker.set_obstacles([TABLE, *boxes])
+    checker.attach("left", "cube", CUBE + np.array([TIP, 0, 0]))
+    outcomes = set()
+    for _ in range(400):
+        q = rng.uniform(LIMITS[:, 0], LIMITS[:, 1], (2, 6))
+        clear = checker.clear(*q)
+        assert clear == (checker.first_contact(*q) is None)
+        outcomes.add(clear)
+    assert outcomes == {True, False}
+
+
+def test_pairs_out_of_reach_are_not_watched(checker, urdf) -> None:
+    shapes = 1 + 2 * 9  # tower; base and eight links an arm
+    assert checker.pair_count < shapes * (shapes - 1) / 2
+
+
+def test_mesh_collision_is_its_hull(urdf, X_WB, tmp_path, reach) -> None:
+    corners = "\n".join(f"v {x} {y} {z}" for x, y, z in CUBE * 50)  # 2 m wide, then scaled down
+    faces = "f 1 2 4\nf 1 4 3\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 4 8\nf 3 8 7"
+    (tmp_path / "cube.obj").write_text(f"{corners}\n{faces}\n", encoding="utf-8")
+    text = Path(urdf).read_text(encoding="utf-8")
+    primitive = '<box size="0.1 0.2 0.9"/>'
+    assert primitive in text
+    mesh = '<mesh filename="cube.obj" scale="0.05 0.1 0.45"/>'
+    (tmp_path / "mesh.urdf").write_text(text.replace(primitive, mesh), encoding="utf-8")
+    with_mesh, with_box = (
+        CollisionChecker(tmp_path / "mesh.urdf", X_WB),
+        CollisionChecker(urdf, X_WB),
+    )
+    rng = np.random.default_rng(1)
+    seen = set()
+    for _ in range(300):
+        q = rng.uniform(LIMITS[:, 0], LIMITS[:, 1], (2, 6))
+        contact = with_box.first_contact(*q)
+        assert with_mesh.first_contact(*q) == contact
+        seen.add(contact)
+    assert any("tower" in contact for contact in seen if contact)
+
+
+def test_wrong_names_are_refused(checker, urdf, X_WB, tmp_path) -> None:
+    with pytest.raises(UnknownName, match="did you mean 'table'"):
+        checker.ignore("left", "tabel")
+    with pytest.raises(BadValue, match="side"):
+        checker.attach("middle", "cube", CUBE)
+    with pytest.raises(BadValue, match="volume"):
+        checker.attach("left", "sheet", CUBE * [1, 1, 0])
+    with pytest.raises(BadValue, match="volume"):
+        hull(CUBE[:3])
+    with pytest.raises(UnknownName, match="fx_joint1"):
+        arms = {"left": ArmJoints.prefixed("fx"), "right": ArmJoints.prefixed("fr")}
+        CollisionChecker(urdf, X_WB, arms)
+    with pytest.raises(BadFile):
+        CollisionChecker(tmp_path / "none.urdf", X_WB)
