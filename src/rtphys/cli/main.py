@@ -1,10 +1,74 @@
-"""The `rtphys` command."""
+"""The `rtphys` command: global options and the list of commands, one module each.
+
+To add a command, write `rtphys/cli/<name>.py` (dashes become underscores) with a function of that
+name, or with a `typer.Typer` called `app` if it has commands of its own, and add a line below.
+"""
+
+import os
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated
 
 import typer
 
-app = typer.Typer(no_args_is_help=True)
+from rtphys.cli.lazy import LazyGroup, add_stubs
+
+COMMANDS = {
+    "collect": "Collect verified episodes of one or more tasks.",
+    "check": "Try a task's expert over many seeds, without pictures.",
+    "verify-manifest": "Prove that a dataset is what its manifest says.",
+    "tasks": "List the tasks and what they need.",
+    "domains": "Show and check the ranges of the physical attributes.",
+    "physics": "Draw physical attributes and prove their laws.",
+    "assets": "Build, inspect or link the asset packs.",
+    "doctor": "Find out what keeps this machine from working, and the cure.",
+}
+
+EPILOG = """Examples:
+
+rtphys collect --task click_bell --episodes 10\n
+rtphys collect --task 'stack_*' --protocol phys_random --set friction=0.2\n
+rtphys check click_bell --seeds 50 --protocol clean,phys_random\n
+rtphys verify-manifest data
+"""
+
+app = typer.Typer(
+    cls=LazyGroup,
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_show_locals=False,
+    epilog=EPILOG,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+add_stubs(app, COMMANDS)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"rtphys {version('rtphys')}")
+        raise typer.Exit()
 
 
 @app.callback()
-def main() -> None:
-    """Physics-diverse bimanual manipulation."""
+def main(
+    library: Annotated[
+        list[Path] | None,
+        typer.Option(help="A folder with tasks/, domains/, manifests/ of your own; repeatable."),
+    ] = None,
+    assets: Annotated[
+        Path | None, typer.Option(help="An asset pack to use instead of the builtin one.")
+    ] = None,
+    debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
+    say_version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which.")
+    ] = False,
+) -> None:
+    """Physics-diverse bimanual manipulation: sample, solve, keep what is feasible, prove it."""
+    # Environment variables, because workers are spawned processes that read them again.
+    if library:
+        known = os.environ.get("RTPHYS_LIBRARY")
+        os.environ["RTPHYS_LIBRARY"] = os.pathsep.join(
+            [*([known] if known else []), *(str(path.resolve()) for path in library)]
+        )
+    if assets:
+        os.environ["RTPHYS_ASSETS"] = str(assets.resolve())
