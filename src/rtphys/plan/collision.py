@@ -76,6 +76,13 @@ class CollisionChecker:
 
     # What surrounds the robot.
 
+    def reset(self) -> None:
+        """Forget everything but the robot, for a new episode."""
+        self._obstacles, self._carried = [], []
+        self._hulls.clear()  # scaled objects differ in every episode: it would grow for ever
+        self._rules = Rules()
+        self._stale = True
+
     def set_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Replace all obstacles. Those with the name of a carried body are left out."""
         carried = {item.body.name for item in self._carried}
