@@ -1,6 +1,7 @@
 """Task objects in the simulator: built from props and the asset pack, with their annotations."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import sapien
@@ -10,7 +11,15 @@ from rtphys.assets.model import Model
 from rtphys.assets.pack import Pack
 from rtphys.errors import BadFile
 from rtphys.poses import Array, Pose, axis_angle, quat_multiply
-from rtphys.sim.body import AnyBody, SimBody, SimJoint, SimSurface, body_points, shape_size
+from rtphys.sim.body import (
+    AnyBody,
+    SimBody,
+    SimJoint,
+    SimSurface,
+    body_points,
+    shape_points,
+    shape_size,
+)
 from rtphys.sim.engine import from_sapien, renders, to_sapien
 from rtphys.sim.urdf import build_articulation, nominal_shape_size
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
@@ -61,6 +70,18 @@ class SimObject:
     def pose(self) -> Pose:
         """World pose of the object's frame."""
         return from_sapien(self.root.entity_pose)
+
+    @cached_property
+    def parts(self) -> dict[str, list[Array]]:
+        """Link name -> vertices (n, 3) of each convex collision part, link frame [m]."""
+        return {
+            name: [shape_points(shape) for shape in body.collision_shapes]
+            for name, body in self.links.items()
+        }
+
+    def link_pose(self, link: str) -> Pose:
+        """World pose of a link ("" for a rigid object)."""
+        return from_sapien(self.links[link].entity_pose)
 
     def measured_scale(self) -> float:
         """Size of the simulator's shapes over the nominal size."""

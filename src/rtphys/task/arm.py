@@ -23,11 +23,26 @@ class Reach:
 
 @dataclass(frozen=True)
 class Line:
-    """Move the ee in a straight line to a pose. `speed` scales the usual one."""
+    """Move the ee in a straight line to a pose."""
 
     goal: Pose
-    touching: str = ""  # prop that may be touched on the way
+    speed: float = 1.0  # scales the usual one
+    until: str = ""  # stop early once the gripper (or what it holds) presses on this prop
+
+
+@dataclass(frozen=True)
+class Shift:
+    """Move the ee in a straight line by an offset from wherever it is then.
+
+    `shares` are tried in order until the line stays in reach: (1.0, 0.8) accepts 80 % of it.
+    """
+
+    offset: tuple[float, float, float]  # [m]
+    tool: bool = False  # offset in the ee frame (x approach) instead of the task frame
+    turn: tuple[float, ...] = ()  # new ee orientation wxyz, task frame; empty: keep
     speed: float = 1.0
+    until: str = ""
+    shares: tuple[float, ...] = (1.0,)
 
 
 @dataclass(frozen=True)
@@ -51,7 +66,7 @@ class Home:
     """Return to the joint configuration of the start."""
 
 
-Step = Reach | Line | Grip | Wait | Home
+Step = Reach | Line | Shift | Grip | Wait | Home
 
 
 @dataclass(frozen=True)
@@ -61,7 +76,6 @@ class Motion:
     side: str
     stage: str
     steps: tuple[Step, ...]
-    # Steps whose goals depend on what earlier steps did are made when the motion starts.
 
     def then(self, other: "Motion") -> "Motion":
         """Both motions of the same arm, one after the other."""
@@ -111,7 +125,7 @@ class Arm(Protocol):
         ...
 
     def shift(
-        self, x: float = 0, y: float = 0, z: float = 0, turn: Sequence[float] | None = None
+        self, x: float = 0, y: float = 0, z: float = 0, turn: Sequence[float] = ()
     ) -> Motion:
         """Straight line by a task-frame displacement [m]; `turn`: new ee orientation wxyz."""
         ...
@@ -124,16 +138,16 @@ class Arm(Protocol):
         """Back off against the approach direction [m]."""
         ...
 
-    def advance(self, distance: float, speed: float = 1.0) -> Motion:
-        """Straight on along the approach direction [m]; `speed` scales the usual one."""
+    def advance(self, distance: float, until: str = "", speed: float = 1.0) -> Motion:
+        """Straight on along the approach direction [m], or until it presses on a prop."""
         ...
 
     def reach(self, *candidates: Pose) -> Motion:
         """Go to the first reachable ee pose."""
         ...
 
-    def line(self, goal: Pose, speed: float = 1.0, touching: str = "") -> Motion:
-        """Straight line of the ee to a pose."""
+    def line(self, goal: Pose, speed: float = 1.0, until: str = "") -> Motion:
+        """Straight line of the ee to a pose, or until it presses on a prop."""
         ...
 
     def close(self, opening: float = 0.0, holds: str = "") -> Motion:

@@ -57,6 +57,10 @@ class Scene(Protocol):
         """Points of contact between the two, (n, 3), task frame."""
         ...
 
+    def impulse(self, a: str, b: str) -> float:
+        """Sum of contact impulse magnitudes between the two in this step [N s]."""
+        ...
+
     def joint(self, prop: str, index: int = 0) -> tuple[float, float, float]:
         """Position, lower and upper limit of an articulated prop's joint [rad or m]."""
         ...

@@ -1,0 +1,1 @@
+"""The scripted expert: verbs of both arms, planned, checked and carried out."""

@@ -1,0 +1,147 @@
+"""The verbs of one arm (`rtphys.task.arm.Arm`): from words to steps, with feasible poses."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rtphys.errors import Infeasible
+from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, candidates
+from rtphys.expert.place import Held, goals
+from rtphys.poses import Pose
+from rtphys.task.arm import Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
+from rtphys.task.props import TABLE_TOP
+
+if TYPE_CHECKING:
+    from rtphys.expert.robot import ExpertRobot
+
+_PLACE_YAWS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.57, -1.57)  # [rad] tried where the yaw is free
+
+
+class ExpertArm:
+    """Verbs of one arm. Everything that depends on the moment is read when the verb is said."""
+
+    def __init__(self, robot: "ExpertRobot", side: str) -> None:
+        self.robot, self.side = robot, side
+
+    def ee(self) -> Pose:
+        return self.robot.commanded_ee(self.side)
+
+    # ---- taking hold -----------------------------------------------------------------------------
+
+    def grasp(
+        self,
+        prop: str,
+        contacts: Sequence[int] = (),
+        pre: float = 0.1,
+        depth: float = 0.0,
+        grip: float = 0.0,
+    ) -> Motion:
+        way = self._feasible_grasp(prop, contacts, pre, depth)
+        steps = (
+            Reach((way.backed_off(pre),)),
+            Line(way.backed_off(depth)),
+            Grip(grip, holds=prop),
+        )
+        return self._motion(f"grasp {prop}", *steps)
+
+    def hover(
+        self, prop: str, contact: int = 0, gap: float = 0.1, straight_down: bool = False
+    ) -> Motion:
+        point = self.robot.scene.contact(prop, contact)
+        if straight_down:
+            back = Pose(point.p + np.array([0, 0, 0.12 + gap]), STRAIGHT_DOWN)
+            return self._motion(f"hover {prop}", Reach((back,)))
+        # Unlike a grasp, a hover must not be shifted away from thin things: nothing is held.
+        ways = candidates([(contact, point)], self.side, -np.inf)
+        poses = tuple(way.backed_off(gap) for way in ways)
+        return self._motion(f"hover {prop}", Reach(poses))
+
+    def _feasible_grasp(
+        self, prop: str, contacts: Sequence[int], pre: float, depth: float
+    ) -> Grasp:
+        scene = self.robot.scene
+        known = len(self.robot.world.object(prop).contact_points)
+        numbers = list(contacts) or list(range(known))
+        if not numbers:
+            raise Infeasible("ungraspable", f"{prop} has no contact points")
+        points = [(i, scene.contact(prop, i)) for i in numbers]
+        for way in candidates(points, self.side, TABLE_TOP):
+            if self.robot.can_grasp(self.side, prop, way.backed_off(pre), way.backed_off(depth)):
+                return way
+        raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
+
+    # ---- letting go ------------------------------------------------------------------------------
+
+    def place(
+        self, prop: str, target: Pose, point: int | None = None, how: Placing | None = None
+    ) -> Motion:
+        how = how or Placing()
+        scene = self.robot.scene
+        held = Held(
+            self.side,
+            # The commanded hand, not the measured one: the load's droop is then in the grasp,
+            # and the thing itself arrives where it should.
+            self.ee(),
+            scene.pose(prop),
+            None if point is None else scene.functional(prop, point),
+        )
+        before, after = self._feasible_place(held, target, how)
+        steps: list[Step] = []
+        if how.pre != how.gap:
+            steps.append(Reach((before,)))
+            steps.append(Line(after))
+        else:
+            steps.append(Reach((after,)))
+        if how.release:
+            steps.append(Grip(1.0, releases=prop))
+        return self._motion(f"place {prop}", *steps)
+
+    def _feasible_place(self, held: Held, target: Pose, how: Placing) -> tuple[Pose, Pose]:
+        yaws = how.yaws
+        if yaws == (0.0,) and how.mode in ("free", "auto"):
+            yaws = _PLACE_YAWS
+        for yaw in yaws:
+            before, after = goals(held, target, how, yaw)
+            if self.robot.can_follow(self.side, before, after):
+                return before, after
+        raise Infeasible("unreachable", f"the {self.side} hand cannot place there")
+
+    # ---- moving ----------------------------------------------------------------------------------
+
+    def shift(self, x: float = 0, y: float = 0, z: float = 0, turn: Sequence[float] = ()) -> Motion:
+        return self._motion("shift", Shift((x, y, z), turn=tuple(turn)))
+
+    def lift(self, z: float) -> Motion:
+        shares = (1.0, 0.85, 0.7, 0.5)
+        return self._motion("lift", Shift((0.0, 0.0, z), shares=shares))
+
+    def retreat(self, distance: float) -> Motion:
+        shares = (1.0, 0.75, 0.5)
+        return self._motion("retreat", Shift((-distance, 0.0, 0.0), tool=True, shares=shares))
+
+    def advance(self, distance: float, until: str = "", speed: float = 1.0) -> Motion:
+        step = Shift((distance, 0.0, 0.0), tool=True, until=until, speed=speed)
+        return self._motion("advance", step)
+
+    def reach(self, *candidates: Pose) -> Motion:
+        return self._motion("reach", Reach(candidates))
+
+    def line(self, goal: Pose, speed: float = 1.0, until: str = "") -> Motion:
+        return self._motion("line", Line(goal, speed=speed, until=until))
+
+    def close(self, opening: float = 0.0, holds: str = "") -> Motion:
+        return self._motion("close", Grip(opening, holds=holds))
+
+    def open(self, opening: float = 1.0) -> Motion:
+        held = self.robot.holding.get(self.side, "")
+        return self._motion("open", Grip(opening, releases=held))
+
+    def home(self) -> Motion:
+        return self._motion("home", Home())
+
+    def wait(self, seconds: float) -> Motion:
+        return self._motion("wait", Wait(seconds))
+
+    def _motion(self, stage: str, *steps: Step) -> Motion:
+        return Motion(self.side, f"{self.side} {stage}", steps)

@@ -1,0 +1,119 @@
+"""From contact points to end-effector poses: which ways a gripper can take hold of a thing.
+
+Geometry of RoboTwin's fact sheet, section 1.5; all poses in one frame (the task frame).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rtphys.poses import Array, Pose, axis_angle, quat_multiply
+
+TCP_OFFSET = 0.12  # [m] ee to TCP along x
+TIP_OFFSET = 0.1556  # [m] ee to fingertip along x (aloha-agilex)
+PAD_HALF_WIDTH = 0.0305  # [m] finger pad, along the ee's z
+PAD_REACH = 0.07  # [m] outside of an open finger from the middle, along the ee's y
+TILTS = tuple(0.1 * i for i in range(10))  # [rad] towards the robot (RoboTwin: 0 .. 0.9)
+
+# Preferred orientations (approach, camera-up): straight down with the wrist turned 30 deg
+# inward, and the level approach from the arm's own side.
+_S30, _C30, _H = 0.5, np.sqrt(3) / 2, np.sqrt(0.5)
+
+
+def orientation(approach: Sequence[float] | Array, camera_up: Sequence[float] | Array) -> Array:
+    """ee quaternion wxyz from its x (approach) and z (camera-up) directions."""
+    x = np.asarray(approach, float) / np.linalg.norm(approach)
+    z = np.asarray(camera_up, float)
+    z = z - (z @ x) * x
+    z = z / np.linalg.norm(z)
+    return Pose.from_matrix(np.column_stack([x, np.cross(z, x), z])).q
+
+
+TOP_DOWN = {
+    "left": orientation((0, 0, -1), (_S30, _C30, 0)),
+    "right": orientation((0, 0, -1), (-_S30, _C30, 0)),
+}
+SIDEWAYS = {
+    "left": orientation((_H, _H, 0), (0, 0, 1)),
+    "right": orientation((-_H, _H, 0), (0, 0, 1)),
+}
+STRAIGHT_DOWN = orientation((0, 0, -1), (0, 1, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Grasp:
+    """One way to take hold: the ee pose at the contact, and how little we like it."""
+
+    contact: int
+    ee: Pose  # fingers around the contact point, at depth 0
+    cost: float
+
+    def backed_off(self, distance: float) -> Pose:
+        """The same pose `distance` [m] back along the approach."""
+        return self.ee.moved(-distance * self.ee.R[:, 0])
+
+
+def ee_of_contact(contact: Pose) -> Pose:
+    """ee pose whose TCP is at a contact frame: approach = -y, closing = -z, camera-up = x."""
+    C = contact.R
+    R = np.column_stack([-C[:, 1], -C[:, 2], C[:, 0]])
+    return Pose(contact.p + TCP_OFFSET * C[:, 1], Pose.from_matrix(R).q)
+
+
+def tilted(ee: Pose, pivot: Array, angle: float) -> Pose:
+    """Turn about the gripper's own y through the pivot, the wrist towards the robot (-y)."""
+    best, least = ee, np.inf
+    for sign in (-1.0, 1.0):
+        q = quat_multiply(ee.q, axis_angle((0, 1, 0), sign * angle))
+        turned = Pose((0, 0, 0), q)
+        moved = Pose(pivot - np.linalg.norm(pivot - ee.p) * turned.R[:, 0], q)
+        if moved.p[1] < least - 1e-9:
+            best, least = moved, moved.p[1]
+    return best
+
+
+def raised_clear(ee: Pose, table_top: float, clearance: float = 0.003) -> Pose:
+    """Shift back along the approach until the fingertips clear the table.
+
+    Official contact points on thin things lie deeper than the fingertips may go.
+    """
+    R = ee.R
+    tip = ee.p + TIP_OFFSET * R[:, 0]
+    spread = PAD_HALF_WIDTH * abs(R[2, 2]) + 0.01 * abs(R[2, 1])
+    missing = table_top + clearance - (tip[2] - spread)
+    descent = -R[2, 0]
+    if missing <= 0 or descent < 0.2:  # a level hand cannot help itself by backing off
+        return ee
+    return ee.moved(-missing / descent * R[:, 0])
+
+
+def angle_share(a: Array, b: Array) -> float:
+    """Angle between two orientations as a share of half a turn."""
+    return float(2 * np.arccos(np.clip(abs(a @ b), 0, 1)) / np.pi)
+
+
+def preference(ee: Pose, side: str) -> float:
+    """Cost of an orientation for an arm: downward first, then from its own side (0 best)."""
+    down, sideways = angle_share(ee.q, TOP_DOWN[side]), angle_share(ee.q, SIDEWAYS[side])
+    if down < 0.15:
+        return down
+    if sideways < 0.15:
+        return 0.15 + sideways
+    return 0.3 + 0.7 * down + 0.3 * sideways
+
+
+def candidates(
+    contacts: Sequence[tuple[int, Pose]], side: str, table_top: float
+) -> Iterator[Grasp]:
+    """Ways to grasp, best first: every contact point, both flips of the hand, ten tilts."""
+    found = []
+    for number, contact in contacts:
+        straight = ee_of_contact(contact)
+        flip = Pose(straight.p, quat_multiply(straight.q, axis_angle((1, 0, 0), np.pi)))
+        for ee, extra in ((straight, 0.0), (flip, 0.05)):
+            base = preference(ee, side) + extra
+            for tilt in TILTS:
+                pose = raised_clear(tilted(ee, contact.p, tilt) if tilt else ee, table_top)
+                found.append(Grasp(number, pose, base + 0.35 * tilt))
+    yield from sorted(found, key=lambda g: g.cost)

@@ -1,0 +1,166 @@
+"""What the hands do with things: close on them, carry them, feel them, let them go."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from rtphys.errors import Infeasible, UnknownName
+from rtphys.expert.pace import friction_margin, pace_of
+from rtphys.expert.planner import SIDES, DualArmPlanner
+from rtphys.plan.online import gripper_ramp
+from rtphys.poses import Array
+from rtphys.sim.rollout import Rollout
+from rtphys.task.arm import Grip
+
+STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
+GRIP_LIMIT = 100  # [steps] for the fingers to stop on what they hold
+STOPPED = 0.003  # [m/s] a finger slower than this has stopped
+FEEL_STEPS = 12  # contact may flicker for a few steps
+
+
+class Hands:
+    """Both grippers of one rollout and what is in them."""
+
+    def __init__(self, rollout: Rollout, planner: DualArmPlanner) -> None:
+        self.rollout, self.planner = rollout, planner
+        self.world, self.scene = rollout.world, rollout.scene
+        self.holding: dict[str, str] = {}
+
+    # ---- fingers ---------------------------------------------------------------------------------
+
+    def ramp(self, side: str, opening: float) -> Array:
+        """Commands (n,) from the present one to `opening`."""
+        now = self.world.robot.arm(side).gripper
+        seconds = max(STROKE_TIME * abs(opening - now), 0.02)
+        return gripper_ramp(now, opening, seconds)
+
+    def closed(self, side: str, grip: Grip) -> None:
+        """After a gripper motion: what is now held, or no longer.
+
+        Raises:
+            Infeasible: "grasp_missed".
+        """
+        arm = self.world.robot.arm(side)
+        held = self.holding.get(side)
+        if held and (grip.releases == held or grip.opening > 0.5):
+            self._let_go(side)
+        if grip.holds:
+            self._wait_for_grip(side)
+            if not self.presses(side, grip.holds):
+                raise Infeasible("grasp_missed", f"{grip.holds} is not between the fingers")
+            self._take(side, grip.holds)
+        self.planner.fingers[side] = float(np.clip(arm.gap() / 2, 0.0, 0.0475))
+
+    def _wait_for_grip(self, side: str) -> None:
+        arm = self.world.robot.arm(side)
+        for _ in range(GRIP_LIMIT):
+            self.rollout.tick()
+            speeds = np.asarray(self.world.robot.articulation.qvel)[arm.finger_index]
+            if np.abs(speeds).max() < STOPPED:
+                return
+
+    def _take(self, side: str, prop: str) -> None:
+        other = "right" if side == "left" else "left"
+        self.holding[side] = prop
+        if self.holding.get(other) == prop:
+            return  # already carried: a load of both hands moves with the first
+        self._attach(side, prop)
+
+    def _attach(self, side: str, prop: str) -> None:
+        thing = self.world.object(prop)
+        ee = self.planner.kinematics[side].ee_pose(self.world.robot.arm(side).target)
+        for link, parts in thing.parts.items():
+            X_EL = ee.inverse() @ thing.link_pose(link)
+            for part in parts:
+                self.planner.checker.attach(side, prop, X_EL @ part)
+
+    def _let_go(self, side: str) -> None:
+        prop = self.holding.pop(side)
+        self.planner.checker.detach(side)
+        other = "right" if side == "left" else "left"
+        if self.holding.get(other) == prop:
+            self.planner.checker.detach(other)
+            self._attach(other, prop)
+
+    # ---- feeling ---------------------------------------------------------------------------------
+
+    def presses(self, side: str, prop: str) -> bool:
+        """The gripper, or what it holds, presses on a prop in this step."""
+        if self.scene.touching(f"{side}_gripper", prop):
+            return True
+        held = self.holding.get(side)
+        return held is not None and held != prop and self.scene.touching(held, prop)
+
+    def still_held(self) -> None:
+        """Everything carried is still in its hand.
+
+        Raises:
+            Infeasible: "slipped".
+        """
+        for side, prop in self.holding.items():
+            for _ in range(FEEL_STEPS):
+                if self.scene.touching(f"{side}_gripper", prop):
+                    break
+                self.rollout.tick()
+            else:
+                raise Infeasible("slipped", f"{prop} left the {side} hand")
+
+    def pace(self) -> float:
+        """Share of the usual speed that the present load allows."""
+        margins = []
+        for prop in set(self.holding.values()):
+            sides = [s for s in SIDES if self.holding.get(s) == prop]
+            gaps = [self.world.robot.arm(s).gap() for s in sides]
+            margins.append(friction_margin(self.world, prop, gaps))
+        return min((pace_of(m) for m in margins), default=1.0)
+
+    # ---- what planning may overlook --------------------------------------------------------------
+
+    @contextmanager
+    def may_touch(self, side: str, prop: str) -> Iterator[None]:
+        """Within: this hand may touch the prop."""
+        checker = self.planner.checker
+        try:
+            checker.ignore(side, prop)
+        except UnknownName:  # a mark without collision shape
+            yield
+            return
+        try:
+            yield
+        finally:
+            checker.stop_ignoring(side, prop)
+
+    @contextmanager
+    def free_to_leave(self, start: dict[str, Array]) -> Iterator[None]:
+        """Within: contacts that exist at the start (a thing just released) do not block."""
+        checker, overlooked = self.planner.checker, []
+        for side in SIDES:
+            partner = self.holding.get("right" if side == "left" else "left")
+            if partner and partner == self.holding.get(side):
+                overlooked += self._overlook(side, [partner])
+        for _ in range(6):
+            pair = self.planner.contact(start)
+            if pair is None:
+                break
+            names = pair.split(" and ")
+            added = [n for side in SIDES for n in self._overlook(side, names)]
+            if not added:
+                break
+            overlooked += added
+        try:
+            yield
+        finally:
+            for side, name in overlooked:
+                checker.stop_ignoring(side, name)
+
+    def _overlook(self, side: str, names: list[str]) -> list[tuple[str, str]]:
+        added = []
+        for name in names:
+            if name in self.world.objects or name == "table":
+                try:
+                    self.planner.checker.ignore(side, name)
+                except UnknownName:
+                    continue
+                added.append((side, name))
+        return added

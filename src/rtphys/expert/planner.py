@@ -1,0 +1,178 @@
+"""Both arms' motions: inverse kinematics, clear paths, one time law for whatever moves together."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from rtphys.assets.embodiment import Embodiment, Limb
+from rtphys.errors import Infeasible
+from rtphys.plan.collision import CollisionChecker, Obstacle
+from rtphys.plan.kinematics import ArmKinematics
+from rtphys.plan.path import JointLimits, Trajectory, retime
+from rtphys.plan.robot_shapes import ArmJoints
+from rtphys.plan.rrt import connect, straight_is_clear
+from rtphys.poses import Array, Pose
+
+SIDES = ("left", "right")
+# The arm's real servos reach about 3 rad/s; accelerations keep finger loads near 1 g.
+VELOCITY = np.array([2.0, 2.0, 2.0, 2.6, 2.6, 3.0])  # [rad/s]
+ACCELERATION = np.array([7.0, 7.0, 7.0, 10.0, 10.0, 12.0])  # [rad/s^2]
+LINE_SPEED = 0.6  # straight lines end in contact: a share of the usual pace
+
+
+@dataclass(frozen=True, eq=False)
+class ArmGoal:
+    """Where one arm should go. Exactly one of `line` (ee poses world) and `q` is set."""
+
+    q: Array | None = None  # (6,) along any clear path
+    line: Pose | None = None  # straight line of the ee to this world pose
+    speed: float = 1.0
+
+
+@lru_cache(maxsize=4)
+def _kinematics(embodiment: Embodiment) -> dict[str, ArmKinematics]:
+    return {
+        limb.side: ArmKinematics.from_urdf(
+            embodiment.urdf, limb.joints, limb.ee_link, embodiment.bases[0], limb.limits
+        )
+        for limb in embodiment.limbs
+    }
+
+
+@lru_cache(maxsize=4)
+def _checker(embodiment: Embodiment) -> CollisionChecker:
+    joints = {limb.side: _arm_joints(limb) for limb in embodiment.limbs}
+    return CollisionChecker(embodiment.urdf, embodiment.bases[0], joints)
+
+
+def _arm_joints(limb: Limb) -> ArmJoints:
+    return ArmJoints(limb.joints, limb.finger_joints)
+
+
+class DualArmPlanner:
+    """Plans for one episode; all chance comes from its generator."""
+
+    def __init__(self, embodiment: Embodiment, rng: np.random.Generator) -> None:
+        self.kinematics = _kinematics(embodiment)
+        self.checker = _checker(embodiment)
+        self.limits = {limb.side: limb.limits for limb in embodiment.limbs}
+        self._rng = rng
+        self.fingers = {"left": 0.045, "right": 0.045}  # [m] each finger, for collision checks
+        self.forget()
+
+    def forget(self) -> None:
+        """Drop what an earlier episode left in the shared checker."""
+        self.checker.reset()
+
+    def set_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
+        self.checker.set_obstacles(obstacles)
+
+    # ---- postures --------------------------------------------------------------------------------
+
+    def posture(self, side: str, ee: Pose, near: Array) -> Array | None:
+        """A posture for a world ee pose on the branch nearest to `near`, or None."""
+        return self.kinematics[side].solve_near(ee, near, self._rng)
+
+    def clear(self, postures: dict[str, Array]) -> bool:
+        fingers = (self.fingers["left"], self.fingers["right"])
+        return self.checker.clear(postures["left"], postures["right"], fingers)
+
+    def contact(self, postures: dict[str, Array]) -> str | None:
+        """The first colliding pair, for messages."""
+        fingers = (self.fingers["left"], self.fingers["right"])
+        return self.checker.first_contact(postures["left"], postures["right"], fingers)
+
+    # ---- motions ---------------------------------------------------------------------------------
+
+    def motion(self, start: dict[str, Array], goals: dict[str, ArmGoal], pace: float) -> Trajectory:
+        """One motion of the named arms, both in the same time.
+
+        Args:
+            start: (6,) postures of both arms.
+            goals: of the arms that move.
+            pace: share of the usual speed.
+
+        Returns:
+            Trajectory over 12 joints, left then right.
+
+        Raises:
+            Infeasible: "unreachable", "no_path" or "retime_failed".
+        """
+        paths = {side: self._path(side, start, goal) for side, goal in goals.items()}
+        free = [side for side, goal in goals.items() if goal.q is not None]
+        waypoints = _joined(paths, start)
+        if free and not self._path_clear(waypoints):
+            waypoints = self._detour(start, paths, free)
+        speed = pace * min(LINE_SPEED * g.speed if g.line else g.speed for g in goals.values())
+        limits = JointLimits(np.tile(VELOCITY, 2), np.tile(ACCELERATION, 2))
+        return retime(waypoints, limits.scaled(float(np.clip(speed, 0.02, 1.0))))
+
+    def _path(self, side: str, start: dict[str, Array], goal: ArmGoal) -> Array:
+        if goal.q is not None:
+            return np.array([start[side], goal.q])
+        assert goal.line is not None
+        line = self.kinematics[side].line(start[side], goal.line)
+        if line is None:
+            raise Infeasible("unreachable", f"the {side} hand cannot follow a straight line")
+        return line
+
+    def _path_clear(self, waypoints: Array) -> bool:
+        def is_clear(q: Array) -> bool:
+            return self.clear({"left": q[:6], "right": q[6:]})
+
+        pairs = itertools.pairwise(waypoints)
+        return all(straight_is_clear(a, b, is_clear) for a, b in pairs)
+
+    def _detour(self, start: dict[str, Array], paths: dict[str, Array], free: list[str]) -> Array:
+        """A clear path by RRT-Connect in the joints of the arms that may move freely."""
+        if len(free) < len(paths):
+            raise Infeasible("no_path", "a straight line of one arm meets the other arm")
+        end = {side: paths[side][-1] if side in paths else start[side] for side in SIDES}
+        self._must_be_clear(start, "start")
+        self._must_be_clear(end, "goal")
+        columns = np.concatenate([np.arange(6) + 6 * SIDES.index(s) for s in sorted(free)])
+        base = np.concatenate([start["left"], start["right"]])
+
+        def full(q: Array) -> Array:
+            both = base.copy()
+            both[columns] = q
+            return both
+
+        def is_clear(q: Array) -> bool:
+            both = full(q)
+            return self.clear({"left": both[:6], "right": both[6:]})
+
+        goal = np.concatenate([end["left"], end["right"]])[columns]
+        limits = np.vstack([self.limits[side] for side in sorted(free)])
+        route = connect(base[columns], goal, is_clear, limits, self._rng)
+        if route is None:
+            raise Infeasible("no_path", f"no clear path for {' and '.join(free)}")
+        return np.array([full(q) for q in route])
+
+    def _must_be_clear(self, postures: dict[str, Array], what: str) -> None:
+        pair = self.contact(postures)
+        if pair is not None:
+            raise Infeasible("no_path", f"{what}: {pair}")
+
+
+def _joined(paths: dict[str, Array], start: dict[str, Array]) -> Array:
+    """Paths of both arms over a common parameter, (n, 12); an arm without a path keeps still."""
+    shares = {side: _share_of_length(path) for side, path in paths.items()}
+    u = np.unique(np.round(np.concatenate(list(shares.values())), 9))
+    columns = []
+    for side in SIDES:
+        if side in paths:
+            columns += [np.interp(u, shares[side], paths[side][:, j]) for j in range(6)]
+        else:
+            columns += [np.full(len(u), q) for q in start[side]]
+    return np.column_stack(columns)
+
+
+def _share_of_length(path: Array) -> Array:
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    if lengths[-1] < 1e-9:
+        return np.linspace(0, 1, len(path))
+    return lengths / lengths[-1]

@@ -1,0 +1,197 @@
+"""The robot that scripts command (`rtphys.task.arm.Robot`): plans steps and carries them out."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rtphys.errors import Infeasible
+from rtphys.expert.arm import ExpertArm
+from rtphys.expert.hands import Hands
+from rtphys.expert.planner import SIDES, ArmGoal, DualArmPlanner
+from rtphys.expert.surroundings import obstacles_of
+from rtphys.poses import Array, Pose
+from rtphys.sim.rollout import Rollout
+from rtphys.task.arm import Grip, Home, Line, Motion, Reach, Shift, Step, Wait
+
+PLANNING = frozenset({"unreachable", "no_path", "retime_failed", "ungraspable"})
+SETTLED = 0.003  # [rad] largest tracking error before the fingers act
+SETTLE_STEPS = 60
+
+
+class ExpertRobot:
+    """Both arms of one rollout, driven through the same targets that a policy sets."""
+
+    def __init__(self, rollout: Rollout, rng: np.random.Generator) -> None:
+        self.rollout, self.scene, self.world = rollout, rollout.scene, rollout.world
+        self.planner = DualArmPlanner(self.world.robot.embodiment, rng)
+        self.hands = Hands(rollout, self.planner)
+        self.left, self.right = ExpertArm(self, "left"), ExpertArm(self, "right")
+        self.refresh()
+
+    # ---- what scripts say ------------------------------------------------------------------------
+
+    @property
+    def holding(self) -> dict[str, str]:
+        """Side -> prop in that hand."""
+        return self.hands.holding
+
+    def arm(self, side: str) -> ExpertArm:
+        return self.left if side == "left" else self.right
+
+    def nearest(self, prop: str) -> ExpertArm:
+        return self.arm("left" if self.scene.pose(prop).p[0] < 0 else "right")
+
+    def other(self, arm: ExpertArm) -> ExpertArm:
+        return self.right if arm.side == "left" else self.left
+
+    def do(self, *motions: Motion) -> None:
+        queues: dict[str, list[Step]] = {side: [] for side in SIDES}
+        for motion in motions:
+            queues[motion.side].extend(motion.steps)
+        self.rollout.recorder.enter(" + ".join(dict.fromkeys(m.stage for m in motions)))
+        for i in range(max((len(q) for q in queues.values()), default=0)):
+            self._together({side: q[i] for side, q in queues.items() if i < len(q)})
+
+    def tried(self, action: Callable[[], None]) -> bool:
+        before = self.rollout.steps
+        try:
+            action()
+        except Infeasible as problem:
+            if problem.reason not in PLANNING or self.rollout.steps != before:
+                raise
+            return False
+        return True
+
+    # ---- questions of the verbs ------------------------------------------------------------------
+
+    def commanded(self, side: str) -> Array:
+        """Commanded posture (6,)."""
+        return self.world.robot.arm(side).target
+
+    def commanded_ee(self, side: str) -> Pose:
+        """Commanded ee pose, task frame."""
+        ee = self.planner.kinematics[side].ee_pose(self.commanded(side))
+        return self.world.to_task(ee)
+
+    def can_grasp(self, side: str, prop: str, before: Pose, at: Pose) -> bool:
+        """Both poses reachable on one branch, and clear but for the thing itself."""
+        self.refresh()
+        q = self._posture(side, before)
+        if q is None or not self._clear_with(side, q):
+            return False
+        line = self.planner.kinematics[side].line(q, self.world.X_WT @ at)
+        if line is None:
+            return False
+        with self.hands.may_touch(side, prop):
+            return self._clear_with(side, line[-1])
+
+    def can_follow(self, side: str, before: Pose, after: Pose) -> bool:
+        """Both poses reachable, the second by a straight line from the first."""
+        q = self._posture(side, before)
+        if q is None:
+            return False
+        return self.planner.kinematics[side].line(q, self.world.X_WT @ after) is not None
+
+    def _posture(self, side: str, ee: Pose) -> Array | None:
+        return self.planner.posture(side, self.world.X_WT @ ee, self.commanded(side))
+
+    def _clear_with(self, side: str, q: Array) -> bool:
+        postures = {s: self.commanded(s) for s in SIDES}
+        other = "right" if side == "left" else "left"
+        if not self.hands.holding.get(other):
+            # Whether the other arm is in the way now does not matter: it can move first.
+            postures[other] = self.world.robot.arm(other).limb.home
+        postures[side] = q
+        return self.planner.clear(postures)
+
+    # ---- carrying out ----------------------------------------------------------------------------
+
+    def refresh(self) -> None:
+        """Tell the planner where everything is now."""
+        held = set(self.hands.holding.values())
+        self.planner.set_obstacles(obstacles_of(self.world, without=held))
+
+    def _together(self, steps: dict[str, Step]) -> None:
+        """One step of one or both arms, at the same time."""
+        self.refresh()
+        goals = {s: g for s, step in steps.items() if (g := self._goal(s, step)) is not None}
+        grips = {s: step for s, step in steps.items() if isinstance(step, Grip)}
+        waits = [step.seconds for step in steps.values() if isinstance(step, Wait)]
+        until = {s: w for s, step in steps.items() if (w := getattr(step, "until", ""))}
+        if grips:
+            self._settle()
+        ramps = {side: self.hands.ramp(side, grip.opening) for side, grip in grips.items()}
+        trajectory = self._plan(goals) if goals else None
+        self._run(trajectory, ramps, until, max(waits, default=0.0))
+        for side, grip in grips.items():
+            self.hands.closed(side, grip)
+        if not grips:
+            self.hands.still_held()
+
+    def _plan(self, goals: dict[str, ArmGoal]):
+        start = {side: self.commanded(side) for side in SIDES}
+        with self.hands.free_to_leave(start):
+            return self.planner.motion(start, goals, self.hands.pace())
+
+    def _goal(self, side: str, step: Step) -> ArmGoal | None:
+        if isinstance(step, Home):
+            return ArmGoal(q=self.world.robot.arm(side).limb.home)
+        if isinstance(step, Line):
+            return ArmGoal(line=self.world.X_WT @ step.goal, speed=step.speed)
+        if isinstance(step, Shift):
+            return self._shift_goal(side, step)
+        if isinstance(step, Reach):
+            for pose in step.candidates:
+                q = self._posture(side, pose)
+                if q is not None and (len(step.candidates) == 1 or self._clear_with(side, q)):
+                    return ArmGoal(q=q)
+            raise Infeasible("unreachable", f"no posture of the {side} arm")
+        return None
+
+    def _shift_goal(self, side: str, step: Shift) -> ArmGoal:
+        ee = self.commanded_ee(side)
+        offset = ee.R @ np.asarray(step.offset) if step.tool else np.asarray(step.offset)
+        for share in step.shares:
+            goal = Pose(ee.p + share * offset, step.turn or ee.q)
+            world = self.world.X_WT @ goal
+            if self.planner.kinematics[side].line(self.commanded(side), world) is not None:
+                return ArmGoal(line=world, speed=step.speed)
+            if step.turn:  # a large turn may need another branch: go there freely
+                q = self._posture(side, goal)
+                if q is not None:
+                    return ArmGoal(q=q, speed=step.speed)
+        raise Infeasible("unreachable", f"the {side} hand cannot move by {step.offset}")
+
+    def _run(self, trajectory, ramps: dict[str, Array], until: dict[str, str], wait: float) -> None:
+        arms = {side: self.world.robot.arm(side) for side in SIDES}
+        length = max(
+            [len(trajectory) if trajectory is not None else 0]
+            + [len(r) for r in ramps.values()]
+            + [round(wait * 250)]
+        )
+        stopped: set[str] = set()
+        for k in range(length):
+            for j, (side, arm) in enumerate(arms.items()):
+                if trajectory is not None and side not in stopped:
+                    row = min(k, len(trajectory) - 1)
+                    part = slice(6 * j, 6 * j + 6)
+                    arm.command(trajectory.q[row, part], trajectory.qd[row, part])
+                if side in ramps:
+                    arm.grip(float(ramps[side][min(k, len(ramps[side]) - 1)]))
+            self.rollout.tick()
+            for side, prop in until.items():
+                if side not in stopped and self.hands.presses(side, prop):
+                    stopped.add(side)
+                    arms[side].command(arms[side].target, np.zeros(6))
+            if until and len(stopped) == len(until):
+                break
+        for arm in arms.values():
+            arm.command(arm.target, np.zeros(6))
+
+    def _settle(self) -> None:
+        """Wait until both arms are where they were told to be."""
+        for _ in range(SETTLE_STEPS):
+            errors = [np.abs(a.measured() - a.target).max() for a in self.world.robot.arms]
+            if max(errors) < SETTLED:
+                return
+            self.rollout.tick()

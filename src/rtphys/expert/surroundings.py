@@ -1,0 +1,26 @@
+"""What the arms must not hit: every collision part of the scene as a convex obstacle."""
+
+import numpy as np
+
+from rtphys.plan.collision import Obstacle
+from rtphys.poses import Pose
+from rtphys.sim.room import TOP, TOP_HALF
+from rtphys.sim.world import World
+
+TABLE = "table"
+_WALL = Obstacle("wall", np.array([3.0, 0.6, 1.5]), Pose((0, 1.0, 1.5)))
+
+
+def obstacles_of(world: World, without: set[str]) -> list[Obstacle]:
+    """The table, the wall and every task object but those named, where they are now."""
+    x, y = world.plan.table.shift
+    half = np.array(TOP_HALF)
+    table = Obstacle(TABLE, half, world.X_WT @ Pose((x, y, TOP - half[2])))
+    found = [table, _WALL]
+    for name, thing in world.objects.items():
+        if name in without:
+            continue
+        for link, parts in thing.parts.items():
+            pose = thing.link_pose(link)
+            found += [Obstacle(name, part, pose) for part in parts]
+    return found

@@ -1,0 +1,57 @@
+"""One episode, one path: recipe -> physics -> world -> script -> success -> verdict."""
+
+from dataclasses import dataclass
+
+from rtphys.assets.pack import Pack
+from rtphys.errors import Infeasible
+from rtphys.expert.robot import ExpertRobot
+from rtphys.instance import Instance, prepare, settle
+from rtphys.recipe import Recipe
+from rtphys.seeds import stream
+from rtphys.sim.recorder import Recording
+from rtphys.sim.rollout import Outcome, Rollout
+from rtphys.task.spec import Task
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What came of one recipe. `reason` is empty iff it is accepted."""
+
+    recipe: Recipe
+    reason: str = ""
+    detail: str = ""
+    instance: Instance | None = None  # None when not even the world could be made
+    recording: Recording | None = None
+    outcome: Outcome | None = None
+
+    @property
+    def accepted(self) -> bool:
+        return not self.reason
+
+
+def attempt(recipe: Recipe, task: Task, pack: Pack) -> Attempt:
+    """Let the scripted expert try one episode. Never renders.
+
+    Infeasibility is a result, not an error: this is the only place that catches it.
+    """
+    instance = rollout = None
+    try:
+        instance = prepare(recipe, task, pack)
+        settle(instance)
+        rollout = start(instance)
+        task.script(ExpertRobot(rollout, stream(recipe.seed, "expert")))
+        outcome = rollout.finish()
+    except Infeasible as problem:
+        recording = rollout.recorder.recording if rollout else None
+        return Attempt(recipe, problem.reason, problem.detail, instance, recording)
+    recording = rollout.recorder.recording
+    if outcome.held:
+        return Attempt(recipe, "", "", instance, recording, outcome)
+    reason = "failed_check" if outcome.first_success is None else "not_held"
+    return Attempt(recipe, reason, "; ".join(outcome.missing), instance, recording, outcome)
+
+
+def start(instance: Instance) -> Rollout:
+    """Begin the policy stage of a settled instance."""
+    condition = instance.task.condition(list(instance.props))
+    return Rollout(instance.world, instance.physics, condition, instance.task.step_limit)

@@ -1,0 +1,72 @@
+"""A recipe come to life: layout, physics and a world at rest in which both are in force."""
+
+from dataclasses import dataclass
+
+from rtphys.assets.pack import Pack
+from rtphys.errors import Infeasible
+from rtphys.physics.domain import Domain
+from rtphys.physics.enforce import enforce
+from rtphys.physics.handles import Blueprint
+from rtphys.physics.hull import Solid, inside
+from rtphys.physics.values import Physics
+from rtphys.poses import Pose
+from rtphys.recipe import Recipe
+from rtphys.sim.room import TablePlan
+from rtphys.sim.world import World, WorldPlan
+from rtphys.task.props import Prop
+from rtphys.task.spec import Task
+
+MOST_SLIDE = 0.05  # [m] and
+MOST_TURN = 0.26  # [rad], 15 deg: a thing that settled further away has fallen or run off
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """One episode before anyone acts in it."""
+
+    recipe: Recipe
+    task: Task
+    domain: Domain
+    props: tuple[Prop, ...]
+    physics: Physics
+    world: World
+
+
+def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> Instance:
+    """Draw, build, enforce.
+
+    Raises:
+        Infeasible: "layout" or "invalid_physics".
+    """
+    domain, props = recipe.domain(), tuple(task.props(recipe.seed))
+    drawn = domain.sample(recipe.seed, recipe.only, recipe.overrides)
+    blueprint = Blueprint()
+    enforce(blueprint, drawn)
+    table = TablePlan(task.table_shift, task.table_drop)
+    world = World(WorldPlan(pack, props, blueprint, table, recipe.embodiment, visuals))
+    # The centre of mass may only be drawn once the bodies it must lie in are known.
+    solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
+    physics = domain.sample(recipe.seed, recipe.only, recipe.overrides, inside(solids))
+    enforce(world, physics)
+    return Instance(recipe, task, domain, props, physics, world)
+
+
+def settle(instance: Instance) -> None:
+    """Let everything come to rest where it was put.
+
+    Raises:
+        Infeasible: "unsettled".
+    """
+    world = instance.world
+    before = {name: thing.pose for name, thing in world.objects.items() if thing.bodies}
+    world.settle()
+    for name, start in before.items():
+        _check_stayed(name, start, world.object(name).pose)
+
+
+def _check_stayed(name: str, start: Pose, now: Pose) -> None:
+    slid = float(((now.p - start.p) ** 2).sum() ** 0.5)
+    turned = start.angle_to(now)
+    if slid > MOST_SLIDE or turned > MOST_TURN:
+        moved = f"{name} moved {100 * slid:.1f} cm and turned {turned:.2f} rad while settling"
+        raise Infeasible("unsettled", moved)

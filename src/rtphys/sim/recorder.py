@@ -1,0 +1,93 @@
+"""What happened, every 15 steps: commands, measurements, packed poses, and their hash."""
+
+import hashlib
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rtphys.poses import Array, Pose
+from rtphys.sim.contacts import Contacts
+from rtphys.sim.engine import TIME_STEP
+from rtphys.sim.world import World
+
+FRAME_STEPS = 15  # RoboTwin's save_freq: 60 ms, 16.67 Hz
+
+
+@dataclass
+class Row:
+    """One instant. Poses are world frame, xyz [m] + wxyz."""
+
+    time: float  # [s]
+    stage: int
+    arms: Array  # (14,) commanded: left arm 6, left gripper, right arm 6, right gripper
+    ee: Array  # (2, 7) measured end-effector poses, left and right
+    qpos: Array  # (n,)
+    qvel: Array  # (n,)
+    effort: Array  # (n,)
+    objects: dict[str, Array]  # name -> (7,)
+    touched: dict[str, tuple[bool, bool]]  # name -> by the left, by the right gripper
+    packed: bytes  # scene.pack_poses(): all that a picture needs
+
+
+@dataclass
+class Recording:
+    """Rows of one episode, in order, and the names of its stages."""
+
+    joint_names: tuple[str, ...]
+    rows: list[Row] = field(default_factory=list)
+    stages: list[str] = field(default_factory=list)
+    hash: str = ""  # SHA-256 over the state vectors of all rows
+
+
+class Recorder:
+    """Takes a row at the start of the policy stage and every 15 steps after it."""
+
+    def __init__(self, world: World, contacts: Contacts) -> None:
+        self._world, self._contacts = world, contacts
+        self._digest = hashlib.sha256()
+        art = world.robot.articulation
+        self.recording = Recording(tuple(j.name for j in art.active_joints))
+        self._dynamic = [o for o in world.objects.values() if o.bodies]
+        self.enter("start")
+        self.record(0)
+
+    def enter(self, stage: str) -> None:
+        """Name the stage that following rows belong to."""
+        stages = self.recording.stages
+        if not stages or stages[-1] != stage:
+            stages.append(stage)
+
+    def tick(self, step: int) -> None:
+        """After every physics step of the policy stage; `step` counts from 1."""
+        if step % FRAME_STEPS == 0:
+            self.record(step)
+
+    def record(self, step: int) -> None:
+        world = self._world
+        robot, art = world.robot, world.robot.articulation
+        commands = [np.append(arm.target, arm.gripper) for arm in robot.arms]
+        row = Row(
+            time=step * TIME_STEP,
+            stage=len(self.recording.stages) - 1,
+            arms=np.concatenate(commands),
+            ee=np.array([flat(arm.ee()) for arm in robot.arms]),
+            qpos=np.array(art.qpos, float),
+            qvel=np.array(art.qvel, float),
+            effort=robot.effort(),
+            objects={o.name: flat(o.pose) for o in world.objects.values()},
+            touched={o.name: self._touched(o.name) for o in world.objects.values()},
+            packed=world.scene.pack_poses(),
+        )
+        self.recording.rows.append(row)
+        self._digest.update(np.float32(world.state()).tobytes())
+        self.recording.hash = self._digest.hexdigest()
+
+    def _touched(self, name: str) -> tuple[bool, bool]:
+        left = self._contacts.between("left_gripper", name)
+        right = self._contacts.between("right_gripper", name)
+        return left is not None, right is not None
+
+
+def flat(pose: Pose) -> Array:
+    """xyz + wxyz (7,)."""
+    return np.concatenate([pose.p, pose.q])

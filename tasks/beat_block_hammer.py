@@ -1,0 +1,64 @@
+"""Pick up the hammer and strike the red block with its face.
+
+Success: the face meets the block's top within 2 cm, the hammer is in a hand, and the blow was
+felt. Upstream tests neither grip nor impact; both are what the name demands.
+"""
+
+from math import atan2
+
+from rtphys.task import (
+    RED,
+    Box,
+    Draw,
+    Mesh,
+    Placing,
+    Robot,
+    Scene,
+    Task,
+    claim,
+    off_centre,
+    points_meet,
+)
+
+HEAD_AWAY = 2 * atan2(0.995, 0.105)  # [rad] yaw of the hammer at its fixed place
+STRIKE = 0.001  # [N s] a blow that moves a gram by 1 m/s; resting contact of one step is below it
+OVER = Placing(pre=0.06, gap=0.0, release=False)
+
+
+def layout(draw: Draw):
+    hammer = draw.spot("hammer", x=(0.0, 0.0), y=(-0.06, -0.06), yaw=(HEAD_AWAY, HEAD_AWAY))
+    yield Mesh(name="hammer", category="020_hammer", model=0, pose=hammer.pose())
+    spot = draw.spot(
+        "block", x=(-0.25, 0.25), y=(-0.05, 0.15), yaw=(-0.5, 0.5), where=off_centre(0.05)
+    )
+    yield Box(
+        name="block", half_size=(0.025,) * 3, colour=RED, pose=spot.pose(), fixed=True,
+        phrase="red block",
+    )  # fmt: skip
+
+
+def struck(scene: Scene) -> bool:
+    return scene.peak("blow", scene.impulse("hammer", "block")) > STRIKE
+
+
+def in_hand(scene: Scene) -> bool:
+    return any(scene.touching(f"{side}_gripper", "hammer") for side in ("left", "right"))
+
+
+def script(robot: Robot) -> None:
+    arm = robot.nearest("block")
+    robot.do(arm.grasp("hammer", pre=0.12, depth=0.01))
+    robot.do(arm.lift(0.07))
+    robot.do(arm.place("hammer", robot.scene.functional("block", 1), point=0, how=OVER))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=points_meet("hammer", 0, "block", 1, within=(0.02, 0.02, 0.02))
+    & claim("the block was struck", struck)
+    & claim("the hammer is in a hand", in_hand),
+    step_limit=400,
+    mechanism="tool: strike",
+    info={"A": "hammer", "a": "arm:block"},
+)

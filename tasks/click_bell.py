@@ -1,0 +1,29 @@
+"""Tap the plunger of a desk bell.
+
+Success: a fingertip of a closed hand has touched the bell at its plunger.
+"""
+
+from rtphys.task import UP_Y, Draw, Mesh, Robot, Task, off_centre, pressed
+
+
+def layout(draw: Draw):
+    spot = draw.spot("bell", x=(-0.25, 0.25), y=(-0.2, 0.0), where=off_centre(0.05))
+    model = draw.choice("model", 0, 1)
+    yield Mesh(name="bell", category="050_bell", model=model, pose=spot.pose(UP_Y), fixed=True)
+
+
+def script(robot: Robot) -> None:
+    arm = robot.nearest("bell")
+    robot.do(arm.hover("bell", contact=0, gap=0.1), arm.close())
+    robot.do(arm.advance(0.07, until="bell", speed=0.5))
+    robot.do(arm.retreat(0.045))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=pressed("bell", contact=0, within=(0.025, 0.025, 0.03), closed_below=0.2),
+    step_limit=400,
+    mechanism="press",
+    info={"A": "bell", "a": "arm:bell"},
+)
