@@ -61,7 +61,7 @@ def _draw(shader: str) -> dict[str, object]:
         camera = scene.add_camera("eye", 64, 48, 0.6, 0.1, 100.0)
         scene.update_render()
         picture = renderer.capture(camera)
-    except RuntimeError as error:
+    except (RuntimeError, IndexError) as error:
         return {"cause": "no_frame", "detail": str(error)}
     if picture.min() == picture.max():
         return {"cause": "no_frame", "detail": "the test frame has one colour only"}

@@ -23,6 +23,9 @@ from rtphys.sim.shader import ShaderMismatch, cache_folder, slim_pack
 SHADERS = ("slim", "default", "minimal", "rt")
 Picture = NDArray[np.uint8]  # (H, W, 3) RGB
 
+# What SAPIEN raises for a missing device or a shader that it cannot use.
+_DRAW_ERRORS = (RuntimeError, IndexError)
+
 _configured: list[str] = []  # SAPIEN's renderer settings are global to the process
 _anchor: list[sapien.Scene] = []
 
@@ -99,23 +102,34 @@ def pictures_ready() -> bool:
 def hold_anchor() -> None:
     """Keep one tiny scene drawn and alive, so that later scenes reuse its compiled pipelines.
 
-    SAPIEN drops everything it compiled when the last camera of the process dies.
+    SAPIEN drops everything it compiled when the last camera of the process dies. Call this before
+    the first world with pictures; it also tries the slim shader out, and falls back if SAPIEN
+    refuses it.
 
     Raises:
         NoRenderer: no device, or the first frame fails.
     """
     if _anchor:
         return
-    configure(_configured[0] if _configured else "slim")
+    if not _configured:
+        configure()
     try:
-        scene = sapien.Scene()
-        add_lights(scene)
-        camera = scene.add_camera("anchor", 16, 16, 0.6, 0.1, 100.0)
-        scene.update_render()
-        capture(camera)
-    except RuntimeError as error:
-        raise NoRenderer(f"no picture: {error}; `rtphys doctor` names the cure") from error
-    _anchor.append(scene)
+        _anchor.append(_first_frame())
+    except _DRAW_ERRORS as error:
+        if _configured[0] != "slim" or sapien.render.get_camera_shader_dir() == "default":
+            raise NoRenderer(f"no picture: {error}; `rtphys doctor` names the cure") from error
+        _warn_slower(error)
+        sapien.render.set_camera_shader_dir("default")
+        hold_anchor()
+
+
+def _first_frame() -> sapien.Scene:
+    scene = sapien.Scene()
+    add_lights(scene)
+    camera = scene.add_camera("anchor", 16, 16, 0.6, 0.1, 100.0)
+    scene.update_render()
+    capture(camera)
+    return scene
 
 
 def capture(camera: sapien.render.RenderCameraComponent) -> Picture:
@@ -134,8 +148,12 @@ def _shader_folder(shader: str) -> str:
     try:
         return str(slim_pack(source, sapien.__version__, cache_folder()))
     except (ShaderMismatch, OSError) as error:
-        warnings.warn(f"drawing with SAPIEN's slower default shader: {error}", stacklevel=3)
+        _warn_slower(error)
         return "default"
+
+
+def _warn_slower(error: Exception) -> None:
+    warnings.warn(f"drawing with SAPIEN's slower default shader: {error}", stacklevel=4)
 
 
 def _has_cuda() -> bool:

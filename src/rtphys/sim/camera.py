@@ -1,0 +1,179 @@
+"""Cameras: what there is to see with, where it looks, and the matrices that go with a picture.
+
+A camera's own axes are SAPIEN's: x forward, y left, z up. Datasets speak OpenCV (x right, y down,
+z forward) and OpenGL (x right, y up, z back).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import radians, tan
+
+import numpy as np
+import sapien
+from numpy.typing import NDArray
+
+from rtphys.assets.embodiment import Embodiment, StaticCamera
+from rtphys.errors import MissingAsset, UnknownName
+from rtphys.poses import Pose
+from rtphys.sim import renderer
+from rtphys.sim.engine import from_sapien, to_sapien
+
+Matrix = NDArray[np.float32]
+
+NEAR, FAR = 0.1, 100.0  # [m] (RoboTwin)
+KINDS = {  # width, height [px], vertical field of view [deg] (RoboTwin, _camera_config.yml)
+    "D435": (320, 240, 37.0),
+    "Large_D435": (640, 480, 37.0),
+    "L515": (320, 180, 45.0),
+    "Large_L515": (640, 360, 45.0),
+}
+SHORT = {
+    "head": "head_camera",
+    "left": "left_camera",
+    "right": "right_camera",
+    "front": "front_camera",
+}
+
+# Where RoboTwin puts the two fixed cameras when an embodiment says nothing else [m].
+HEAD = ((-0.032, -0.45, 1.35), (0.0, 0.6, -0.8))
+FRONT = ((0.2, -0.45, 0.85), (0.0, 1.0, -0.1))
+
+_CV_FROM_SAPIEN = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]], float)
+_CV_FROM_GL = np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class CameraSpec:
+    """A camera of given optics, fixed in the world or mounted on a robot link."""
+
+    name: str  # official: head_camera, left_camera, right_camera, front_camera
+    width: int = 320  # [px]
+    height: int = 240  # [px]
+    fovy: float = radians(37.0)  # vertical field of view [rad]
+    pose: Pose = field(default_factory=Pose)  # in the world, or in the link's frame
+    link: str = ""  # the robot link that carries it; empty: fixed in the world
+
+    @property
+    def intrinsic_cv(self) -> Matrix:
+        """(3, 3) [px]: square pixels, no skew, principal point in the middle."""
+        f = self.height / 2 / tan(self.fovy / 2)
+        K = [[f, 0, self.width / 2], [0, f, self.height / 2], [0, 0, 1]]
+        return np.array(K, np.float32)
+
+
+def extrinsic_cv(X_WC: Pose) -> Matrix:
+    """(3, 4) world -> camera in OpenCV axes [m], of a camera at `X_WC`."""
+    return _world_to_cv(X_WC)[:3].astype(np.float32)
+
+
+def cam2world_gl(X_WC: Pose) -> Matrix:
+    """(4, 4) camera in OpenGL axes -> world [m]."""
+    return (np.linalg.inv(_world_to_cv(X_WC)) @ _CV_FROM_GL).astype(np.float32)
+
+
+def _world_to_cv(X_WC: Pose) -> NDArray[np.float64]:
+    X = np.eye(4)
+    X[:3, :3] = _CV_FROM_SAPIEN @ X_WC.R.T
+    X[:3, 3] = -X[:3, :3] @ X_WC.p
+    return X
+
+
+def looking(position: Sequence[float], forward: Sequence[float], left: object = None) -> Pose:
+    """Pose of a camera at `position` [m] that looks along `forward`.
+
+    `left` is its left direction; by default the horizontal one, so that the camera has no roll.
+    """
+    x = np.asarray(forward, float) / np.linalg.norm(forward)
+    y = np.cross([0.0, 0.0, 1.0], x) if left is None else np.asarray(left, float)
+    y = y - (y @ x) * x  # SAPIEN wants a rotation; configurations give rounded numbers
+    y = y / np.linalg.norm(y)
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = np.column_stack([x, y, np.cross(x, y)]), position
+    return Pose.from_matrix(X)
+
+
+def camera_specs(embodiment: Embodiment, names: Sequence[str]) -> tuple[CameraSpec, ...]:
+    """The cameras asked for, by short (`head`) or official (`head_camera`) name, in that order.
+
+    Raises:
+        UnknownName: no such camera.
+    """
+    known = {**SHORT, **{name: name for name in SHORT.values()}}
+    for name in names:
+        if name not in known:
+            raise UnknownName("camera", name, SHORT)
+    return tuple(_spec(embodiment, known[name]) for name in names)
+
+
+def _spec(embodiment: Embodiment, name: str) -> CameraSpec:
+    for limb in embodiment.limbs:
+        if name == f"{limb.side}_camera":
+            return _optics(name, "D435", Pose(), limb.camera_link)
+    fixed = {camera.name: camera for camera in embodiment.cameras}
+    if name in fixed:
+        camera: StaticCamera = fixed[name]
+        pose = looking(camera.position.tolist(), camera.forward.tolist(), camera.left)
+        return _optics(name, camera.kind, pose, "")
+    position, forward = HEAD if name == "head_camera" else FRONT
+    return _optics(name, "D435", looking(position, forward), "")
+
+
+def _optics(name: str, kind: str, pose: Pose, link: str) -> CameraSpec:
+    if kind not in KINDS:
+        raise UnknownName("camera type", kind, KINDS, name)
+    width, height, fovy_deg = KINDS[kind]
+    return CameraSpec(name, width, height, radians(fovy_deg), pose, link)
+
+
+class SimCamera:
+    """A camera in a scene. Add cameras after everything else: `scene.pack_poses` is by order.
+
+    Args:
+        scene: a scene with a render system, lit by `renderer.add_lights`.
+        spec: what to add.
+        robot: the articulation that carries a mounted camera.
+
+    Raises:
+        MissingAsset: the robot has no such link.
+    """
+
+    def __init__(
+        self,
+        scene: sapien.Scene,
+        spec: CameraSpec,
+        robot: sapien.physx.PhysxArticulation | None = None,
+    ) -> None:
+        self.spec = spec
+        component = sapien.render.RenderCameraComponent(spec.width, spec.height)
+        component.set_fovy(spec.fovy, compute_x=True)
+        component.near, component.far = NEAR, FAR
+        component.name = spec.name
+        if spec.link:
+            links = {link.name: link for link in robot.links} if robot else {}
+            if spec.link not in links:
+                raise MissingAsset(f"link {spec.link!r}", robot.name if robot else "", spec.name)
+            links[spec.link].entity.add_component(component)
+            component.local_pose = to_sapien(spec.pose)
+        else:
+            mount = sapien.Entity()
+            mount.name = spec.name
+            mount.add_component(component)
+            mount.set_pose(to_sapien(spec.pose))
+            scene.add_entity(mount)
+        self.component = component
+
+    @property
+    def pose(self) -> Pose:
+        """World pose now, SAPIEN axes."""
+        return from_sapien(self.component.global_pose)
+
+    def set_pose(self, pose: Pose) -> None:
+        """Move a fixed camera (world), or a mounted one within its link's frame."""
+        if self.spec.link:
+            self.component.local_pose = to_sapien(pose)
+        else:
+            self.component.entity.set_pose(to_sapien(pose))
+
+    def capture(self) -> renderer.Picture:
+        """(H, W, 3) uint8 RGB; call `scene.update_render()` first."""
+        return renderer.capture(self.component)
