@@ -1,0 +1,1 @@
+"""One experiment per attribute, each with a textbook outcome; shared by the tests and `prove`."""

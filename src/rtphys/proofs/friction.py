@@ -1,0 +1,71 @@
+"""Coulomb: a plate stops after v² / 2 mu g, and starts when the push exceeds mu m g."""
+
+import numpy as np
+
+from rtphys.physics.handles import GRAVITY
+from rtphys.physics.values import Value
+from rtphys.proofs.grip import finger_friction
+from rtphys.proofs.lab import Lab, launch, pose_of, puck, record
+from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+
+RUNWAY = 0.25  # [m] the way that the law gives the plate
+FALL = 50  # [steps] until the plate, dropped from 1 mm, lies still
+
+
+def stopping(lab: Lab, values: Company, mu: float) -> tuple[float, Trace]:
+    """Way [m] that a plate slides after it was launched to slide RUNWAY."""
+    world = lab.world([puck(x=0.0)], values)
+    body = world.bodies[0]
+    for _ in range(FALL):
+        world.step()
+    speed = float(np.sqrt(2 * mu * GRAVITY * RUNWAY))
+    start = pose_of(body).p[0]
+    launch(body, (speed, 0.0, 0.0))
+    t, x = record(
+        world, int(250 * 1.3 * speed / (mu * GRAVITY)) + 10, lambda: pose_of(body).p[0] - start
+    )
+    rest = np.minimum(t, speed / (mu * GRAVITY))
+    law = speed * rest - mu * GRAVITY * rest**2 / 2
+    return float(x[-1]), Trace(t, x, law, "time [s]", "way [m]")
+
+
+def breakaway(lab: Lab, values: Company, mu: float) -> float:
+    """Smallest push, in weights, that moves a plate, by bisection within ±10 % of `mu`."""
+    low, high = 0.9 * mu, 1.1 * mu
+    if _slips(lab, values, low) or not _slips(lab, values, high):
+        return float("nan")
+    for _ in range(4):
+        middle = (low + high) / 2
+        low, high = (low, middle) if _slips(lab, values, middle) else (middle, high)
+    return (low + high) / 2
+
+
+def _slips(lab: Lab, values: Company, push: float) -> bool:
+    world = lab.world([puck(x=0.0)], {**values, "external_force": push})
+    body = world.bodies[0].component
+    for _ in range(FALL):
+        world.step()
+    world.policy_stage = True
+    for _ in range(100):
+        world.step()
+    # 1 % above breakaway gives 0.01 mu g over 0.4 s; creep below it stays far under that.
+    return bool(body.linear_velocity[0] > 2e-3 * push * GRAVITY * 0.4)
+
+
+def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+    mu, values = number(value), {**company, "friction": value}
+    way, trace = stopping(lab, values, mu)
+    return [
+        Trial("stopping way v²/2μg on the table", RUNWAY, way, "m", trace=trace),
+        Trial("breakaway push on the table", mu, breakaway(lab, values, mu), "m·g"),
+        Trial("coefficient between finger and object", mu, finger_friction(lab, values), "1"),
+    ]
+
+
+PROOF = Proof(
+    "friction",
+    "stopping way = v² / 2 μ g;  breakaway push = μ m g;  F_slip = 2 μ N between fingers",
+    (0.01, 0.5, 1.25),
+    run,
+    ({"restitution": 0.5}, {"object_mass": 4.0, "restitution": 0.25}),
+)

@@ -1,0 +1,96 @@
+"""The laboratory: a real World with a few simple props, built through the attributes."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rtphys.assets.pack import Pack
+from rtphys.physics.auxiliary import AUXILIARY
+from rtphys.physics.enforce import disagreements, enforce
+from rtphys.physics.handles import Blueprint
+from rtphys.physics.registry import attributes
+from rtphys.physics.values import Physics, Value
+from rtphys.poses import Array, Pose
+from rtphys.sim.body import SimBody
+from rtphys.sim.engine import TIME_STEP, from_sapien
+from rtphys.sim.world import World, WorldPlan
+from rtphys.task.props import Box, Prop
+
+
+@dataclass(frozen=True)
+class Lab:
+    """Builds worlds whose physics is nominal but for a few values.
+
+    Args:
+        pack: where robot and articulated objects come from.
+        visuals: with a renderer, for experiments that look at pictures.
+    """
+
+    pack: Pack
+    visuals: bool = False
+
+    def physics(self, values: Mapping[str, Value]) -> Physics:
+        """Nominal physics with `values` held."""
+        nominal: dict[str, Value] = {key: a.nominal for key, a in attributes().items()}
+        nominal |= dict.fromkeys(AUXILIARY)
+        return Physics(nominal | dict(values), values.keys() & attributes().keys())
+
+    def world(self, props: Sequence[Prop], values: Mapping[str, Value]) -> World:
+        """A world in which `values` are in force."""
+        physics, blueprint = self.physics(values), Blueprint()
+        enforce(blueprint, physics)
+        plan = WorldPlan(self.pack, tuple(props), blueprint, visuals=self.visuals)
+        world = World(plan)
+        enforce(world, physics)
+        return world
+
+    def lies(self, world: World, values: Mapping[str, Value]) -> list[str]:
+        """Places where the simulator does not read back as `values`; empty if all is well."""
+        return disagreements(world, self.physics(values))
+
+
+def launch(body: SimBody, velocity: Sequence[float]) -> None:
+    """Give a rigid body a velocity (3,) [m/s]."""
+    rigid = body.component
+    rigid.set_linear_velocity(list(velocity))  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def floating(world: World, name: str) -> SimBody:
+    """A body that gravity leaves alone, so that only the experiment moves it."""
+    body = next(b for b in world.bodies if b.name == name)
+    body.component.set_disable_gravity(True)
+    return body
+
+
+def record(world: World, steps: int, read: Callable[[], object], push=None) -> tuple[Array, Array]:
+    """Times (n,) [s] and readings (n, ...) after each of `steps` steps; `push` acts before each."""
+    seen = []
+    for _ in range(steps):
+        if push is not None:
+            push()
+        world.step()
+        seen.append(np.array(read(), float))
+    return np.arange(1, steps + 1, dtype=float) * TIME_STEP, np.array(seen)
+
+
+def slope(t: Array, y: Array) -> float:
+    """Rate of change of `y` (n,) by least squares."""
+    return float(np.polyfit(t, y, 1)[0])
+
+
+def pose_of(body: SimBody) -> Pose:
+    """World pose of a body's frame, now."""
+    return from_sapien(body.component.entity_pose)
+
+
+def block(
+    half: tuple[float, float, float], at: tuple[float, float, float], name: str = "block"
+) -> Box:
+    """A block floating in the air at a point of the world [m]."""
+    return Box(name=name, pose=Pose(at), half_size=half, resting=False)
+
+
+def puck(x: float = 0.15, y: float = -0.05, name: str = "puck") -> Box:
+    """A flat plate that slides and cannot tumble."""
+    return Box(name=name, pose=Pose((x, y, 0)), half_size=(0.05, 0.05, 0.01))

@@ -1,0 +1,40 @@
+"""Twice as large is eight times as heavy and 32 times as hard to turn."""
+
+from rtphys.physics.values import Value
+from rtphys.poses import Pose
+from rtphys.proofs.lab import Lab, pose_of
+from rtphys.proofs.object_mass import FORCE, HALF, TORQUE, block_inertia, block_mass, spin, weigh
+from rtphys.proofs.proof import Company, Proof, Trial, number
+from rtphys.task.props import TABLE_TOP, Box
+
+
+def rest(lab: Lab, values: Company) -> tuple[float, float]:
+    """Heights [m] of a resting block's origin and of its upper functional point over the table."""
+    world = lab.world([Box(name="block", pose=Pose((0.2, 0, 0)), half_size=HALF)], values)
+    for _ in range(150):
+        world.step()
+    top = world.object("block").functional_points[1].pose.p[2]
+    return float(pose_of(world.bodies[0]).p[2]) - TABLE_TOP, float(top) - TABLE_TOP
+
+
+def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+    values = {**company, "object_scale": value}
+    k, mass = number(value), number(company.get("object_mass", 1.0))
+    a, _ = weigh(lab, values)
+    alpha = spin(lab, values, 2)
+    middle, top = rest(lab, values)
+    return [
+        Trial("mass ratio k³", k**3, FORCE / (a * mass * block_mass()), "1"),
+        Trial("inertia ratio k⁵", k**5, TORQUE / (alpha * mass * block_inertia()[2]), "1"),
+        Trial("height at rest", k * HALF[2], middle, "m"),
+        Trial("upper functional point", 2 * k * HALF[2], top, "m"),
+    ]
+
+
+PROOF = Proof(
+    "object_scale",
+    "length ∝ k,  m ∝ k³,  I ∝ k⁵",
+    (1.0, 0.85, 1.05),
+    run,
+    ({"object_mass": 4.0}, {"object_mass": 0.125}),
+)

@@ -1,0 +1,49 @@
+"""A ball dropped from h comes back to e² h."""
+
+import numpy as np
+
+from rtphys.physics.handles import GRAVITY
+from rtphys.physics.values import Value
+from rtphys.poses import Pose
+from rtphys.proofs.lab import Lab, pose_of, record
+from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+from rtphys.task.props import TABLE_TOP, Ball
+
+RADIUS, DROP = 0.025, 0.4  # [m] the drop is a free fall of the ball's lowest point
+FULL = 0.25 * DROP  # [m] the bounce at the domain's end, e = 0.5
+TOLERANCE = 0.06  # 250 Hz: an impact falls up to one step too early or late
+
+
+def bounce(lab: Lab, values: Company) -> tuple[float, Trace]:
+    """Height [m] to which a ball returns, and its path."""
+    start = TABLE_TOP + RADIUS + DROP
+    ball = Ball(name="ball", pose=Pose((0.15, 0, start)), radius=RADIUS, resting=False)
+    world = lab.world([ball], values)
+    body = world.bodies[0]
+    t, z = record(world, 250, lambda: pose_of(body).p[2] - TABLE_TOP - RADIUS)
+    first = int(np.argmax(t > np.sqrt(2 * DROP / GRAVITY) + 0.02))
+    return float(z[first:].max()), Trace(t, z, 0 * t, "time [s]", "height over the table [m]")
+
+
+def path(t: np.ndarray, e: float) -> np.ndarray:
+    """Height [m] of the ideal ball up to its second touch."""
+    touch = np.sqrt(2 * DROP / GRAVITY)
+    after = t - touch
+    rise = e * GRAVITY * touch * after - GRAVITY * after**2 / 2
+    return np.where(after < 0, DROP - GRAVITY * t**2 / 2, np.maximum(rise, 0))
+
+
+def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+    e = number(value)
+    height, seen = bounce(lab, {**company, "restitution": value})
+    trace = Trace(seen.x, seen.measured, path(seen.x, e), seen.x_label, seen.y_label)
+    return [Trial("bounce height e² h", e**2 * DROP, height, "m", FULL, TOLERANCE, trace=trace)]
+
+
+PROOF = Proof(
+    "restitution",
+    "bounce height = e² h",
+    (0.0, 0.25, 0.5),
+    run,
+    ({"friction": 1.25}, {"object_mass": 4.0, "friction": 0.01}),
+)
