@@ -19,7 +19,7 @@ Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
 
 class _Meter:
-    """Adds up bytes; every byte counts twice, once for its checksum and once for its meaning."""
+    """Adds up bytes: a file's once for its checksum, an episode's again for its meaning."""
 
     def __init__(self, total: int, progress: Progress | None) -> None:
         self.done, self.total, self.progress = 0, total, progress
@@ -70,7 +70,8 @@ def verify(out: Path, *, quick: bool = False, progress: Progress | None = None) 
     except BadFile as error:
         return Report(problems=[Problem(error.path, error.problem)])
     sizes = {listed.path: listed.allowed[-1].size for listed in tree.files.values()}
-    meter = _Meter(2 * sum(sizes.values()), progress)
+    inside = sum(sizes.get(path, 0) for paths in _episode_paths(tree) for path in paths.all())
+    meter = _Meter(sum(sizes.values()) + inside, progress)
     for listed in tree.files.values():
         report.files += 1
         report.bytes += sizes[listed.path]
@@ -98,6 +99,11 @@ def _file_problem(listed: ListedFile) -> str:
     except OSError as error:
         return f"cannot be read ({error.strerror})"
     return ""
+
+
+def _episode_paths(tree: Tree) -> Iterator[EpisodePaths]:
+    for name, leaf in tree.leaves.items():
+        yield from (leaf.episode(number) for number in range(tree.episodes[name]))
 
 
 def _check_episodes(tree: Tree, findings: Findings, *, quick: bool) -> Iterator[EpisodePaths]:

@@ -25,13 +25,18 @@ def verify_manifest(
     out = path.parent if path.name == "manifest.json" else path
     report = _with_bar(out, quick=quick)
     for problem in report.problems:
-        typer.echo(str(problem))
+        typer.echo(_printable(str(problem)))
     for note in report.notes:
-        typer.echo(f"note: {note}", err=True)
+        typer.echo(_printable(f"note: {note}"), err=True)
     what = f"{report.episodes} episodes, {report.files} files, {report.bytes / 1e6:.1f} MB"
     verdict = "sound" if report.sound else f"{len(report.problems)} problems"
-    typer.echo(f"{out}: {verdict} ({what})", err=not report.sound)
+    typer.echo(_printable(f"{out}: {verdict} ({what})"), err=not report.sound)
     raise typer.Exit(0 if report.sound else 1)
+
+
+def _printable(text: str) -> str:
+    """File names may hold bytes that are no UTF-8; a terminal refuses them."""
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _with_bar(out: Path, *, quick: bool) -> Report:

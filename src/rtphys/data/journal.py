@@ -68,17 +68,16 @@ def _parse(text: bytes, previous: str, where: str) -> Line:
 
 
 class Journal:
-    """An open journal. Created on first append; a torn last line is cut off when opened."""
+    """An open journal. Nothing is written, no torn line cut off, before the first append."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.lines: list[Line] = []
+        self._torn_at: int | None = None
         if path.exists():
             contents = read_journal(path)
             self.lines = list(contents.lines)
-            if contents.torn_bytes:
-                with files.refusals(path):
-                    os.truncate(path, contents.whole_bytes)
+            self._torn_at = contents.whole_bytes if contents.torn_bytes else None
 
     @property
     def check(self) -> str:
@@ -91,6 +90,9 @@ class Journal:
         text = compact({"check": line.check, "entry": entry}) + b"\n"
         with files.refusals(self.path):
             fresh = not self.path.exists()
+            if self._torn_at is not None:
+                os.truncate(self.path, self._torn_at)
+                self._torn_at = None
             with self.path.open("ab") as file:
                 size = file.tell()
                 try:

@@ -1,9 +1,11 @@
 """The JSON files of a dataset as typed, versioned models; also the source of their JSON Schemas."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
 
+from rtphys.data.json_text import plain, pretty
 from rtphys.errors import RtphysError
 
 PHYS_META_VERSION = "1.0"
@@ -202,3 +204,13 @@ def json_schema(name: str) -> dict[str, object]:
         "$id": f"https://rtphys.dev/schemas/{name}-{version}.json",
     }
     return {**head, **MODELS[name].model_json_schema()}
+
+
+def publish(folder: Path) -> None:
+    """Writes every JSON Schema into a folder."""
+    for name in MODELS:
+        (folder / f"{name}.json").write_bytes(pretty(plain(json_schema(name))))
+
+
+if __name__ == "__main__":
+    publish(Path(__file__).parent / "schemas")

@@ -1,0 +1,224 @@
+"""Order, resume, locks and refusals of the dataset writer."""
+
+import errno
+import multiprocessing
+import os
+import pickle
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import synthetic
+
+from rtphys.data import faults, files
+from rtphys.data.conditions import Conditions
+from rtphys.data.writer import DatasetWriter, Rejection, StagedEpisode, TaskWriter, stage_episode
+from rtphys.errors import BadFile
+from rtphys.verify import verify
+
+FRAMES = 4
+
+
+def rejected(seed: int) -> bool:
+    return seed % 3 == 2
+
+
+def outcome(task: TaskWriter, seed: int) -> StagedEpisode | Rejection:
+    if rejected(seed):
+        return Rejection(seed, "grip_slip", "need 14 N", {"friction": 0.1})
+    layout = task.conditions.layout
+    staged = stage_episode(task.staging(seed), synthetic.episode(seed, FRAMES), layout)
+    return pickle.loads(pickle.dumps(staged))  # as it comes from a worker
+
+
+def collect(
+    out: Path, episodes: int, order: Iterable[int] = range(99), what: Conditions | None = None
+) -> None:
+    with DatasetWriter(out) as dataset:
+        task = dataset.task(what or synthetic.conditions(), episodes)
+        for seed in order:
+            if task.done:
+                break
+            if seed >= task.next_seed:
+                task.record(outcome(task, seed))
+
+
+def content(out: Path) -> dict[str, bytes]:
+    return {p.relative_to(out).as_posix(): p.read_bytes() for p in out.rglob("*") if p.is_file()}
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    out = tmp_path_factory.mktemp("reference")
+    collect(out, 4)
+    assert verify(out).sound
+    return content(out)
+
+
+def test_tree_is_the_official_one(reference: dict[str, bytes]) -> None:
+    leaf = "phys_random/click_bell/aloha_agilex"
+    assert reference[f"{leaf}/seed.txt"] == b"0 1 3 4 "
+    assert reference[f"{leaf}/seeds.txt"] == b"0\n1\n3\n4\n"
+    assert list(reference) and set(reference) == {
+        "manifest.json",
+        *(
+            f"{leaf}/{name}"
+            for name in ("scene_info.json", "seed.txt", "seeds.txt", "journal.jsonl")
+        ),
+        *(f"{leaf}/data/episode_{n:07d}.hdf5" for n in range(4)),
+        *(f"{leaf}/video/episode_{n:07d}.mp4" for n in range(4)),
+        *(f"{leaf}/phys_meta/episode_{n:07d}.json" for n in range(4)),
+        *(f"{leaf}/instruction/episode_{n:07d}.json" for n in range(4)),
+    }
+
+
+def test_legacy_tree(tmp_path: Path) -> None:
+    collect(tmp_path, 2, what=synthetic.conditions("legacy"))
+    leaf = tmp_path / "click_bell/phys_random"
+    names = ("data/episode1.hdf5", "video/episode1.mp4", "instructions/episode1.json")
+    assert all((leaf / name).is_file() for name in names)
+    assert b"\\u00e4" in (leaf / names[2]).read_bytes(), "legacy JSON is ASCII"
+    assert verify(tmp_path).problems == []
+
+
+@pytest.mark.parametrize(
+    "order", [[4, 3, 2, 1, 0], [1, 0, 5, 3, 2, 4], [0, 7, 6, 1, 2, 5, 3, 4], [2, 4, 0, 1, 3]]
+)
+def test_numbers_follow_seeds_not_completion(
+    tmp_path: Path, reference: dict[str, bytes], order: list[int]
+) -> None:
+    collect(tmp_path, 4, order)
+    assert content(tmp_path) == reference
+
+
+@pytest.mark.parametrize("first", [0, 1, 2, 3])
+def test_resume_gives_the_undisturbed_dataset(
+    tmp_path: Path, reference: dict[str, bytes], first: int
+) -> None:
+    collect(tmp_path, first)
+    assert verify(tmp_path).problems == []
+    collect(tmp_path, 4)
+    assert content(tmp_path) == reference
+
+
+def test_two_tasks_share_a_manifest(tmp_path: Path) -> None:
+    collect(tmp_path, 2)
+    collect(tmp_path, 1, what=synthetic.conditions("legacy"))
+    report = verify(tmp_path)
+    assert (report.problems, report.episodes) == ([], 3)
+
+
+def test_another_configuration_is_refused_with_its_difference(tmp_path: Path) -> None:
+    collect(tmp_path, 1)
+    before = content(tmp_path)
+    other = replace(synthetic.conditions(), overrides={"friction": 0.2})
+    with pytest.raises(faults.DatasetMismatch, match=r"overrides\.friction was None, now 0\.2"):
+        collect(tmp_path, 2, what=other)
+    newer = replace(synthetic.conditions(), versions={"rtphys": "9", "sapien": "3.0.3"})
+    with pytest.raises(faults.DatasetMismatch, match=r"versions\.rtphys was '0\.1\.0', now '9'"):
+        collect(tmp_path, 2, what=newer)
+    assert content(tmp_path) == before
+
+
+def test_fresh_start_does_not_touch_what_is_there(tmp_path: Path) -> None:
+    collect(tmp_path, 2)
+    with (
+        pytest.raises(faults.DatasetExists, match="already holds 2 episodes"),
+        DatasetWriter(tmp_path, resume=False) as dataset,
+    ):
+        dataset.task(synthetic.conditions(), 3)
+    assert verify(tmp_path).sound
+
+
+def test_foreign_episodes_are_never_taken_for_leftovers(tmp_path: Path) -> None:
+    foreign = tmp_path / "phys_random/click_bell/aloha_agilex/data/episode_0000000.hdf5"
+    foreign.parent.mkdir(parents=True)
+    foreign.write_bytes(b"precious")
+    with pytest.raises(faults.DatasetMismatch, match="no journal"):
+        collect(tmp_path, 1)
+    assert content(tmp_path) == {foreign.relative_to(tmp_path).as_posix(): b"precious"}
+
+
+def _hold(out: Path, ready: "multiprocessing.synchronize.Event") -> None:
+    with DatasetWriter(out):
+        ready.set()
+        ready.wait()
+        os.kill(os.getpid(), 19)  # stop: the lock must still be held
+
+
+def test_second_run_on_a_folder_names_the_first(tmp_path: Path) -> None:
+    context = multiprocessing.get_context("fork")
+    ready = context.Event()
+    owner = context.Process(target=_hold, args=(tmp_path, ready))
+    owner.start()
+    try:
+        assert ready.wait(20)
+        with pytest.raises(faults.DatasetLocked, match=f"process {owner.pid} on "):
+            DatasetWriter(tmp_path)
+    finally:
+        owner.kill()
+        owner.join()
+    collect(tmp_path, 1)  # a lock dies with its owner
+    assert not list(tmp_path.glob(".rtphys*"))
+
+
+def test_a_file_where_the_folder_should_be(tmp_path: Path) -> None:
+    (tmp_path / "data").write_text("mine")
+    with pytest.raises(faults.CannotWrite, match="a file stands where a folder is needed"):
+        DatasetWriter(tmp_path / "data")
+    assert content(tmp_path) == {"data": b"mine"}
+
+
+def test_foreign_manifest_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "manifest.json").write_text('{"name": "my web app"}')
+    with pytest.raises(faults.DatasetMismatch, match="manifest version was None"):
+        DatasetWriter(tmp_path)
+    (tmp_path / "manifest.json").write_text("not json")
+    with pytest.raises(BadFile, match="line 1, column 1"):
+        DatasetWriter(tmp_path)
+    assert set(content(tmp_path)) == {"manifest.json"}
+
+
+class FullDisk:
+    """os.fsync that fails from its n-th call on, as a disk that fills up."""
+
+    def __init__(self, calls: int) -> None:
+        self.left, self.real = calls, os.fsync
+
+    def __call__(self, handle: int) -> None:
+        self.left -= 1
+        if self.left < 0:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        self.real(handle)
+
+
+@pytest.mark.parametrize("calls", [*range(16), 20, 25, 31, 40])
+def test_full_disk_at_any_moment_loses_nothing(
+    tmp_path: Path, reference: dict[str, bytes], monkeypatch: pytest.MonkeyPatch, calls: int
+) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "fsync", FullDisk(calls))
+        with pytest.raises(faults.CannotWrite, match="the disk is full"):
+            collect(tmp_path, 4)
+    assert not list(tmp_path.rglob(f"*{files.TEMPORARY}"))
+    if (tmp_path / "manifest.json").exists():
+        assert verify(tmp_path).problems == []
+    collect(tmp_path, 4)
+    assert content(tmp_path) == reference
+
+
+def test_contradicting_arrays_leave_nothing(tmp_path: Path) -> None:
+    good = synthetic.episode(0, FRAMES)
+    short = replace(good.frames, qpos=good.frames.qpos[:-1])
+    with pytest.raises(faults.BadEpisode, match=r"qpos has shape \(3, 16\), not \(4, 16\)"):
+        stage_episode(tmp_path / "seed_0", replace(good, frames=short))
+    with pytest.raises(faults.BadEpisode, match="do not match the frames"):
+        stage_episode(tmp_path / "seed_0", replace(good, images=synthetic.pictures(0, 3)))
+    assert content(tmp_path) == {}
+
+
+def test_errors_cross_processes() -> None:
+    error = faults.CannotWrite("x", OSError(errno.ENOSPC, "full"))
+    copy = pickle.loads(pickle.dumps(error))
+    assert (type(copy), str(copy), copy.errno) == (type(error), str(error), errno.ENOSPC)

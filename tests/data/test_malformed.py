@@ -1,0 +1,145 @@
+"""Anything may lie in a dataset folder: never a traceback, never a hang, nothing written."""
+
+import json
+import shutil
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from test_dataset_writer import collect, content
+from typer import Typer
+from typer.testing import CliRunner
+
+from rtphys.cli.verify_manifest import verify_manifest
+from rtphys.data.hdf5_file import content_digest
+from rtphys.data.writer import DatasetWriter
+from rtphys.errors import RtphysError
+from rtphys.verify import verify
+
+LEAF = "phys_random/click_bell/aloha_agilex"
+FILES = (
+    "manifest.json",
+    f"{LEAF}/journal.jsonl",
+    f"{LEAF}/data/episode_0000000.hdf5",
+    f"{LEAF}/video/episode_0000000.mp4",
+    f"{LEAF}/phys_meta/episode_0000000.json",
+    f"{LEAF}/instruction/episode_0000000.json",
+    f"{LEAF}/scene_info.json",
+)
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("dataset")
+    collect(out, 1)
+    return out
+
+
+def check(out: Path, name: str, data: bytes) -> None:
+    """Replaces one file, verifies, and puts it back."""
+    path = out / name
+    before = path.read_bytes()
+    path.write_bytes(data)
+    try:
+        told = content(out)
+        report = verify(out)
+        assert data == before or not report.sound or report.notes
+        assert content(out) == told
+    finally:
+        path.write_bytes(before)
+
+
+ANY = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+
+
+@ANY
+@given(name=st.sampled_from(FILES), data=st.binary(max_size=300))
+def test_any_bytes_in_any_file(dataset: Path, name: str, data: bytes) -> None:
+    check(dataset, name, data)
+
+
+@ANY
+@given(name=st.sampled_from([n for n in FILES if n.endswith(("json", "jsonl"))]), value=JSON)
+def test_any_json_in_any_json_file(dataset: Path, name: str, value: object) -> None:
+    check(dataset, name, json.dumps(value).encode())
+
+
+@ANY
+@given(name=st.sampled_from(FILES), data=st.data())
+def test_cut_and_stirred_files(dataset: Path, name: str, data: st.DataObject) -> None:
+    whole = (dataset / name).read_bytes()
+    cut = data.draw(st.integers(0, len(whole)))
+    place = data.draw(st.integers(0, len(whole)))
+    check(dataset, name, whole[:place] + data.draw(st.binary(max_size=9)) + whole[place:cut])
+
+
+@ANY
+@given(path=st.lists(st.integers(0, 20), max_size=5), value=JSON)
+def test_any_value_anywhere_in_the_manifest(dataset: Path, path: list[int], value: object) -> None:
+    manifest = json.loads((dataset / "manifest.json").read_text())
+    node = manifest
+    for step in path:
+        keys = list(node) if isinstance(node, dict) else range(len(node))
+        if not keys:
+            break
+        key = list(keys)[step % len(keys)]
+        if isinstance(node[key], dict | list):
+            node = node[key]
+        else:
+            node[key] = value
+            break
+    check(dataset, "manifest.json", json.dumps(manifest).encode())
+
+
+@ANY
+@given(place=st.integers(0, 10**6), data=st.binary(min_size=1, max_size=4))
+def test_stirred_hdf5_either_opens_or_says_why(dataset: Path, place: int, data: bytes) -> None:
+    """Beneath the checksum: HDF5's own reader must not bring the process down."""
+    from rtphys.data.check_hdf5 import check_hdf5
+
+    whole = (dataset / FILES[2]).read_bytes()
+    place %= len(whole)
+    path = dataset.parent / "stirred.hdf5"
+    path.write_bytes(whole[:place] + data + whole[place + len(data) :])
+    check_hdf5(path, "native", decode=True)
+    with suppress(RtphysError, OSError, RuntimeError, ValueError, KeyError):
+        content_digest(path)
+
+
+@ANY
+@given(name=st.sampled_from(FILES[:2]), data=st.binary(max_size=100))
+def test_the_writer_refuses_a_folder_it_cannot_read(
+    dataset: Path, tmp_path_factory: pytest.TempPathFactory, name: str, data: bytes
+) -> None:
+    copy = tmp_path_factory.mktemp("copy") / "out"
+    shutil.copytree(dataset, copy)
+    (copy / name).write_bytes(data)
+    told = content(copy)
+    try:
+        with DatasetWriter(copy) as writer:
+            import synthetic
+
+            writer.task(synthetic.conditions(), 2)
+    except RtphysError:
+        assert content(copy) == told
+    shutil.rmtree(copy)
+
+
+@pytest.mark.parametrize("argument", ["", ".", "/dev/null", "/proc/self/mem", "no/such", "\udcff"])
+def test_command_line(argument: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    app = Typer()
+    app.command()(verify_manifest)
+    result = CliRunner().invoke(app, [argument])
+    assert result.exit_code == 1, result.output
+    assert isinstance(result.exception, SystemExit)
+    assert list(tmp_path.iterdir()) == []

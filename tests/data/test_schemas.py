@@ -1,0 +1,60 @@
+"""Published schemas and the golden label follow the models."""
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+import synthetic
+
+from rtphys.data import schema
+from rtphys.data.json_text import plain, pretty
+
+GOLDEN = Path(__file__).parent / "golden"
+
+
+@pytest.mark.parametrize("name", schema.MODELS)
+def test_published_schema_is_current(name: str) -> None:
+    published = files("rtphys.data") / "schemas" / f"{name}.json"
+    text = published.read_text(encoding="utf-8")
+    assert text.encode() == pretty(plain(schema.json_schema(name))), (
+        "write it again with `python -m rtphys.data.schema`"
+    )
+
+
+def test_golden_phys_meta() -> None:
+    """A change here is a change of the file format: raise PHYS_META_VERSION."""
+    golden = json.loads((GOLDEN / "phys_meta.json").read_text())
+    model = schema.check("phys_meta", golden)
+    assert json.loads(pretty(model.model_dump(mode="json"))) == golden
+
+
+def label(**changes: object) -> dict[str, object]:
+    return {**plain(synthetic.phys_meta(1)), "episode": 0, "recipe": {}, **changes}
+
+
+def test_synthetic_label_is_valid() -> None:
+    schema.check("phys_meta", label())
+
+
+@pytest.mark.parametrize(
+    ("changes", "place"),
+    [
+        ({"seed": -1}, "seed"),
+        ({"seed": "7"}, "seed"),
+        ({"colour": "red"}, "colour"),
+        ({"attributes": {}}, "attributes"),
+        (
+            {"attributes": {"friction": {"value": float("nan"), "unit": "1", "varied": True}}},
+            "value",
+        ),
+        (
+            {"cameras": {"head_camera": {"position": [0, 0], "quaternion_wxyz": [1, 0, 0, 0]}}},
+            "position",
+        ),
+        ({"verdict": {}}, "accepted"),
+    ],
+)
+def test_mistakes_are_named(changes: dict[str, object], place: str) -> None:
+    with pytest.raises(schema.SchemaError, match=place):
+        schema.check("phys_meta", label(**changes))
