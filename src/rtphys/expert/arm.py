@@ -54,12 +54,14 @@ class ExpertArm:
             return self._motion(f"hover {prop}", Reach((back,)))
         # Unlike a grasp, a hover must not be shifted away from thin things: nothing is held.
         ways = candidates([(contact, point)], self.side, -np.inf)
+        self.robot.refresh()
         poses = tuple(way.backed_off(gap) for way in ways)
         return self._motion(f"hover {prop}", Reach(poses))
 
     def _feasible_grasp(
         self, prop: str, contacts: Sequence[int], pre: float, depth: float
     ) -> Grasp:
+        self.robot.refresh()
         scene = self.robot.scene
         known = len(self.robot.world.object(prop).contact_points)
         numbers = list(contacts) or list(range(known))

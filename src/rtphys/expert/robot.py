@@ -75,7 +75,6 @@ class ExpertRobot:
 
     def can_grasp(self, side: str, prop: str, before: Pose, at: Pose) -> bool:
         """Both poses reachable on one branch, and clear but for the thing itself."""
-        self.refresh()
         q = self._posture(side, before)
         if q is None or not self._clear_with(side, q):
             return False

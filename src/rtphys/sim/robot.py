@@ -23,6 +23,7 @@ class SimArm:
         names = [j.name for j in art.active_joints]
         self.index = np.array([names.index(j) for j in limb.joints])
         self.finger_index = np.array([names.index(j) for j in limb.finger_joints])
+        self._finger_columns = self.finger_index.tolist()
         self._joints = [art.active_joints[i] for i in self.index]
         self._fingers = [art.active_joints[i] for i in self.finger_index]
         self._mimics = [(1.0, 0.0), *((m.multiplier, m.offset) for m in limb.mimics)]
@@ -69,12 +70,13 @@ class SimArm:
 
     def gap(self) -> float:
         """Distance between the finger pads [m], from joint positions."""
-        return float(np.asarray(self._articulation.qpos, float)[self.finger_index].sum())
+        qpos = self._articulation.qpos
+        return sum(float(qpos[i]) for i in self._finger_columns)
 
     def opening(self) -> float:
         """Measured opening 0..1: the gap over the gap that a fully open command makes."""
         _, open_target = self._embodiment.gripper_scale
-        return float(np.clip(self.gap() / (2 * open_target), 0.0, 1.0))
+        return min(max(self.gap() / (2 * open_target), 0.0), 1.0)
 
     def ee(self) -> Pose:
         """Measured end-effector pose, world."""

@@ -124,9 +124,7 @@ class Arm(Protocol):
         """Bring the held prop (its functional point, or its origin) to a target pose and let go."""
         ...
 
-    def shift(
-        self, x: float = 0, y: float = 0, z: float = 0, turn: Sequence[float] = ()
-    ) -> Motion:
+    def shift(self, x: float = 0, y: float = 0, z: float = 0, turn: Sequence[float] = ()) -> Motion:
         """Straight line by a task-frame displacement [m]; `turn`: new ee orientation wxyz."""
         ...
 

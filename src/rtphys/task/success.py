@@ -15,24 +15,33 @@ Vector = Sequence[float]
 
 @dataclass(frozen=True)
 class Condition:
-    """One claim about the scene. `parts` is empty for a leaf."""
+    """One claim about the scene. `parts` is empty for a leaf.
+
+    A condition that remembers (`Scene.once`, `Scene.peak`) must be asked at every instant; the
+    others are asked in order only until one does not hold.
+    """
 
     text: str
     holds: Callable[[Scene], bool]
     parts: tuple["Condition", ...] = ()
+    remembers: bool = False
 
     def __and__(self, other: "Condition") -> "Condition":
         parts = (self.parts or (self,)) + (other.parts or (other,))
+        eager = [part for part in parts if part.remembers]
+        lazy = [part for part in parts if not part.remembers]
 
         def holds(scene: Scene) -> bool:
-            # Every part is evaluated, even after one failed: latched parts must see each instant.
-            verdicts = [part.holds(scene) for part in parts]
-            return all(verdicts)
+            verdicts = [part.holds(scene) for part in eager]
+            return all(verdicts) and all(part.holds(scene) for part in lazy)
 
-        return Condition(" and ".join(p.text for p in parts), holds, parts)
+        text = " and ".join(part.text for part in parts)
+        return Condition(text, holds, parts, bool(eager))
 
     def __invert__(self) -> "Condition":
-        return Condition(f"not ({self.text})", lambda scene: not self.holds(scene))
+        return Condition(
+            f"not ({self.text})", lambda scene: not self.holds(scene), (), self.remembers
+        )
 
     def failing(self, scene: Scene) -> list[str]:
         """Texts of the leaves that do not hold now."""
@@ -41,13 +50,16 @@ class Condition:
 
 def near(prop: str, target: str | Vector, within: Vector, offset: Vector = (0, 0, 0)) -> Condition:
     """Origin of `prop` within (dx, dy, dz) [m] of a prop's origin or a point, plus offset."""
+    bounds = tuple(float(w) for w in within)
+    shift = tuple(float(o) for o in offset)
 
     def holds(scene: Scene) -> bool:
-        goal = scene.pose(target).p if isinstance(target, str) else np.asarray(target, float)
-        gap = np.abs(scene.pose(prop).p - goal - np.asarray(offset, float))
-        return bool(np.all(gap < np.asarray(within, float)))
+        here = scene.pose(prop).p.tolist()
+        goal = scene.pose(target).p.tolist() if isinstance(target, str) else target
+        gaps = zip(here, goal, shift, bounds, strict=True)
+        return all(abs(h - g - o) < w for h, g, o, w in gaps)
 
-    return Condition(f"{prop} within {tuple(within)} m of {target}", holds)
+    return Condition(f"{prop} within {bounds} m of {target}", holds)
 
 
 def points_meet(prop: str, point: int, target: str, target_point: int, within: Vector) -> Condition:
@@ -145,7 +157,7 @@ def pressed(prop: str, contact: int, within: Vector, closed_below: float = 1.1) 
                 hit = hit or bool(np.any(np.all(gap < bounds, axis=1)))
         return scene.once(f"pressed {prop} {contact}", hit)
 
-    return Condition(f"{prop} pressed at its point {contact}", holds)
+    return Condition(f"{prop} pressed at its point {contact}", holds, remembers=True)
 
 
 def joint_beyond(prop: str, share: float, index: int = 0) -> Condition:
@@ -158,6 +170,9 @@ def joint_beyond(prop: str, share: float, index: int = 0) -> Condition:
     return Condition(f"{prop} joint {index} beyond {share:.0%}", holds)
 
 
-def claim(text: str, holds: Callable[[Scene], bool]) -> Condition:
-    """A task's own condition, with the sentence that names it."""
-    return Condition(text, holds)
+def claim(text: str, holds: Callable[[Scene], bool], remembers: bool = False) -> Condition:
+    """A task's own condition, with the sentence that names it.
+
+    `remembers` must be true when it uses `Scene.once` or `Scene.peak`.
+    """
+    return Condition(text, holds, remembers=remembers)
