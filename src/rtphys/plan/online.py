@@ -1,0 +1,81 @@
+"""Motions without a path: point to point, following targets that change, gripper ramps."""
+
+import numpy as np
+from ruckig import InputParameter, OutputParameter, Result, Ruckig, Synchronization
+
+from rtphys.errors import Infeasible
+from rtphys.plan.path import TIME_STEP, retime
+from rtphys.plan.trajectory import JointLimits, Trajectory
+from rtphys.poses import Array
+
+
+def interpolate(q0: Array, q1: Array, limits: JointLimits, dt: float = TIME_STEP) -> Trajectory:
+    """The fastest motion from rest at q0 to rest at q1 on an exactly straight joint-space line.
+
+    The optimum is known in closed form, so no search is made. (ruckig's Phase synchronisation
+    would do for equal limits; with unequal ones it falls back to one that bends the line by up
+    to 0.03 rad.)
+
+    Args:
+        q0: (d,) start [rad].
+        q1: (d,) goal [rad].
+        limits: of the d joints.
+        dt: time between samples [s].
+
+    Returns:
+        N samples from q0 to exactly q1, a whole number of steps; N = 1 when they are equal.
+    """
+    return retime(np.array([q0, q1], float), limits, dt)
+
+
+class Tracker:
+    """Follows a target that may change at any step, within the limits and without a jump.
+
+    State carries over from step to step, so a policy's next action bends the motion instead of
+    stopping it.
+    """
+
+    def __init__(self, q: Array, limits: JointLimits, dt: float = TIME_STEP) -> None:
+        """Start at rest at q (d,)."""
+        self._ruckig = Ruckig(len(limits.velocity), dt)
+        self._wanted = InputParameter(len(limits.velocity))
+        self._wanted.max_velocity = limits.velocity.tolist()
+        self._wanted.max_acceleration = limits.acceleration.tolist()
+        # Jerk stays unlimited: the limits are those of the path planner.
+        self._wanted.synchronization = Synchronization.Time
+        self._state = OutputParameter(len(limits.velocity))
+        self._wanted.current_position = self._wanted.target_position = np.asarray(q, float).tolist()
+
+    def follow(self, q: Array) -> None:
+        """Set the target (d,) [rad], to be reached at rest.
+
+        Raises:
+            ValueError: a number that is not finite.
+        """
+        target = np.asarray(q, float)
+        if not np.isfinite(target).all():
+            raise ValueError(f"a target joint position is not finite: {target.tolist()}")
+        self._wanted.target_position = target.tolist()
+
+    def step(self) -> tuple[Array, Array]:
+        """Advance by dt: position (d,) [rad] and velocity (d,) [rad/s].
+
+        Raises:
+            Infeasible: "retime_failed", ruckig found no way to the target.
+        """
+        result = self._ruckig.update(self._wanted, self._state)
+        if result not in (Result.Working, Result.Finished):
+            raise Infeasible("retime_failed", f"tracking: {result}")
+        self._state.pass_to_input(self._wanted)
+        return np.array(self._state.new_position), np.array(self._state.new_velocity)
+
+
+def gripper_ramp(g0: float, g1: float, seconds: float, dt: float = TIME_STEP) -> Array:
+    """Gripper commands from g0 to g1 at constant speed, (N,), both ends included.
+
+    N = steps + 1 with the duration rounded up to whole steps; N = 1 when g0 equals g1.
+    """
+    if g0 == g1:
+        return np.array([float(g1)])
+    steps = max(int(np.ceil(seconds / dt - 1e-9)), 1)
+    return np.linspace(g0, g1, steps + 1)
