@@ -1,0 +1,251 @@
+"""What keeps this machine from working, and the cure.
+
+Everything that can hang or crash (drivers, native libraries) is tried in a child process with a
+time limit. Each cause has an exit code of its own, so that scripts can tell them apart.
+"""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from pathlib import Path
+
+from rtphys import library
+from rtphys.assets.pack import STAMP, Pack, cache_folder, linked
+from rtphys.errors import RtphysError
+
+PROBE = (sys.executable, "-W", "ignore", "-m", "rtphys.sim.probe")
+PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
+DISK_LOW, DISK_NEEDED = 5e9, 5e8  # [bytes] warn, fail; an episode is about 5 MB
+
+_DRIVER = (
+    "install Mesa's CPU driver: `sudo apt-get install mesa-vulkan-drivers` (on Debian 12 add "
+    "`-t bookworm-backports`; `make setup` in a checkout does both)"
+)
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A thing that can be wrong."""
+
+    exit_code: int
+    meaning: str
+    cure: str
+
+
+CAUSES = {
+    "ok": Cause(0, "works", ""),
+    "no_simulator": Cause(
+        10,
+        "the simulator cannot be loaded",
+        "SAPIEN links libX11: `sudo apt-get install libx11-6`; else reinstall rtphys",
+    ),
+    "no_loader": Cause(
+        11, "there is no Vulkan loader", "`sudo apt-get install libvulkan1`, then " + _DRIVER
+    ),
+    "no_driver": Cause(12, "there is no Vulkan driver", _DRIVER),
+    "old_driver": Cause(
+        13, "the Vulkan driver lacks descriptorBindingPartiallyBound", "a newer Mesa: " + _DRIVER
+    ),
+    "no_permission": Cause(
+        14,
+        "the graphics device may not be opened by this user",
+        "`sudo usermod -aG render,video $USER`, then log in again; or " + _DRIVER,
+    ),
+    "crashed": Cause(
+        15,
+        "the Vulkan driver crashes",
+        "update the driver, or choose the CPU one: VK_DRIVER_FILES=/usr/share/vulkan/icd.d/"
+        "lvp_icd.json (the name may carry the architecture)",
+    ),
+    "timeout": Cause(
+        16, "no picture within the time limit", "as for a crash; or the machine is overloaded"
+    ),
+    "no_frame": Cause(
+        17, "SAPIEN has a device but draws no picture", "update the driver: " + _DRIVER
+    ),
+    "no_disk": Cause(20, "the disk is full", "free some space"),
+    "not_writable": Cause(21, "a folder cannot be written", "give this user the right to write"),
+    "old_package": Cause(
+        22, "a package is missing or too old", "`pip install --upgrade rtphys`, or `make setup`"
+    ),
+    "no_opencv": Cause(
+        23,
+        "OpenCV cannot be loaded",
+        "`pip install --force-reinstall --no-deps opencv-python-headless` in rtphys's environment",
+    ),
+    "bad_assets": Cause(24, "the asset pack is not usable", "`rtphys assets --help`"),
+    "bad_library": Cause(25, "the task library is not usable", "check $RTPHYS_LIBRARY"),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The outcome of one check: "ok", "note" (works, but worth knowing) or "fail"."""
+
+    check: str
+    status: str
+    cause: str
+    detail: str
+
+    @property
+    def cure(self) -> str:
+        return CAUSES[self.cause].cure if self.status == "fail" else ""
+
+
+def examine(out: Path = Path()) -> list[Finding]:
+    """Run every check. `out` is where datasets are to go; it need not exist yet."""
+    return [
+        check_packages(),
+        check_opencv(),
+        check_renderer(),
+        check_disk("space for data", out),
+        check_disk("space for assets", cache_folder()),
+        check_assets(),
+        check_library(),
+    ]
+
+
+def exit_code(findings: Sequence[Finding]) -> int:
+    """The code of the first failure, 0 if there is none."""
+    return next((CAUSES[f.cause].exit_code for f in findings if f.status == "fail"), 0)
+
+
+def to_json(findings: Sequence[Finding]) -> dict[str, object]:
+    """Plain JSON of an examination."""
+    return {
+        "ok": exit_code(findings) == 0,
+        "exit_code": exit_code(findings),
+        "findings": [{**asdict(f), "cure": f.cure} for f in findings],
+    }
+
+
+# ---- in child processes ------------------------------------------------------------------------
+
+
+def check_renderer(command: Sequence[str] = PROBE, limit_s: float = PROBE_LIMIT) -> Finding:
+    """Draw one frame in a child process."""
+    cause, facts = probe(command, limit_s)
+    detail = str(facts.get("detail", ""))
+    devices = facts.get("devices")
+    if cause == "ok" and isinstance(devices, list):
+        names = [f"{d['name']} (Vulkan {d['api']})" for d in devices]
+        detail = f"{', '.join(names)}; first frame after {facts.get('first_frame_s')} s"
+    chosen = [v for v in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES") if os.environ.get(v)]
+    if cause != "ok" and chosen:
+        detail += f"; ${chosen[0]} = {os.environ[chosen[0]]} limits the choice of drivers"
+    return _found("renderer", cause, detail)
+
+
+def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object]]:
+    """(cause, facts) as the probe tells them, or what its way of dying tells."""
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=limit_s, stdin=subprocess.DEVNULL
+        )
+    except subprocess.TimeoutExpired:
+        return "timeout", {"detail": f"stopped after {limit_s:g} s"}
+    if done.returncode < 0:
+        return "crashed", {"detail": f"killed by {signal.Signals(-done.returncode).name}"}
+    try:
+        facts = json.loads(done.stdout.splitlines()[-1])
+        if facts["cause"] in CAUSES:
+            return facts["cause"], facts
+    except (IndexError, ValueError, KeyError, TypeError):
+        pass
+    last = (done.stderr.strip() or "it said nothing").splitlines()[-1]
+    return "no_simulator", {"detail": last}
+
+
+def check_opencv() -> Finding:
+    """Import OpenCV; the one with windows needs libGL, which a server lacks."""
+    done = subprocess.run(
+        [sys.executable, "-c", "import cv2; print(cv2.__version__)"], capture_output=True, text=True
+    )
+    if done.returncode == 0:
+        return _found("OpenCV", "ok", done.stdout.strip())
+    lines = done.stderr.strip().splitlines() or ["it said nothing"]
+    return _found("OpenCV", "no_opencv", lines[-1])
+
+
+# ---- in this process ---------------------------------------------------------------------------
+
+
+def check_packages() -> Finding:
+    """Every requirement of rtphys is installed, and not older than asked for."""
+    wrong = []
+    for requirement in metadata.requires("rtphys") or []:
+        match = re.fullmatch(r"([\w.-]+)>=([\d.]+)", requirement.replace(" ", ""))
+        if match is None:  # an optional extra
+            continue
+        name, least = match.groups()
+        try:
+            have = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            wrong.append(f"{name} is missing")
+            continue
+        if _numbers(have) < _numbers(least):
+            wrong.append(f"{name} {have} is older than {least}")
+    if wrong:
+        return _found("packages", "old_package", ", ".join(wrong))
+    python = ".".join(map(str, sys.version_info[:3]))
+    versions = {n: metadata.version(n) for n in ("rtphys", "sapien", "numpy", "pin")}
+    return _found(
+        "packages", "ok", f"Python {python}, " + ", ".join(f"{n} {v}" for n, v in versions.items())
+    )
+
+
+def check_disk(check: str, folder: Path) -> Finding:
+    """Free space and the right to write in `folder`, or where it would be made."""
+    place = folder.expanduser().absolute()
+    while not place.exists():
+        place = place.parent
+    if not place.is_dir() or not os.access(place, os.W_OK):
+        return _found(check, "not_writable", str(place))
+    free = shutil.disk_usage(place).free
+    detail = f"{free / 1e9:.1f} GB free at {place}"
+    if free < DISK_NEEDED:
+        return _found(check, "no_disk", detail)
+    return Finding(check, "note" if free < DISK_LOW else "ok", "ok", detail)
+
+
+def check_assets() -> Finding:
+    """The pack that a run would use: named, linked or builtin."""
+    named = os.environ.get("RTPHYS_ASSETS")
+    try:
+        link = linked()
+        if named or link:
+            root = Path(named) if named else link[0] if link else Path()
+            pack = Pack(root)
+            return _found("assets", "ok", f"{pack.root}, {len(pack.names)} objects")
+    except (RtphysError, OSError) as error:
+        return _found("assets", "bad_assets", str(error))
+    built = sorted(cache_folder().glob(f"*/{STAMP}"))
+    if not built:
+        return Finding("assets", "note", "ok", "not built yet; the first run builds the pack")
+    return _found("assets", "ok", f"builtin pack in {built[-1].parent}")
+
+
+def check_library() -> Finding:
+    """Tasks and domains can be listed."""
+    try:
+        tasks, domains = library.names("tasks"), library.names("domains")
+    except RtphysError as error:
+        return _found("library", "bad_library", str(error))
+    if not tasks:
+        return _found("library", "bad_library", f"no tasks in {library.bundled()}")
+    return _found("library", "ok", f"{len(tasks)} tasks, {len(domains)} domains")
+
+
+def _found(check: str, cause: str, detail: str) -> Finding:
+    return Finding(check, "ok" if cause == "ok" else "fail", cause, detail)
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    return tuple(int(n) for n in re.findall(r"\d+", version)[:3])
