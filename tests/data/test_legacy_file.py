@@ -71,7 +71,7 @@ def test_official_part_has_no_attributes(file: h5py.File) -> None:
 
 
 def test_native_to_legacy_to_native_is_the_identity(made) -> None:
-    words = {"seen": ["ring the bell"]}
+    words = ["ring the bell"]
     native = native_bytes(*made, words, "")
     with open_read(native) as file:
         frames, images, _ = read_native(file)

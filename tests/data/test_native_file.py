@@ -16,7 +16,7 @@ from rtphys.data.hdf5_native import native_bytes, read_native
 
 T = 8
 R = T - 1
-WORDS = {"seen": ["ring the bell", "läute die Glocke"], "unseen": []}
+SEEN = ["ring the bell", "läute die Glocke"]
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def made():
 @pytest.fixture(scope="module")
 def file(made):
     frames, images = made
-    with open_read(native_bytes(frames, images, WORDS, "click bell")) as opened:
+    with open_read(native_bytes(frames, images, SEEN, "click bell")) as opened:
         yield opened
 
 
@@ -71,7 +71,7 @@ def test_text_is_scalar_utf8(file: h5py.File) -> None:
         assert h5py.check_string_dtype(file[key].dtype).length is None
     assert file["data_format_version"][()].decode() == "v1.0"
     assert file["instruction"][()].decode() == "ring the bell"
-    assert json.loads(file["instructions"][()]) == WORDS["seen"]
+    assert json.loads(file["instructions"][()]) == SEEN
     assert file.attrs["source_format"] == "RoboTwin"
     assert file.attrs["source_path"] == "native_collection"
     assert file["additional_info/frequency"][()] == 15
@@ -133,19 +133,19 @@ def test_nothing_is_lost(file: h5py.File, made) -> None:
     assert read.stages == frames.stages
     assert read.joint_names == frames.joint_names
     assert pictures.jpegs == images.jpegs
-    assert words["seen"] == WORDS["seen"]
+    assert words == SEEN
 
 
 def test_same_input_same_bytes(made) -> None:
     frames, images = made
     again = encode_images(synthetic.pictures(3, T))
-    first, second = (native_bytes(frames, i, WORDS, "x") for i in (images, again))
+    first, second = (native_bytes(frames, i, SEEN, "x") for i in (images, again))
     assert first == second
 
 
 def test_content_digest_sees_every_dataset_and_attribute(made) -> None:
     frames, images = made
-    data = native_bytes(frames, images, WORDS, "x")
+    data = native_bytes(frames, images, SEEN, "x")
     seen = {content_digest(data)}
     with open_read(data) as file:
         names: list[str] = []
@@ -171,6 +171,6 @@ def test_content_digest_sees_every_dataset_and_attribute(made) -> None:
 
 def test_empty_instructions_fall_back_to_the_task(made) -> None:
     frames, images = made
-    with open_read(native_bytes(frames, images, {"seen": []}, "click bell")) as file:
+    with open_read(native_bytes(frames, images, [], "click bell")) as file:
         assert file["instruction"][()].decode() == "click bell"
         assert json.loads(file["instructions"][()]) == ["click bell"]

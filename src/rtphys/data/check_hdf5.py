@@ -44,8 +44,7 @@ def check_hdf5(path: Path, layout: str, *, decode: bool) -> Hdf5Facts:
                 seen: list[str] = []
                 found = _same_arrays(file, unshifted(frames))
             else:
-                frames, images, words = read_native(file)
-                seen = words["seen"]
+                frames, images, seen = read_native(file)
                 found = _same_arrays(file, shifted(frames)) + _constants(file)
     except BadFile as error:
         return Hdf5Facts((error.problem,))

@@ -6,7 +6,7 @@ scalar `instruction` that several readers need, and the group `rtphys/` (see `hd
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import h5py
 import numpy as np
@@ -28,14 +28,14 @@ CAMERA_KEYS = {
 
 
 def native_bytes(
-    frames: Frames, images: EncodedImages, instructions: Mapping[str, Sequence[str]], fallback: str
+    frames: Frames, images: EncodedImages, seen: Sequence[str], fallback: str
 ) -> bytes:
     """The file's bytes. `fallback` is the sentence when `seen` is empty (official: task name)."""
 
     def fill(file: h5py.File) -> None:
         file.attrs["source_format"] = "RoboTwin"
         file.attrs["source_path"] = "native_collection"
-        sentences = list(instructions.get("seen") or [fallback])
+        sentences = list(seen) or [fallback]
         put(file, "data_format_version", FORMAT_VERSION)
         put(file, "instruction", sentences[0])
         put(file, "instructions", json.dumps(sentences, ensure_ascii=False))
@@ -74,7 +74,7 @@ def _write_pictures(file: h5py.File, name: str, images: EncodedImages) -> None:
     put(file, f"{GROUP}/last/{name}", np.bytes_(streams[-1]), order)
 
 
-def read_native(file: h5py.File) -> tuple[Frames, EncodedImages, dict[str, list[str]]]:
+def read_native(file: h5py.File) -> tuple[Frames, EncodedImages, list[str]]:
     """Frames, T pictures a camera and the seen instructions. Raises `BadFile`."""
     frames = read_record(file)
     images = EncodedImages()
@@ -88,4 +88,4 @@ def read_native(file: h5py.File) -> tuple[Frames, EncodedImages, dict[str, list[
         seen = json.loads(text(file, "instructions"))
     except (KeyError, ValueError, TypeError, OSError) as error:
         raise BadFile(file.filename, f"not a whole native file ({error})") from error
-    return frames, images, {"seen": seen}
+    return frames, images, [str(sentence) for sentence in seen]

@@ -13,7 +13,7 @@ LAYOUTS = ("native", "legacy")
 
 
 def embodiment_folder(name: str) -> str:
-    """`aloha-agilex` -> `aloha_agilex`, by the official rule."""
+    """`aloha-agilex` -> `aloha_agilex`, the official rule; idempotent."""
     return re.sub(r"[^A-Za-z0-9_]+", "_", name).lower()
 
 
@@ -45,7 +45,7 @@ class Leaf:
         """Path below `out`, with forward slashes; the leaf's key in the manifest."""
         if self.layout == "legacy":
             return f"{self.task}/{self.config}"
-        return f"{self.config}/{self.task}/{self.embodiment}"
+        return f"{self.config}/{self.task}/{embodiment_folder(self.embodiment)}"
 
     @property
     def folder(self) -> Path:

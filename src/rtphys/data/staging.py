@@ -5,11 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import BaseModel
-
 from rtphys.data import files, schema
 from rtphys.data.encode import EncodedImages, encode_images
-from rtphys.data.episode import JSON, Episode
+from rtphys.data.episode import JSON, Episode, Frames
 from rtphys.data.faults import BadEpisode
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_file import open_read
@@ -34,6 +32,17 @@ class StagedEpisode:
     scene_info: Mapping[str, JSON]
 
 
+@dataclass(frozen=True, eq=False)
+class EncodedEpisode:
+    """An episode whose pictures are streams already: fresh from the encoder, or from a file."""
+
+    frames: Frames
+    images: EncodedImages
+    phys_meta: Mapping[str, JSON]
+    scene_info: Mapping[str, JSON]
+    instructions: Mapping[str, JSON]
+
+
 def stage_episode(folder: Path, episode: Episode, layout: str = "native") -> StagedEpisode:
     """Encodes an episode into `folder`, syncs, re-reads and checks every file.
 
@@ -47,65 +56,65 @@ def stage_episode(folder: Path, episode: Episode, layout: str = "native") -> Sta
         SchemaError: phys_meta, scene_info or instructions break their schema.
         CannotWrite: the file system refused; `folder` is gone again.
     """
-    meta, scene, words = _checked(episode)
-    if found := episode.frames.problems():
+    meta = {"recipe": episode.recipe, **episode.phys_meta, "episode": 0}
+    checked = (
+        _checked("phys_meta", meta),
+        _checked("scene_info", episode.scene_info),
+        _checked("instruction", episode.instructions),
+    )
+    if found := episode.frames.problems():  # before hours of rendering, not after
         raise BadEpisode(found)
+    images = encode_images(episode.images)
+    return stage_encoded(folder, EncodedEpisode(episode.frames, images, *checked), layout)
+
+
+def stage_encoded(folder: Path, episode: EncodedEpisode, layout: str) -> StagedEpisode:
+    """The rest of `stage_episode`, which see."""
+    _check_images(episode)
     if folder.exists():
         shutil.rmtree(folder)
     files.make_folder(folder)
     try:
-        images = encode_images(episode.images)
-        _check_images(episode, images)
-        written = _write(folder, episode, images, layout)
+        facts = _write(folder, episode, layout)
         _reopen(folder / HDF5, len(episode.frames))
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
-    facts = {**written, INSTRUCTION: _write_words(folder, words, layout)}
-    seed = meta["seed"]
+    seed = episode.phys_meta["seed"]
     assert isinstance(seed, int)
-    return StagedEpisode(seed, folder, len(episode.frames), facts, meta, scene)
-
-
-def _checked(episode: Episode) -> tuple[dict[str, JSON], dict[str, JSON], dict[str, JSON]]:
-    meta = {"recipe": episode.recipe, **episode.phys_meta, "episode": 0}
-    return (
-        _dumped(schema.check("phys_meta", plain(meta, "phys_meta"))),
-        _dumped(schema.check("scene_info", plain(episode.scene_info, "scene_info"))),
-        _dumped(schema.check("instruction", plain(episode.instructions, "instructions"))),
+    return StagedEpisode(
+        seed, folder, len(episode.frames), facts, episode.phys_meta, episode.scene_info
     )
 
 
-def _dumped(model: BaseModel) -> dict[str, JSON]:
-    return model.model_dump(mode="json")
+def _checked(name: str, value: object) -> dict[str, JSON]:
+    return schema.check(name, plain(value, name)).model_dump(mode="json")
 
 
-def _check_images(episode: Episode, images: EncodedImages) -> None:
+def _check_images(episode: EncodedEpisode) -> None:
     wanted = {name: len(episode.frames) for name in episode.frames.cameras}
-    given = {name: len(streams) for name, streams in images.jpegs.items()}
+    given = {name: len(streams) for name, streams in episode.images.jpegs.items()}
     if wanted != given:
         raise BadEpisode([f"pictures {given} do not match the frames {wanted}"])
-    if not images.video:
+    if not episode.images.video:
         raise BadEpisode(["there is no head_camera, which the video needs"])
 
 
-def _write(
-    folder: Path, episode: Episode, images: EncodedImages, layout: str
-) -> dict[str, FileFacts]:
+def _write(folder: Path, episode: EncodedEpisode, layout: str) -> dict[str, FileFacts]:
     if layout == "legacy":
-        data = legacy_bytes(episode.frames, images)
+        data = legacy_bytes(episode.frames, episode.images)
     else:
         task = str(episode.phys_meta["task"]).replace("_", " ")
-        data = native_bytes(episode.frames, images, episode.instructions, task)
-    return {
-        HDF5: files.write_synced(folder / HDF5, data),
-        VIDEO: files.write_synced(folder / VIDEO, images.video),
-    }
+        data = native_bytes(episode.frames, episode.images, _seen(episode), task)
+    words = pretty(episode.instructions, ascii_only=layout == "legacy")
+    contents = {HDF5: data, VIDEO: episode.images.video, INSTRUCTION: words}
+    return {name: files.write_synced(folder / name, text) for name, text in contents.items()}
 
 
-def _write_words(folder: Path, words: Mapping[str, JSON], layout: str) -> FileFacts:
-    text = pretty(words, ascii_only=layout == "legacy")
-    return files.write_synced(folder / INSTRUCTION, text)
+def _seen(episode: EncodedEpisode) -> list[str]:
+    seen = episode.instructions["seen"]
+    assert isinstance(seen, list)
+    return [str(sentence) for sentence in seen]
 
 
 def _reopen(path: Path, frames: int) -> None:

@@ -1,0 +1,25 @@
+"""`rtphys convert`: the same dataset in the other official layout."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from rtphys.data.convert import convert as convert_dataset
+
+
+def convert(
+    source: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
+    out: Annotated[Path, typer.Option(help="Folder for the converted dataset.")],
+    to: Annotated[str, typer.Option(help="Layout to write: legacy or native.")] = "legacy",
+) -> None:
+    """Write a dataset again in the other official layout; nothing is lost or re-encoded."""
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        row = bar.add_task("converting", total=None)
+        leaves = convert_dataset(
+            source, out, to, lambda done, total: bar.update(row, completed=done, total=total)
+        )
+    for leaf in leaves:
+        typer.echo(f"{out}/{leaf}")

@@ -1,0 +1,54 @@
+"""Native to legacy and back is the identity, whatever happens in between."""
+
+from pathlib import Path
+
+import pytest
+from test_dataset_writer import collect, content
+
+from rtphys.data.convert import convert
+from rtphys.data.faults import DatasetMismatch
+from rtphys.errors import BadFile, UnknownName
+from rtphys.verify import verify
+
+
+@pytest.fixture(scope="module")
+def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("native")
+    collect(out, 3)
+    return out
+
+
+def test_there_and_back(native: Path, tmp_path: Path) -> None:
+    seen: list[tuple[int, int]] = []
+    leaves = convert(native, tmp_path / "old", "legacy", lambda *at: seen.append(at))
+    assert leaves == ["click_bell/phys_random"]
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+    report = verify(tmp_path / "old")
+    assert (report.problems, report.episodes) == ([], 3)
+    convert(tmp_path / "old", tmp_path / "new", "native")
+    assert content(tmp_path / "new") == content(native)
+
+
+def test_goes_on_where_it_was(native: Path, tmp_path: Path) -> None:
+    class Stop(Exception):
+        pass
+
+    def stop(done: int, _: int) -> None:
+        if done == 2:
+            raise Stop
+
+    with pytest.raises(Stop):
+        convert(native, tmp_path / "cut", "legacy", stop)
+    convert(native, tmp_path / "cut", "legacy")
+    convert(native, tmp_path / "whole", "legacy")
+    assert content(tmp_path / "cut") == content(tmp_path / "whole")
+
+
+def test_refusals(native: Path, tmp_path: Path) -> None:
+    with pytest.raises(DatasetMismatch, match="it is the dataset to convert"):
+        convert(native, native, "legacy")
+    with pytest.raises(UnknownName, match="did you mean 'legacy'"):
+        convert(native, tmp_path / "out", "legasy")
+    with pytest.raises(BadFile, match=r"manifest\.json"):
+        convert(tmp_path, tmp_path / "out", "legacy")
+    assert content(tmp_path) == {}
