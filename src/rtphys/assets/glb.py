@@ -78,14 +78,22 @@ def _material(
     finish: Finish, name: str, out: _Writer, images: list[dict[str, object]]
 ) -> dict[str, object]:
     pbr: dict[str, object] = {
-        "baseColorFactor": [round(c, 4) for c in finish.colour] + [1.0],
         "metallicFactor": round(finish.metallic, 4),
         "roughnessFactor": round(finish.roughness, 4),
     }
-    if finish.picture is not None:
+    if finish.picture is None:
+        pbr["baseColorFactor"] = [round(linear(c), 4) for c in finish.colour] + [1.0]
+    else:
+        # Tinted here: SAPIEN lets a texture replace the colour factor instead of multiplying.
+        tinted = np.round(finish.picture * np.array(finish.colour)).astype(np.uint8)
         pbr["baseColorTexture"] = {"index": len(images)}
-        images.append({"bufferView": out.view(png_bytes(finish.picture)), "mimeType": "image/png"})
+        images.append({"bufferView": out.view(png_bytes(tinted)), "mimeType": "image/png"})
     return {"name": name, "pbrMetallicRoughness": pbr}
+
+
+def linear(srgb: float) -> float:
+    """glTF wants a colour factor in linear light, a picture in sRGB."""
+    return srgb / 12.92 if srgb <= 0.04045 else ((srgb + 0.055) / 1.055) ** 2.4
 
 
 def _container(

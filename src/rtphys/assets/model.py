@@ -61,6 +61,7 @@ class Articulation:
     contact_points: tuple[LinkPoint, ...]
     functional_points: tuple[LinkPoint, ...]
     joint_damping: float | None  # [N m s/rad or N s/m] nominal; None: the URDF's own
+    balanced_links: tuple[str, ...]  # a spring carries their weight: no gravity on them
     mass_kg: float | None  # of all links together
     material: str
     friction: float | None
@@ -151,6 +152,7 @@ def read_articulation(folder: Path, index: int) -> Articulation:
             contact_points=_link_points(data.get("contact_points"), scale),
             functional_points=_link_points(data.get("functional_points"), scale),
             joint_damping=_number(data.get("joint_damping")),
+            balanced_links=_words(data.get("balanced_links")),
             mass_kg=_number(data.get("mass_kg")),
             material=str(data.get("material", "")),
             friction=_number(data.get("friction")),

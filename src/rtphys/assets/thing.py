@@ -101,6 +101,7 @@ class Machine:
     root_height: float = 0.0  # [m] of the root frame above what it stands on
     contact_points: tuple[tuple[str, Array], ...] = ()  # link name, (4, 4) in the link frame
     functional_points: tuple[tuple[str, Array], ...] = ()
+    balanced: tuple[str, ...] = ()  # links whose weight a spring in the hinge carries
     categories: tuple[str, ...] = ()
 
 

@@ -107,6 +107,7 @@ def _machine_data(machine: Machine) -> dict[str, object]:
         ],
         "contact_points_group": [[i] for i in range(len(machine.contact_points))],
         "contact_points_mask": [True] * len(machine.contact_points),
+        "balanced_links": list(machine.balanced),
         "joint_damping": moving[0].damping if moving else 0.0,
         "mass_kg": _figures(sum(b.inertial().mass for b in bodies)),
         "material": machine.material,

@@ -17,6 +17,7 @@ class Bell:
     dome_radius: float
     dome_top: float
     height: float  # top of the plunger
+    knob: float  # its radius
     press: float  # height of the contact point
     mass: float  # [kg]
 
@@ -36,14 +37,14 @@ def bell(size: Bell, dome: Finish, foot_colour: Colour, words: tuple[str, ...]) 
     bowl = lathe(rounded(outline, 0.35 * r, 3, closed=False), 24)
     rim = cylinder(1.03 * r, 0.003, 24).at(y=0.0125)
     stem = cylinder(0.0035, size.height - top, 10).at(y=(size.height + top) / 2)
-    knob = cone(0.0058, 0.0042, 0.005, 12).at(y=size.height - 0.005)
+    knob = cone(size.knob, 0.75 * size.knob, 0.005, 12).at(y=size.height - 0.005)
     looks = (
         Part(foot, plastic(foot_colour, 0.6), "plastic"),
         Part(bowl + rim, dome, "steel", 50),
         Part(stem + knob, metal((0.55, 0.55, 0.58)), "steel"),
     )
     body = lathe(outline, 16)
-    plunger = cylinder(0.0055, size.height - top + 0.004, 8).at(y=(size.height + top - 0.004) / 2)
+    plunger = cylinder(0.9 * size.knob, size.height - top + 0.004, 8).at(y=(size.height + top - 0.004) / 2)
     hulls = (cone(size.foot_radius, 0.84 * size.foot_radius, 0.010, 20), body, plunger)
     return Thing(
         body=Body(looks, hulls, size.mass),
@@ -61,7 +62,7 @@ MODELS: Models = {
     "050_bell": {
         0: partial(
             bell,
-            Bell(0.0482, 0.0381, 0.050, 0.0667, 0.03804, 0.14),
+            Bell(0.0482, 0.0381, 0.050, 0.0667, 0.0075, 0.03804, 0.14),
             SILVER,
             (0.10, 0.10, 0.12),
             (
@@ -73,7 +74,7 @@ MODELS: Models = {
         ),
         1: partial(
             bell,
-            Bell(0.0385, 0.0350, 0.0445, 0.0525, 0.02579, 0.11),
+            Bell(0.0385, 0.0350, 0.0445, 0.0525, 0.0105, 0.02579, 0.11),
             BRASS,
             (0.35, 0.17, 0.07),
             (

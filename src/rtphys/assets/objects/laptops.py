@@ -55,11 +55,14 @@ def laptop(size: Laptop, shell: Colour, glow: Colour, metallic: bool, word: str)
                 placed(hinge),
                 (-1.0, 0.0, 0.0),
                 (0.0, size.opening),
-                damping=0.1,
+                damping=1.0,
             ),
         ),
         material="aluminium" if metallic else "plastic",
         description=(f"{word} laptop", "laptop", f"{word} notebook computer", "open laptop"),
+        # A real hinge holds its lid at any angle. Friction would do, but then the joint's damping
+        # could not be told apart from it; so the hinge is balanced instead.
+        balanced=("link_1",),
         contact_points=tuple(("link_1", m) for m in _edge_points(size)),
         categories=("laptop", "electronics"),
     )

@@ -1,0 +1,54 @@
+"""What of a pack loads and what does not."""
+
+from dataclasses import dataclass, field
+
+from rtphys.assets.pack import Pack
+from rtphys.errors import RtphysError
+
+
+@dataclass(frozen=True)
+class Report:
+    """Result of reading everything a pack says it has."""
+
+    loaded: dict[str, int] = field(default_factory=dict)  # id_name or robot -> models that load
+    problems: tuple[str, ...] = ()  # one sentence each, naming the file
+    textures: dict[str, int] = field(default_factory=dict)  # split -> pictures
+
+
+def check_pack(pack: Pack) -> Report:
+    """Read every object, robot and texture list of a pack (and of its fallback)."""
+    loaded: dict[str, int] = {}
+    problems: list[str] = []
+    for name in pack.names:
+        read = pack.articulation if pack.is_articulated(name) else pack.model
+        for index in _indices(pack, name, problems):
+            try:
+                read(name, index)
+                loaded[name] = loaded.get(name, 0) + 1
+            except RtphysError as problem:
+                problems.append(str(problem))
+    for name in pack.embodiments:
+        try:
+            pack.embodiment(name)
+            loaded[name] = 1
+        except RtphysError as problem:
+            problems.append(str(problem))
+    return Report(loaded, tuple(problems), _textures(pack))
+
+
+def _indices(pack: Pack, name: str, problems: list[str]) -> tuple[int, ...]:
+    try:
+        return pack.indices(name)
+    except RtphysError as problem:
+        problems.append(str(problem))
+        return ()
+
+
+def _textures(pack: Pack) -> dict[str, int]:
+    counts = {}
+    for split in ("seen", "unseen"):
+        try:
+            counts[split] = len(pack.textures(split))
+        except RtphysError:
+            counts[split] = 0
+    return counts
