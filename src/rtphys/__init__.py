@@ -1,0 +1,19 @@
+"""rtphys: physics-diverse bimanual manipulation, every physical label proved.
+
+`rtphys.Dataset` is loaded when first used, so that `import rtphys` stays instant.
+"""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rtphys.dataset import Dataset, Episode
+
+__all__ = ["Dataset", "Episode"]
+
+
+def __getattr__(name: str) -> object:
+    if name in __all__:
+        from rtphys import dataset
+
+        return getattr(dataset, name)
+    raise AttributeError(f"module 'rtphys' has no attribute {name!r}")

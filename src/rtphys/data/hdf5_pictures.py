@@ -1,0 +1,59 @@
+"""Reads parts of an episode file: the frames, or one picture without the others."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+
+from rtphys.data.episode import Frames
+from rtphys.data.hdf5_file import array, group, open_read
+from rtphys.data.hdf5_native import CAMERA_KEYS
+from rtphys.data.hdf5_record import GROUP, read_record
+from rtphys.errors import BadFile, UnknownName
+
+
+@dataclass(frozen=True)
+class EpisodeFile:
+    """An episode's HDF5 file, opened anew for each question."""
+
+    path: Path
+    layout: str
+
+    def frames(self) -> Frames:
+        """Raises `BadFile`."""
+        with open_read(self.path) as file:
+            return read_record(file)
+
+    def streams(self, camera: str) -> list[bytes]:
+        """The T picture streams of a camera. Raises `UnknownName`, `BadFile`."""
+        with open_read(self.path) as file:
+            self._check(file, camera)
+            try:
+                if self.layout == "legacy":
+                    return array(file, f"observation/{camera}/rgb").tolist()
+                shifted = array(file, f"vision/{CAMERA_KEYS[camera]}/colors").tolist()
+                return [*shifted, array(file, f"{GROUP}/last/{camera}").item()]
+            except (KeyError, OSError) as error:
+                raise BadFile(self.path, f"has no pictures of {camera} ({error})") from error
+
+    def stream(self, camera: str, frame: int) -> bytes:
+        """One picture stream; negative frames count from the end. Raises `IndexError` too."""
+        with open_read(self.path) as file:
+            self._check(file, camera)
+            legacy = self.layout == "legacy"
+            key = f"observation/{camera}/rgb" if legacy else f"vision/{CAMERA_KEYS[camera]}/colors"
+            rows = file[key]
+            if not isinstance(rows, h5py.Dataset):
+                raise BadFile(self.path, f"{key} is no dataset")
+            count = len(rows) + (not legacy)
+            index = frame + count if frame < 0 else frame
+            if not 0 <= index < count:
+                raise IndexError(f"frame {frame} of {count}")
+            if index == len(rows):  # the picture that the shifted layout drops
+                return array(file, f"{GROUP}/last/{camera}").item()
+            return bytes(rows[index])
+
+    def _check(self, file: h5py.File, camera: str) -> None:
+        known = [str(name) for name in group(file, f"{GROUP}/cameras")]
+        if camera not in known:
+            raise UnknownName("camera", camera, known, self.path)

@@ -1,0 +1,105 @@
+"""The loader: lazy, RGB, typed, and usable without a simulator."""
+
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic
+from test_dataset_writer import FRAMES, collect
+
+import rtphys
+from rtphys.data.convert import convert
+from rtphys.dataset import Dataset, find_episode
+from rtphys.errors import BadFile, BadValue, UnknownName
+
+
+@pytest.fixture(scope="module", params=["native", "legacy"])
+def dataset(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    out = tmp_path_factory.mktemp("native")
+    collect(out, 3)
+    if request.param == "legacy":
+        out, source = tmp_path_factory.mktemp("legacy"), out
+        convert(source, out, "legacy")
+    return Dataset(out)
+
+
+def test_lists_episodes_by_seed(dataset: Dataset) -> None:
+    assert [episode.seed for episode in dataset] == [0, 1, 3]
+    assert dataset.tasks == ("click_bell",)
+    assert dataset.where(task="click_bell", protocol="phys_random")[2].number == 2
+    with pytest.raises(UnknownName, match="did you mean 'click_bell'"):
+        dataset.where(task="click_bel")
+
+
+def test_pictures_are_rgb_and_complete(dataset: Dataset) -> None:
+    episode = dataset[1]
+    truth = [frame["left_camera"] for frame in synthetic.pictures(1, FRAMES)]
+    images = episode.images("left_camera")
+    assert images.shape == (FRAMES, synthetic.HEIGHT, synthetic.WIDTH, 3)
+    assert images[0, -4, 4].argmax() == 0, "left third is red"
+    assert np.abs(images.astype(int) - np.stack(truth)).mean() < 6
+    for t in (0, FRAMES - 1, -1):
+        np.testing.assert_array_equal(episode.image("left_camera", t), images[t])
+    with pytest.raises(IndexError):
+        episode.image("left_camera", FRAMES)
+    with pytest.raises(UnknownName, match="head_camera"):
+        episode.images("front_camera")
+
+
+def test_numbers(dataset: Dataset) -> None:
+    episode, truth = dataset[2], synthetic.frames_of(3, FRAMES)
+    assert len(episode) == FRAMES
+    np.testing.assert_array_equal(episode.state, truth.vector)
+    np.testing.assert_array_equal(episode.action, truth.vector[1:])
+    np.testing.assert_array_equal(episode.poses("bell"), truth.object_poses["bell"])
+    scalar_last = episode.poses("left", order="xyzw")
+    np.testing.assert_array_equal(scalar_last[:, 6], truth.left_endpose[:, 3])
+    with pytest.raises(UnknownName, match="unknown pose"):
+        episode.poses("gong")
+    with pytest.raises(BadValue):
+        episode.poses("bell", order="zyx")  # type: ignore[arg-type]
+
+
+def test_physics_is_what_was_drawn(dataset: Dataset) -> None:
+    from rtphys.physics import after
+
+    for episode in dataset:
+        drawn = synthetic.DOMAIN.sample(episode.seed, inside=after(episode.seed % 3))
+        assert episode.physics == drawn
+    assert dataset[0].instructions.seen[0] == "ring the bell"
+    assert dataset[0].meta.readback.bodies["bell"]["mass"] == 0.25
+
+
+def test_pickles_small_after_use(dataset: Dataset) -> None:
+    episode = dataset[0]
+    episode.images("head_camera")
+    assert len(pickle.dumps(episode)) < 1500 + 4 * len(str(episode.paths.hdf5))
+    assert pickle.loads(pickle.dumps(episode)).image("head_camera", 0).any()
+
+
+def test_found_by_any_of_its_files(dataset: Dataset) -> None:
+    for path in dataset[1].paths.all():
+        assert find_episode(path) == dataset[1]
+    with pytest.raises(BadFile, match="is no episode"):
+        find_episode(dataset.path / "manifest.json" / "x")
+    with pytest.raises(BadFile, match="in any folder above"):
+        find_episode(Path("/nowhere/episode.hdf5"))
+
+
+def test_needs_no_simulator(dataset: Dataset) -> None:
+    code = (
+        "import sys; sys.modules['sapien'] = sys.modules['pinocchio'] = None\n"
+        "import rtphys; assert 'numpy' not in sys.modules\n"
+        f"d = rtphys.Dataset({str(dataset.path)!r}); d[0].images('head_camera'); print(d)"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "3 episodes of 1 tasks" in result.stdout, result.stderr
+
+
+def test_package_names() -> None:
+    assert rtphys.Dataset is Dataset
+    with pytest.raises(AttributeError, match="no attribute 'Datasets'"):
+        _ = rtphys.Datasets  # type: ignore[attr-defined]
