@@ -178,6 +178,15 @@ class CollisionChecker:
             return f"{self._bodies[pair.first].name} and {self._bodies[pair.second].name}"
         return None
 
+    def contacts(
+        self, q_left: Array, q_right: Array, fingers: tuple[float, float] = OPEN_FINGERS
+    ) -> frozenset[str]:
+        """All pairs nearer than their margins, each as "fl_link4 and table"."""
+        self._place(q_left, q_right, fingers)
+        pairs = [self._geometry.collisionPairs[k] for k in self._touching_pairs()]
+        names = [(self._bodies[p.first].name, self._bodies[p.second].name) for p in pairs]
+        return frozenset(f"{a} and {b}" for a, b in names)
+
     @property
     def pair_count(self) -> int:
         """How many pairs are watched."""

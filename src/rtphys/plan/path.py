@@ -4,7 +4,7 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from toppra.algorithm import TOPPRA
 from toppra.constraint import JointAccelerationConstraint, JointVelocityConstraint
 from toppra.interpolator import AbstractGeometricPath
@@ -44,17 +44,17 @@ class _Profile:
 
 
 class _ToppraPath(AbstractGeometricPath):
-    """The blended path as TOPP-RA wants to see it."""
+    """The blended path as TOPP-RA wants to see it, in the joints (k,) that move."""
 
-    def __init__(self, path: BlendedPath) -> None:
-        self._path = path
+    def __init__(self, path: BlendedPath, joints: NDArray[np.intp]) -> None:
+        self._path, self._joints = path, joints
 
     def __call__(self, path_positions: ArrayLike, order: int = 0) -> Array:
-        return self._path.at(np.asarray(path_positions, float), order)
+        return self._path.at(np.asarray(path_positions, float), order)[..., self._joints]
 
     @property
     def dof(self) -> int:
-        return self._path.start.shape[1]
+        return len(self._joints)
 
     @property
     def path_interval(self) -> Array:
@@ -140,11 +140,14 @@ def _toppra(path: BlendedPath, limits: JointLimits) -> _Profile:
     ]
     # Every break is a grid point: the curvature jumps there.
     grid = np.concatenate([*inner, path.breaks[-1:]])
+    joints = np.flatnonzero(np.abs(path.slope).max(axis=0) > 0)  # a still arm halves the work
+    v, a = limits.velocity[joints], limits.acceleration[joints]
     constraints = [
-        JointVelocityConstraint(np.stack([-limits.velocity, limits.velocity], 1)),
-        JointAccelerationConstraint(np.stack([-limits.acceleration, limits.acceleration], 1)),
+        JointVelocityConstraint(np.stack([-v, v], 1)),
+        JointAccelerationConstraint(np.stack([-a, a], 1)),
     ]
-    solver = TOPPRA(constraints, _ToppraPath(path), gridpoints=grid, solver_wrapper="seidel")
+    moving = _ToppraPath(path, joints)
+    solver = TOPPRA(constraints, moving, gridpoints=grid, solver_wrapper="seidel")
     speed = solver.compute_parameterization(0.0, 0.0)[1]
     if speed is None or not np.isfinite(speed).all():
         raise Infeasible("retime_failed", f"no timing for {len(path.start)} pieces")
