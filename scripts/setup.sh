@@ -46,11 +46,11 @@ install_dependencies() {
     "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check -e '.[dev]'
     headless_opencv ||
         "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
-            --force-reinstall --no-deps opencv-python-headless
+            --force-reinstall --no-deps opencv-contrib-python-headless
 }
 
-# sapien pulls in opencv-python, which needs libGL and owns the same cv2/ folder as
-# opencv-python-headless. pip unpacks the headless one last, but an older pip or an update may not.
+# sapien pulls in opencv-python, which needs libGL and owns the same cv2/ folder as the headless
+# build. pip unpacks the headless one last (see pyproject.toml), but an update may not.
 headless_opencv() {
     "$VENV/bin/python" - <<'PY' 2>/dev/null
 import sys, cv2

@@ -78,7 +78,8 @@ CAUSES = {
     "no_opencv": Cause(
         23,
         "OpenCV cannot be loaded",
-        "`pip install --force-reinstall --no-deps opencv-python-headless` in rtphys's environment",
+        "in rtphys's environment: `pip install --force-reinstall --no-deps "
+        "opencv-contrib-python-headless`",
     ),
     "bad_assets": Cause(24, "the asset pack is not usable", "`rtphys assets --help`"),
     "bad_library": Cause(25, "the task library is not usable", "check $RTPHYS_LIBRARY"),

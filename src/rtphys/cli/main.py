@@ -72,3 +72,7 @@ def main(
         )
     if assets:
         os.environ["RTPHYS_ASSETS"] = str(assets.resolve())
+
+
+if __name__ == "__main__":
+    app()

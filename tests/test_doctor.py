@@ -1,0 +1,131 @@
+"""The doctor names the right cause, and its exit code is the cause's own."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rtphys import doctor
+from rtphys.sim import probe, vulkan
+
+NO_DEVICE = {"VK_DRIVER_FILES": "/nowhere.json", "VK_ICD_FILENAMES": "/nowhere.json"}
+
+
+def child(code: str) -> list[str]:
+    return [sys.executable, "-c", code]
+
+
+def test_every_cause_has_its_own_exit_code_and_a_cure() -> None:
+    codes = [cause.exit_code for cause in doctor.CAUSES.values()]
+    assert len(set(codes)) == len(codes)
+    assert all(cause.cure for name, cause in doctor.CAUSES.items() if name != "ok")
+
+
+@pytest.mark.parametrize(
+    ("code", "cause"),
+    [
+        ('print(\'{"cause": "ok", "devices": [], "first_frame_s": 1}\')', "ok"),
+        ("print('noise'); print('{\"cause\": \"old_driver\"}'); exit(1)", "old_driver"),
+        ("import os; os.kill(os.getpid(), 11)", "crashed"),
+        ("import time; time.sleep(60)", "timeout"),
+        ("raise ImportError('libX11.so.6: cannot open shared object file')", "no_simulator"),
+        ('print(\'{"cause": "something new"}\')', "no_simulator"),
+        ("pass", "no_simulator"),
+    ],
+)
+def test_what_the_child_says_or_how_it_dies_is_the_cause(code: str, cause: str) -> None:
+    finding = doctor.check_renderer(child(code), limit_s=2.0 if cause == "timeout" else 30.0)
+    assert finding.cause == cause
+    assert finding.status == ("ok" if cause == "ok" else "fail")
+    if cause == "no_simulator" and "libX11" in code:
+        assert "libX11.so.6" in finding.detail
+
+
+@pytest.mark.render
+def test_the_probe_draws_a_frame_here() -> None:
+    cause, facts = doctor.probe(doctor.PROBE, doctor.PROBE_LIMIT)
+    assert cause == "ok", facts
+    devices = facts["devices"]
+    assert isinstance(devices, list) and any(d["partially_bound"] for d in devices)
+
+
+def test_a_machine_without_a_driver(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The real loader, told to use no driver at all."""
+    for key, value in NO_DEVICE.items():
+        monkeypatch.setenv(key, value)
+    monkeypatch.setattr(probe, "_GPU_FILES", ())
+    assert vulkan.load_library() is not None
+    finding = doctor.check_renderer()
+    assert finding.cause in ("no_driver", "no_permission")
+    assert "VK_DRIVER_FILES" in finding.detail
+
+
+def test_no_loader(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vulkan, "load_library", lambda: None)
+    assert probe.probe()["cause"] == "no_loader"
+
+
+def test_old_driver(monkeypatch: pytest.MonkeyPatch) -> None:
+    old = vulkan.Device("llvmpipe", "CPU", "1.3.230", partially_bound=False)
+    monkeypatch.setattr(vulkan, "load_library", lambda: (None, "libvulkan.so.1"))
+    monkeypatch.setattr(vulkan, "devices", lambda library: [old])
+    answer = probe.probe()
+    assert answer["cause"] == "old_driver"
+    assert "llvmpipe (Vulkan 1.3.230)" in str(answer["detail"])
+
+
+def test_no_permission(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    card = tmp_path / "renderD128"
+    card.touch()
+    monkeypatch.setattr(probe, "_GPU_FILES", (str(card),))
+    monkeypatch.setattr(vulkan, "load_library", lambda: (None, "libvulkan.so.1"))
+    monkeypatch.setattr(vulkan, "devices", lambda library: [])
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may open everything
+    answer = probe.probe()
+    assert answer["cause"] == "no_permission" and str(card) in str(answer["detail"])
+
+
+def test_full_disk_and_closed_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    inside = tmp_path / "not" / "yet" / "there"
+    assert doctor.check_disk("space", inside).status in ("ok", "note")
+    usage = type("Usage", (), {"free": 1e8})
+    monkeypatch.setattr(doctor.shutil, "disk_usage", lambda path: usage)
+    assert doctor.check_disk("space", inside).cause == "no_disk"
+    file = tmp_path / "file"
+    file.touch()
+    assert doctor.check_disk("space", file / "below").cause == "not_writable"
+
+
+def test_a_package_too_old_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert doctor.check_packages().status == "ok"
+    real = doctor.metadata.version
+    monkeypatch.setattr(
+        doctor.metadata, "version", lambda name: "2.9.1" if name == "sapien" else real(name)
+    )
+    finding = doctor.check_packages()
+    assert finding.cause == "old_package" and "sapien 2.9.1 is older than" in finding.detail
+
+
+def test_assets_that_are_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("RTPHYS_ASSETS", str(tmp_path))
+    finding = doctor.check_assets()
+    assert finding.cause == "bad_assets" and str(tmp_path) in finding.detail
+
+
+def test_a_missing_library_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "gone"))
+    assert doctor.check_library().cause == "bad_library"
+
+
+def test_command_line(tmp_path: Path) -> None:
+    """The whole command on a machine without a driver: JSON, cure and exit code agree."""
+    command = [sys.executable, "-m", "rtphys.cli.main", "doctor", "--json", "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **NO_DEVICE})
+    report = json.loads(done.stdout)
+    failed = [f for f in report["findings"] if f["status"] == "fail"]
+    assert [f["check"] for f in failed] == ["renderer"]
+    assert done.returncode == report["exit_code"] == doctor.CAUSES[failed[0]["cause"]].exit_code
+    assert "mesa-vulkan-drivers" in failed[0]["cure"]

@@ -1,0 +1,144 @@
+"""The layers of docs/architecture.md, checked on the import statements themselves."""
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "src" / "rtphys"
+TASKS = sorted((ROOT / "tasks").glob("*.py"))
+
+FREE = {"numpy", "scipy"}
+# Import name -> the layers that may use it. What is not here may not be imported at all.
+OWNERS = {
+    "yaml": {"library"},
+    "trimesh": {"assets"},
+    "manifold3d": {"assets"},
+    "PIL": {"assets"},
+    "h5py": {"data"},
+    "cv2": {"data"},
+    "av": {"data"},
+    "pydantic": {"data"},
+    "pydantic_core": {"data"},
+    "pinocchio": {"plan"},
+    "coal": {"plan"},
+    "toppra": {"plan"},
+    "ruckig": {"plan"},
+    "sapien": {"sim"},
+    "matplotlib": {"figures"},
+    "pyarrow": {"export"},
+    "typer": {"cli"},
+    "rich": {"cli"},
+}
+
+
+def rows() -> dict[str, int]:
+    """Layer name -> row, read from the table in docs/architecture.md."""
+    found: dict[str, int] = {}
+    for line in (ROOT / "docs" / "architecture.md").read_text().splitlines():
+        match = re.match(r"\|\s*(\d+)\s*\|([^|]*)\|", line)
+        if match:
+            found |= {
+                name.rstrip("/"): int(match[1]) for name in re.findall(r"`(\w+/?)`", match[2])
+            }
+    return found
+
+
+ROWS = rows()
+
+
+def layer_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imports(path: Path) -> list[tuple[int, str]]:
+    """(line, dotted name) of every import in a file, wherever it stands."""
+    found = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}:{node.lineno} relative import"
+            if node.module == "rtphys":
+                found += [(node.lineno, f"rtphys.{alias.name}") for alias in node.names]
+            elif node.module:
+                found.append((node.lineno, node.module))
+    return found
+
+
+def third_party(name: str) -> bool:
+    top = name.partition(".")[0]
+    return top not in sys.stdlib_module_names and top != "rtphys"
+
+
+FILES = sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py")
+
+
+def test_every_layer_has_a_row() -> None:
+    assert len(ROWS) > 20, "the table in docs/architecture.md was not understood"
+    unknown = {layer_of(p) for p in FILES} - ROWS.keys()
+    assert not unknown, f"not in the table of docs/architecture.md: {sorted(unknown)}"
+
+
+def test_a_layer_imports_only_the_rows_above_it() -> None:
+    wrong = []
+    for path in FILES:
+        own = layer_of(path)
+        for line, name in imports(path):
+            parts = name.split(".")
+            if parts[0] != "rtphys" or len(parts) < 2:
+                continue
+            other = parts[1]
+            if other != own and ROWS[other] >= ROWS[own] and not alongside(own, other):
+                wrong.append(f"{path.relative_to(ROOT)}:{line} {own} imports {other}")
+    assert not wrong, "\n".join(wrong)
+
+
+def alongside(own: str, other: str) -> bool:
+    """Whether two layers of one row may know each other: only where the pieces meet."""
+    return ROWS[own] == ROWS[other] == ROWS["generate"]
+
+
+def test_every_third_party_package_has_one_owner() -> None:
+    wrong = []
+    for path in FILES:
+        own = layer_of(path)
+        for line, name in imports(path):
+            top = name.partition(".")[0]
+            if third_party(name) and top not in FREE and own not in OWNERS.get(top, set()):
+                wrong.append(f"{path.relative_to(ROOT)}:{line} {own} imports {top}")
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("path", TASKS, ids=lambda p: p.stem)
+def test_a_task_imports_only_the_task_vocabulary(path: Path) -> None:
+    names = {name for _, name in imports(path)}
+    allowed = re.compile(r"math|numpy|rtphys\.task(\.\w+)*")
+    wrong = [name for name in names if not allowed.fullmatch(name)]
+    assert not wrong, f"{path.name} imports {sorted(wrong)}"
+
+
+def test_help_loads_nothing_heavy() -> None:
+    """`rtphys --help` answers at once because command modules are imported on call."""
+    code = (
+        "import sys, rtphys.cli.main\n"
+        "heavy = {'numpy', 'sapien', 'h5py', 'pinocchio', 'trimesh', 'cv2'} & set(sys.modules)\n"
+        "sys.exit(f'imported {heavy}' if heavy else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_files_and_functions_stay_small(path: Path) -> None:
+    text = path.read_text()
+    assert len(text.splitlines()) < 300, "split the file: one idea each"
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef):
+            doc = ast.get_docstring(node, clean=False)
+            length = (node.end_lineno or 0) - node.lineno - (doc.count("\n") + 1 if doc else 0)
+            assert length < 40, f"{node.name} has {length} lines"
