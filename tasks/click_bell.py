@@ -15,7 +15,7 @@ def layout(draw: Draw):
 def script(robot: Robot) -> None:
     arm = robot.nearest("bell")
     robot.do(arm.hover("bell", contact=0, gap=0.1), arm.close())
-    robot.do(arm.advance(0.07, until="bell", speed=0.5))
+    robot.do(arm.press("bell", reach=0.07))
     robot.do(arm.retreat(0.045))
 
 

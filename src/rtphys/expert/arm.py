@@ -126,6 +126,16 @@ class ExpertArm:
         step = Shift((distance, 0.0, 0.0), tool=True, until=until, speed=speed)
         return self._motion("advance", step)
 
+    def press(self, prop: str, reach: float, push: float = 0.004) -> Motion:
+        steps = (
+            Shift((reach, 0.0, 0.0), tool=True, until=prop, must=True, speed=0.5),
+            # Recorded actions are 60 ms apart: without leaning in and staying, the deepest
+            # moment would fall between two of them.
+            Shift((push, 0.0, 0.0), tool=True),
+            Wait(0.12),
+        )
+        return self._motion(f"press {prop}", *steps)
+
     def reach(self, *candidates: Pose) -> Motion:
         return self._motion("reach", Reach(candidates))
 

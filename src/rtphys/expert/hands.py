@@ -130,37 +130,3 @@ class Hands:
             yield
         finally:
             checker.stop_ignoring(side, prop)
-
-    @contextmanager
-    def free_to_leave(self, start: dict[str, Array]) -> Iterator[None]:
-        """Within: contacts that exist at the start (a thing just released) do not block."""
-        checker, overlooked = self.planner.checker, []
-        for side in SIDES:
-            partner = self.holding.get("right" if side == "left" else "left")
-            if partner and partner == self.holding.get(side):
-                overlooked += self._overlook(side, [partner])
-        for _ in range(6):
-            pair = self.planner.contact(start)
-            if pair is None:
-                break
-            names = pair.split(" and ")
-            added = [n for side in SIDES for n in self._overlook(side, names)]
-            if not added:
-                break
-            overlooked += added
-        try:
-            yield
-        finally:
-            for side, name in overlooked:
-                checker.stop_ignoring(side, name)
-
-    def _overlook(self, side: str, names: list[str]) -> list[tuple[str, str]]:
-        added = []
-        for name in names:
-            if name in self.world.objects or name == "table":
-                try:
-                    self.planner.checker.ignore(side, name)
-                except UnknownName:
-                    continue
-                added.append((side, name))
-        return added

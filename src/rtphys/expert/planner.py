@@ -61,6 +61,7 @@ class DualArmPlanner:
         self.limits = {limb.side: limb.limits for limb in embodiment.limbs}
         self._rng = rng
         self.fingers = {"left": 0.045, "right": 0.045}  # [m] each finger, for collision checks
+        self._tolerated: frozenset[str] = frozenset()
         self.forget()
 
     def forget(self) -> None:
@@ -77,13 +78,19 @@ class DualArmPlanner:
         return self.kinematics[side].solve_near(ee, near, self._rng)
 
     def clear(self, postures: dict[str, Array]) -> bool:
-        fingers = (self.fingers["left"], self.fingers["right"])
-        return self.checker.clear(postures["left"], postures["right"], fingers)
+        """Nothing touches but what touched when the present motion began."""
+        q, fingers = (postures["left"], postures["right"]), self._fingers()
+        if self.checker.clear(*q, fingers):
+            return True
+        return bool(self._tolerated) and self.checker.contacts(*q, fingers) <= self._tolerated
 
-    def contact(self, postures: dict[str, Array]) -> str | None:
-        """The first colliding pair, for messages."""
-        fingers = (self.fingers["left"], self.fingers["right"])
-        return self.checker.first_contact(postures["left"], postures["right"], fingers)
+    def contact(self, postures: dict[str, Array]) -> str:
+        """The colliding pairs, for messages; empty when clear."""
+        pairs = self.checker.contacts(postures["left"], postures["right"], self._fingers())
+        return ", ".join(sorted(pairs - self._tolerated))
+
+    def _fingers(self) -> tuple[float, float]:
+        return self.fingers["left"], self.fingers["right"]
 
     # ---- motions ---------------------------------------------------------------------------------
 
@@ -101,6 +108,17 @@ class DualArmPlanner:
         Raises:
             Infeasible: "unreachable", "no_path" or "retime_failed".
         """
+        # What touches at the start (a thing just released, the partner's load) may be left.
+        self._tolerated = frozenset()
+        if not self.clear(start):
+            both = start["left"], start["right"]
+            self._tolerated = self.checker.contacts(*both, self._fingers())
+        try:
+            return self._timed(start, goals, pace)
+        finally:
+            self._tolerated = frozenset()
+
+    def _timed(self, start: dict[str, Array], goals: dict[str, ArmGoal], pace: float) -> Trajectory:
         paths = {side: self._path(side, start, goal) for side, goal in goals.items()}
         free = [side for side, goal in goals.items() if goal.q is not None]
         waypoints = _joined(paths, start)
@@ -131,8 +149,8 @@ class DualArmPlanner:
         if len(free) < len(paths):
             raise Infeasible("no_path", "a straight line of one arm meets the other arm")
         end = {side: paths[side][-1] if side in paths else start[side] for side in SIDES}
-        self._must_be_clear(start, "start")
-        self._must_be_clear(end, "goal")
+        if pairs := self.contact(end):
+            raise Infeasible("no_path", f"at the goal: {pairs}")
         columns = np.concatenate([np.arange(6) + 6 * SIDES.index(s) for s in sorted(free)])
         base = np.concatenate([start["left"], start["right"]])
 
@@ -151,11 +169,6 @@ class DualArmPlanner:
         if route is None:
             raise Infeasible("no_path", f"no clear path for {' and '.join(free)}")
         return np.array([full(q) for q in route])
-
-    def _must_be_clear(self, postures: dict[str, Array], what: str) -> None:
-        pair = self.contact(postures)
-        if pair is not None:
-            raise Infeasible("no_path", f"{what}: {pair}")
 
 
 def _joined(paths: dict[str, Array], start: dict[str, Array]) -> Array:

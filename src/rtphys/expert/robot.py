@@ -25,6 +25,7 @@ class ExpertRobot:
         self.rollout, self.scene, self.world = rollout, rollout.scene, rollout.world
         self.planner = DualArmPlanner(self.world.robot.embodiment, rng)
         self.hands = Hands(rollout, self.planner)
+        self._intended: dict[str, Array] = {}  # where verbs said since the last `do` will end
         self.left, self.right = ExpertArm(self, "left"), ExpertArm(self, "right")
         self.refresh()
 
@@ -48,6 +49,7 @@ class ExpertRobot:
         queues: dict[str, list[Step]] = {side: [] for side in SIDES}
         for motion in motions:
             queues[motion.side].extend(motion.steps)
+        self._intended.clear()
         self.rollout.recorder.enter(" + ".join(dict.fromkeys(m.stage for m in motions)))
         for i in range(max((len(q) for q in queues.values()), default=0)):
             self._together({side: q[i] for side, q in queues.items() if i < len(q)})
@@ -82,7 +84,10 @@ class ExpertRobot:
         if line is None:
             return False
         with self.hands.may_touch(side, prop):
-            return self._clear_with(side, line[-1])
+            if not self._clear_with(side, line[-1]):
+                return False
+        self._intended[side] = line[-1]
+        return True
 
     def can_follow(self, side: str, before: Pose, after: Pose) -> bool:
         """Both poses reachable, the second by a straight line from the first."""
@@ -97,7 +102,9 @@ class ExpertRobot:
     def _clear_with(self, side: str, q: Array) -> bool:
         postures = {s: self.commanded(s) for s in SIDES}
         other = "right" if side == "left" else "left"
-        if not self.hands.holding.get(other):
+        if other in self._intended:
+            postures[other] = self._intended[other]
+        elif not self.hands.holding.get(other):
             # Whether the other arm is in the way now does not matter: it can move first.
             postures[other] = self.world.robot.arm(other).limb.home
         postures[side] = q
@@ -121,7 +128,10 @@ class ExpertRobot:
             self._settle()
         ramps = {side: self.hands.ramp(side, grip.opening) for side, grip in grips.items()}
         trajectory = self._plan(goals) if goals else None
-        self._run(trajectory, ramps, until, max(waits, default=0.0))
+        touched = self._run(trajectory, ramps, until, max(waits, default=0.0))
+        for side, step in steps.items():
+            if isinstance(step, Shift) and step.must and side not in touched:
+                raise Infeasible("stalled", f"the {side} hand did not meet {step.until}")
         for side, grip in grips.items():
             self.hands.closed(side, grip)
         if not grips:
@@ -129,8 +139,7 @@ class ExpertRobot:
 
     def _plan(self, goals: dict[str, ArmGoal]):
         start = {side: self.commanded(side) for side in SIDES}
-        with self.hands.free_to_leave(start):
-            return self.planner.motion(start, goals, self.hands.pace())
+        return self.planner.motion(start, goals, self.hands.pace())
 
     def _goal(self, side: str, step: Step) -> ArmGoal | None:
         if isinstance(step, Home):
@@ -186,6 +195,7 @@ class ExpertRobot:
                 break
         for arm in arms.values():
             arm.command(arm.target, np.zeros(6))
+        return stopped
 
     def _settle(self) -> None:
         """Wait until both arms are where they were told to be."""

@@ -183,7 +183,9 @@ class CollisionChecker:
     ) -> frozenset[str]:
         """All pairs nearer than their margins, each as "fl_link4 and table"."""
         self._place(q_left, q_right, fingers)
-        pairs = [self._geometry.collisionPairs[k] for k in self._touching_pairs()]
+        pairs = [
+            self._geometry.collisionPairs[k] for k in self._touching_pairs(stop_at_first=False)
+        ]
         names = [(self._bodies[p.first].name, self._bodies[p.second].name) for p in pairs]
         return frozenset(f"{a} and {b}" for a, b in names)
 

@@ -21,6 +21,7 @@ from rtphys.sim.engine import from_sapien, to_sapien
 Matrix = NDArray[np.float32]
 
 NEAR, FAR = 0.1, 100.0  # [m] (RoboTwin)
+WRIST_NEAR = 0.02  # [m] at 0.1 the camera would look through the fingers it is mounted over
 KINDS = {  # width, height [px], vertical field of view [deg] (RoboTwin, _camera_config.yml)
     "D435": (320, 240, 37.0),
     "Large_D435": (640, 480, 37.0),
@@ -146,7 +147,7 @@ class SimCamera:
         self.spec = spec
         component = sapien.render.RenderCameraComponent(spec.width, spec.height)
         component.set_fovy(spec.fovy, compute_x=True)
-        component.near, component.far = NEAR, FAR
+        component.near, component.far = WRIST_NEAR if spec.link else NEAR, FAR
         component.name = spec.name
         if spec.link:
             links = {link.name: link for link in robot.links} if robot else {}

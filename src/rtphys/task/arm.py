@@ -42,6 +42,7 @@ class Shift:
     turn: tuple[float, ...] = ()  # new ee orientation wxyz, task frame; empty: keep
     speed: float = 1.0
     until: str = ""
+    must: bool = False  # touching `until` is the point: not touching it ends the attempt
     shares: tuple[float, ...] = (1.0,)
 
 
@@ -138,6 +139,14 @@ class Arm(Protocol):
 
     def advance(self, distance: float, until: str = "", speed: float = 1.0) -> Motion:
         """Straight on along the approach direction [m], or until it presses on a prop."""
+        ...
+
+    def press(self, prop: str, reach: float, push: float = 0.004) -> Motion:
+        """Straight on until the hand touches the prop, at most `reach` [m]; lean in by `push`.
+
+        Raises:
+            Infeasible: "stalled", when nothing was touched.
+        """
         ...
 
     def reach(self, *candidates: Pose) -> Motion:
