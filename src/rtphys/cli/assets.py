@@ -1,0 +1,180 @@
+"""`rtphys assets`: build the builtin pack, look at a pack, check it, link the official one."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from rtphys.assets.pack import STAMP, Pack, builtin_pack, cache_folder, default_pack
+from rtphys.errors import BadValue, MissingAsset, RtphysError, UnknownName
+from rtphys.task.props import Articulated, Mesh
+from rtphys.task.spec import load_task, task_names
+
+app = typer.Typer(no_args_is_help=True, help="Build, inspect or link the asset packs.")
+
+LAYOUTS = 30  # layouts of a task that are searched for models it may use
+
+
+@app.command()
+def build(
+    out: Annotated[
+        Path | None, typer.Option(help="Write the pack here instead of the user's cache.")
+    ] = None,
+    force: Annotated[bool, typer.Option(help="Build even if it is there already.")] = False,
+    workers: Annotated[int | None, typer.Option(help="Processes; default one a core.")] = None,
+) -> None:
+    """Generate the builtin pack, unless this version's is already there."""
+    from rtphys.assets.build import build as build_pack
+    from rtphys.assets.build import source_digest
+
+    root = out or cache_folder() / source_digest()[:16]
+    stamp = root / STAMP
+    if not force and stamp.is_file() and json.loads(stamp.read_text())["source"] == source_digest():
+        pack = Pack(root)
+    else:
+        with BuildBar() as bar:
+            pack = build_pack(root, bar, workers=workers)
+    typer.echo(f"{pack.root}\n{len(pack.names)} objects, digest {pack.digest}")
+
+
+@app.command()
+def show(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Objects, `050_bell` or `050_bell/1`; default all.")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="The picture to write.")] = Path("assets.png"),
+    size: Annotated[int, typer.Option(help="Pixels a model.", min=32, max=1024)] = 160,
+) -> None:
+    """Draw a contact sheet: red is out of a grasp's approach, blue along a function's axis."""
+    from rtphys.assets.contact_sheet import contact_sheet
+
+    pack = _pack()
+    models = [model for name in names or pack.names for model in _models(pack, name)]
+    with BuildBar("drawing") as bar:
+        done = iter(range(1, len(models) + 1))
+        picture = contact_sheet(
+            pack, models, size, tell=lambda name: bar(next(done), len(models), name)
+        )
+    picture.save(out)
+    typer.echo(f"{out}: {len(models)} models")
+
+
+@app.command()
+def check(
+    folder: Annotated[Path | None, typer.Argument(help="A pack; default the one in use.")] = None,
+    fallback: Annotated[
+        str, typer.Option(help="`builtin`: let it stand in for what the pack lacks.")
+    ] = "",
+) -> None:
+    """Say what of a pack loads, what is missing, and which tasks can run on it."""
+    from rtphys.assets.check import check_pack
+
+    pack = _pack() if folder is None else Pack(folder, _fallback(fallback))
+    report = check_pack(pack)
+    out = Console(highlight=False)
+    out.print(f"{pack.root}", soft_wrap=True)
+    for name, count in report.loaded.items():
+        out.print(f"  {name}: {count}")
+    out.print(f"  textures: {report.textures['seen']} seen, {report.textures['unseen']} unseen")
+    for problem in report.problems:
+        out.print(f"[red]{problem}[/red]", soft_wrap=True)
+    able = {name: lacking(pack, name) for name in task_names()}
+    out.print("tasks that can run: " + (", ".join(n for n, no in able.items() if not no) or "none"))
+    for name, no in able.items():
+        if no:
+            out.print(f"  {name} lacks {', '.join(no)}")
+    if report.problems:
+        raise typer.Exit(1)
+
+
+@app.command()
+def link(
+    folder: Annotated[
+        Path | None, typer.Argument(help="RoboTwin's `assets` folder (or its parent).")
+    ] = None,
+    fallback: Annotated[
+        str, typer.Option(help="`builtin`: let it stand in for what the pack lacks.")
+    ] = "",
+    remove: Annotated[bool, typer.Option("--remove", help="Use the builtin pack again.")] = False,
+) -> None:
+    """Use another pack, such as the official one, from now on."""
+    path = cache_folder() / "link.json"
+    if remove:
+        path.unlink(missing_ok=True)
+        typer.echo("using the builtin pack")
+        return
+    if folder is None:
+        raise BadValue("DIR", None, "name the folder to link, or give --remove")
+    pack = Pack(folder.resolve(), _fallback(fallback))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps({"root": str(pack.root), "fallback": pack.fallback is not None})
+    path.write_text(text + "\n")
+    typer.echo(f"using {pack.root}" + (", then the builtin pack" if pack.fallback else ""))
+
+
+class BuildBar:
+    """A progress bar that can be called with (done, total, name), as a builder does."""
+
+    def __init__(self, verb: str = "building assets") -> None:
+        self._bar = Progress(
+            TextColumn(verb),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[name]}"),
+            console=Console(stderr=True),
+        )
+        self._task = self._bar.add_task(verb, total=None, name="")
+
+    def __enter__(self) -> "BuildBar":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def __call__(self, done: int, total: int, name: str) -> None:
+        self._bar.update(self._task, completed=done, total=total, name=name)
+
+
+def lacking(pack: Pack, task: str) -> list[str]:
+    """Models that the task uses and the pack cannot load, as far as its first layouts tell."""
+    spec = load_task(task)
+    wanted: set[tuple[str, int, bool]] = set()
+    for seed in range(LAYOUTS):
+        try:
+            props = spec.props(seed)
+        except RtphysError:
+            continue  # a layout that its own rules refuse says nothing about the pack
+        for prop in props:
+            if isinstance(prop, Mesh | Articulated):
+                wanted.add((prop.category, prop.model, isinstance(prop, Articulated)))
+    missing = []
+    for category, model, articulated in sorted(wanted):
+        try:
+            (pack.articulation if articulated else pack.model)(category, model)
+        except (MissingAsset, UnknownName):
+            missing.append(f"{category}/{model}")
+    return missing
+
+
+def _pack() -> Pack:
+    with BuildBar() as bar:
+        return default_pack(bar)
+
+
+def _fallback(name: str) -> Pack | None:
+    if name not in ("", "builtin"):
+        raise UnknownName("fallback", name, ("builtin",))
+    return builtin_pack() if name else None
+
+
+def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
+    """`050_bell` is all its models, `050_bell/1` one."""
+    id_name, _, number = name.partition("/")
+    if number and not number.isdigit():
+        raise BadValue("model", name, "write an object's name, or name/number")
+    return [(id_name, int(number))] if number else [(id_name, i) for i in pack.indices(id_name)]

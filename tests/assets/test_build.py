@@ -1,0 +1,45 @@
+"""The builder: the same bytes each time, whole or not at all."""
+
+import pytest
+
+from rtphys.assets import build as builder
+from rtphys.assets.build import Job, build, content_digest, jobs
+from rtphys.assets.pack import STAMP
+
+SOME = ["020_hammer", "102_roller", "015_laptop", "aloha-agilex"]
+
+
+def test_two_builds_are_identical_whatever_the_number_of_workers(tmp_path):
+    one = build(tmp_path / "one", names=SOME, workers=1)
+    two = build(tmp_path / "two", names=SOME, workers=2)
+    files = sorted(p.relative_to(one.root) for p in one.root.rglob("*") if p.is_file())
+    assert len(files) > 100
+    for path in files:
+        assert (one.root / path).read_bytes() == (two.root / path).read_bytes(), path
+    assert one.digest == two.digest == content_digest(one.root)
+
+
+def test_progress_counts_to_the_end(tmp_path):
+    told = []
+    build(tmp_path / "pack", lambda *step: told.append(step), names=["050_bell"], workers=1)
+    assert [done for done, _, _ in told] == [1, 2] and {total for _, total, _ in told} == {2}
+
+
+def test_a_failed_build_leaves_the_old_pack_and_no_scraps(tmp_path, monkeypatch):
+    old = build(tmp_path / "pack", names=["050_bell"], workers=1).digest
+
+    def fail(root, job):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(builder, "write", fail)
+    with pytest.raises(OSError, match="disk full"):
+        build(tmp_path / "pack", names=["050_bell"], workers=1)
+    assert content_digest(tmp_path / "pack") == old
+    assert [p.name for p in tmp_path.iterdir()] == ["pack"]
+    assert (tmp_path / "pack" / STAMP).is_file()
+
+
+def test_jobs_cover_robot_and_objects():
+    every = jobs()
+    assert Job("embodiment", "aloha-agilex") in every and Job("object", "050_bell", 1) in every
+    assert len(every) == len(set(every))

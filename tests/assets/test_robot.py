@@ -1,0 +1,93 @@
+"""The builtin robot against the figures measured on the official model."""
+
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from rtphys.assets.embodiment import ALOHA_LIMITS
+from rtphys.assets.embodiments.aloha_agilex import aloha_agilex
+from rtphys.assets.urdf import placed
+from rtphys.poses import axis_angle, quat_to_matrix
+
+# World poses at q = 0 of the official machine on its base at (0, -0.65), turned by 90 degrees [m].
+TCP = {"fr": (0.3052, -0.1928, 0.9410), "fl": (-0.3003, -0.1938, 0.9420)}
+
+
+def forward(q: dict[str, float], link: str) -> np.ndarray:
+    """(4, 4) footprint <- link by the joints alone."""
+    joints = {j.child: j for j in aloha_agilex().joints}
+    X = np.eye(4)
+    while link in joints:
+        joint = joints[link]
+        motion = np.eye(4)
+        if joint.kind == "revolute":
+            turn = axis_angle(joint.axis, q.get(joint.name, 0.0))
+            motion[:3, :3] = quat_to_matrix(turn)
+        elif joint.kind == "prismatic":
+            motion[:3, 3] = q.get(joint.name, 0.0) * np.array(joint.axis)
+        X = joint.origin @ motion @ X
+        link = joint.parent
+    return X
+
+
+@pytest.mark.parametrize("side", ["fl", "fr"])
+def test_tcp_at_home(side):
+    base = placed((0, -0.65, 0), (0, 0, np.pi / 2))
+    tcp = base @ forward({}, f"{side}_link6") @ [0.12, 0, 0, 1]
+    np.testing.assert_allclose(tcp[:3], TCP[side], atol=6e-4)
+
+
+def test_finger_tip_reaches_past_the_tcp():
+    X = forward({}, "fl_link7")
+    tip = max(p.solid.vertices[:, 0].max() for p in aloha_agilex().links["fl_link7"].visual)
+    hand = forward({}, "fl_link6")
+    reach = (np.linalg.inv(hand) @ X)[0, 3] + tip
+    assert reach == pytest.approx(0.12 + 0.0356, abs=5e-4)
+
+
+def test_closed_fingers_meet_without_pressing():
+    machine = aloha_agilex()
+    gap = []
+    for key, side in (("7", 1), ("8", -1)):
+        X = np.linalg.inv(forward({}, "fl_link6")) @ forward({}, f"fl_link{key}")
+        plate = machine.links[f"fl_link{key}"].collision[0].vertices + X[:3, 3]
+        gap.append(side * (plate[:, 1] * side).min())
+    assert 0 < gap[0] - gap[1] < 5e-4
+
+
+def test_configuration_and_urdf_agree(builtin):
+    robot = builtin.embodiment()
+    root = ElementTree.parse(robot.urdf).getroot()
+    kinds = {j.get("name"): j.get("type") for j in root.iter("joint")}
+    links = {link.get("name") for link in root.iter("link")}
+    moving = [name for name, kind in kinds.items() if kind != "fixed"]
+    assert len(moving) == 16
+    for limb in robot.limbs:
+        assert [kinds[j] for j in limb.joints] == ["revolute"] * 6
+        assert [kinds[j] for j in limb.finger_joints] == ["prismatic"] * 2
+        assert {limb.ee_link, limb.camera_link} <= links
+        np.testing.assert_allclose(limb.limits, ALOHA_LIMITS)
+    assert robot.finger_target(0.0) == -0.01 and robot.finger_target(1.0) == pytest.approx(0.045)
+    assert [c.name for c in robot.cameras] == ["head_camera", "front_camera"]
+
+
+def test_it_is_cheap_to_draw_and_its_hulls_are_convex():
+    machine = aloha_agilex()
+    triangles = sum(len(p.solid.faces) for b in machine.links.values() for p in b.visual)
+    assert triangles < 6000
+    for name, body in machine.links.items():
+        for part in body.collision:
+            assert part.is_closed() and part.bulge() < 1e-6, name
+        for part in body.visual:
+            assert part.solid.is_closed(), name
+
+
+def test_nothing_of_the_base_reaches_the_table():
+    """The table's near edge is 0.30 m ahead of the footprint."""
+    machine = aloha_agilex()
+    for name in ("base_link", "camera_base_link", "lr_base_link"):
+        X = forward({}, name)
+        parts = [p.solid for p in machine.links[name].visual] + list(machine.links[name].collision)
+        for solid in parts:
+            assert solid.placed(X).vertices[:, 0].max() < 0.29, name
