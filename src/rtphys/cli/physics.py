@@ -1,7 +1,8 @@
 """`rtphys physics`: draw values, prove the laws, audit a dataset's labels."""
 
 import json
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
@@ -9,6 +10,9 @@ from rich.table import Table
 
 from rtphys.cli.domains import AsJson, domain_named
 from rtphys.physics import Physics, Value, attributes, parse_overrides
+
+if TYPE_CHECKING:
+    from rtphys.proofs.proof import Trial
 
 app = typer.Typer(no_args_is_help=True, help="The physical attributes.")
 
@@ -38,6 +42,54 @@ def sample(
         typer.echo(json.dumps(rows, ensure_ascii=False))
     else:
         Console().print(_table(domain.name, drawn))
+
+
+@app.command()
+def prove(
+    keys: Annotated[list[str] | None, typer.Argument(help="Attributes; all if none.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Draw one figure per attribute here.")] = None,
+    every: Annotated[bool, typer.Option("--all", help="Show each trial, not the worst.")] = False,
+) -> None:
+    """Prove each label by experiment: a textbook law, what it expects, what the simulator did."""
+    # Imported here: the simulator takes a second that no other command should wait for.
+    from rtphys.assets.pack import default_pack
+    from rtphys.proofs.lab import Lab
+    from rtphys.proofs.run import proof, prove
+
+    laws = [proof(key) for key in keys or attributes()]
+    lab, failed, total = Lab(default_pack()), 0, 0
+    for law in laws:
+        trials = list(prove(lab, law.key))
+        failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
+        _tell(law.key, law.law, trials if every else worst(trials))
+        if out is not None:
+            from rtphys.figures.laws import draw_law
+
+            out.mkdir(parents=True, exist_ok=True)
+            draw_law(law, trials, out / f"{law.key}.png")
+    typer.echo(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
+    if failed:
+        raise typer.Exit(1)
+
+
+def worst(trials: "list[Trial]") -> "list[Trial]":
+    """Of each setting, the trial that came nearest to failing."""
+    found: dict[str, Trial] = {}
+    for trial in trials:
+        known = found.get(trial.setting)
+        if known is None or trial.error / trial.tolerance > known.error / known.tolerance:
+            found[trial.setting] = trial
+    return list(found.values())
+
+
+def _tell(key: str, law: str, trials: "list[Trial]") -> None:
+    """One line a trial; not a table, whose cells would wrap on a narrow terminal."""
+    typer.echo(f"\n{key}:  {law}")
+    typer.echo(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
+    for t in trials:
+        numbers = f"{t.expected:10.4g} {t.measured:10.4g} {t.unit:6} {100 * t.error:7.2g}%"
+        setting = t.setting.removeprefix(f"{key} = ")
+        typer.echo(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
 
 
 def _table(name: str, drawn: dict[int, Physics]) -> Table:

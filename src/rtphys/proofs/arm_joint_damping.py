@@ -1,5 +1,7 @@
 """An arm joint that is sent 0.1 rad further without a speed lags by tau = k d / stiffness."""
 
+from functools import partial
+
 import numpy as np
 
 from rtphys.physics.values import Value
@@ -12,25 +14,25 @@ STEP = 0.1  # [rad]
 
 def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
     trials = []
-    for side in ("left", "right"):
-        for joint in range(6):
-            world = lab.world([], {**company, "arm_joint_damping": value})
-            arm = world.robot.arm(side)
-            body = world.robot.embodiment
-            tau = number(value) * body.joint_damping / body.joint_stiffness
-            target = np.array(arm.target)
+    for joint in range(6):
+        world = lab.world([], {**company, "arm_joint_damping": value})
+        body = world.robot.embodiment
+        tau = number(value) * body.joint_damping / body.joint_stiffness
+        ways = []
+        for arm in world.robot.arms:  # both at once, they are far apart
             # Towards the middle of the joint's range, so that no limit stops it.
-            way = STEP if target[joint] <= 0 else -STEP
-            target[joint] += way
+            ways.append(STEP if arm.target[joint] <= 0 else -STEP)
+            target = np.array(arm.target)
+            target[joint] += ways[-1]
             arm.command(target, np.zeros(6))
-            index = int(arm.index[joint])
-            read = _reader(world, index)
-            trials.append(step_response(world, read, way, tau, f"tau of {side} joint {joint + 1}"))
+        read = partial(_angles, world, [int(arm.index[joint]) for arm in world.robot.arms])
+        names = [f"tau of {side} joint {joint + 1}" for side in ("left", "right")]
+        trials += step_response(world, read, np.array(ways), tau, names)
     return trials
 
 
-def _reader(world, index: int):
-    return lambda: float(world.robot.articulation.qpos[index])
+def _angles(world, indices: list[int]):
+    return world.robot.articulation.qpos[indices]
 
 
 PROOF = Proof(

@@ -4,44 +4,61 @@ import numpy as np
 
 from rtphys.proofs.lab import Lab, floating, record, slope
 from rtphys.proofs.proof import Company, number
-from rtphys.sim.engine import from_sapien
+from rtphys.sim.engine import RATE, from_sapien
+from rtphys.sim.world import World
 from rtphys.task.props import Box
 
 HALF = 0.02  # [m] thickness between the fingers
 LONG = 0.03  # [m] along the pull: stays between the pads while it is pulled
-CLOSE, PULL = 250, 15  # [steps] until the grip is steady; pulling
+GRIP = 0.004  # [m] that the fingers are sent beyond the surface: some newtons, which the arm bears
+DENSITY = 5000.0  # [kg/m³] heavy enough that a 4 ms step does not jerk it
+SPARE = 8.0  # [m/s²] that the pull leaves: the pads give way a little, the block must outrun them
+CLOSE, PULL, SLIDING = 300, 20, 5  # [steps] until the grip is steady; of the pull; until it slides
 
 
 def finger_friction(lab: Lab, values: Company) -> float:
     """Coefficient between finger pad and block [1].
 
-    A block floats between the left fingers, which close on it. It is then pulled along the
-    gripper's z (across approach and closing) by F: m a = F - 2 mu N. Two pulls of different
-    strength would give the same mu; one strong enough to slip at any mu is used.
+    A block floats between the left fingers, which close on it. It is then pulled across them by a
+    force that exceeds 2 mu N if the label is true: m a = F - 2 mu N, N from the contacts.
     """
     empty = lab.world([], values)  # kept alive: its robot dies with it
     tcp = empty.robot.left.tcp()
-    block = Box(name="block", pose=tcp, half_size=(LONG, HALF, LONG), resting=False)
+    size = (LONG, HALF, LONG)
+    block = Box(name="block", pose=tcp, half_size=size, resting=False, density=DENSITY)
     world = lab.world([block], values)
     body, arm = floating(world, "block"), world.robot.left
-    arm.grip(0.0)
+    # On rails: a block that turned between the pads would spend friction on its spin.
+    rails = [False, False, False, True, True, True]
+    body.component.set_locked_motion_axes(rails)  # pyright: ignore[reportAttributeAccessIssue]
+    arm.grip(_opening(world, HALF - GRIP))
     for _ in range(CLOSE):
         world.step()
-    normal = _squeeze(world)
     along = from_sapien(arm.ee_link.entity_pose).R[:, 2]
-    mass, mu = body.mass, number(values["friction"])
-    force = 2 * mu * normal + mass * 2.0  # [N] leaves 2 m/s² if the label is true
-    push = (force * along).tolist()
-    t, v = record(
+    force = 2 * number(values["friction"]) * squeeze(world) + SPARE * body.mass
+    push, none = (force * along).tolist(), [0.0, 0.0, 0.0]
+    t, seen = record(
         world,
         PULL,
-        lambda: body.component.linear_velocity @ along,
-        lambda: body.component.add_force_torque(push, [0, 0, 0]),
+        lambda: (body.component.linear_velocity @ along, squeeze(world)),
+        lambda: body.component.add_force_torque(push, none),
     )
-    return (force - mass * slope(t, v)) / (2 * normal)
+    a, normal = slope(t[SLIDING:], seen[SLIDING:, 0]), seen[SLIDING:, 1].mean()
+    return float((force - body.mass * a) / (2 * normal))
 
 
-def _squeeze(world) -> float:
-    """Force [N] of one finger on the block: what its servo exerts at rest."""
-    effort = world.robot.effort()
-    return float(np.abs(effort[world.robot.left.finger_index]).mean())
+def squeeze(world: World) -> float:
+    """Force [N] with which one finger presses on the block, from the contacts' impulses."""
+    total = 0.0
+    for contact in world.scene.get_contacts():
+        names = {body.entity.name for body in contact.bodies}
+        if "block" in names:
+            impulse = sum((p.impulse for p in contact.points), np.zeros(3))
+            total += float(np.linalg.norm(impulse)) * RATE
+    return total / 2
+
+
+def _opening(world: World, half_gap: float) -> float:
+    """The gripper command that sends each finger to `half_gap` [m]."""
+    closed, fully = (world.robot.embodiment.finger_target(x) for x in (0.0, 1.0))
+    return (half_gap - closed) / (fully - closed)

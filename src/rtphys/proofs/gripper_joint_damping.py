@@ -1,5 +1,7 @@
 """A finger that is sent 2 cm further lags by tau = k d / stiffness."""
 
+import numpy as np
+
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
 from rtphys.proofs.proof import Company, Proof, Trial, number
@@ -9,16 +11,15 @@ OPENING = 0.4  # closing from fully open to here
 
 
 def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
-    trials = []
-    for side in ("left", "right"):
-        world = lab.world([], {**company, "gripper_joint_damping": value})
-        arm, body = world.robot.arm(side), world.robot.embodiment
-        tau = number(value) * body.gripper_damping / body.gripper_stiffness
-        start = arm.gap()
+    world = lab.world([], {**company, "gripper_joint_damping": value})
+    body, arms = world.robot.embodiment, world.robot.arms
+    tau = number(value) * body.gripper_damping / body.gripper_stiffness
+    start = np.array([arm.gap() for arm in arms])
+    for arm in arms:
         arm.grip(OPENING)
-        way = 2 * body.finger_target(OPENING) - start
-        trials.append(step_response(world, arm.gap, way, tau, f"tau of the {side} fingers"))
-    return trials
+    ways = 2 * body.finger_target(OPENING) - start
+    names = [f"tau of the {side} fingers" for side in ("left", "right")]
+    return step_response(world, lambda: np.array([arm.gap() for arm in arms]), ways, tau, names)
 
 
 PROOF = Proof(

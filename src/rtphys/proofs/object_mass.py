@@ -30,7 +30,7 @@ def weigh(lab: Lab, values: Company) -> tuple[float, Trace]:
         world,
         STEPS,
         lambda: c.linear_velocity[0],
-        lambda: c.add_force_torque([FORCE, 0, 0], [0] * 3),
+        lambda: c.add_force_torque([FORCE, 0, 0], [0.0, 0.0, 0.0]),
     )
     return slope(t, v), Trace(t, v, 0 * t, "time [s]", "speed [m/s]")
 

@@ -1,4 +1,4 @@
-"""The step response of a servo: without a velocity target it lags by tau = d / k."""
+"""The step response of servos: without a velocity target they lag by tau = d / k."""
 
 from collections.abc import Callable
 
@@ -7,26 +7,30 @@ import numpy as np
 from rtphys.poses import Array
 from rtphys.proofs.lab import record
 from rtphys.proofs.proof import Trace, Trial
+from rtphys.sim.engine import RATE
 from rtphys.sim.world import World
 
 TOLERANCE = 0.05
 
 
 def step_response(
-    world: World, read: Callable[[], float], full: float, tau: float, what: str
-) -> Trial:
-    """Time constant of a servo that has just been told to go `full` [rad or m] further.
+    world: World, read: Callable[[], Array], ways: Array, tau: float, names: list[str]
+) -> list[Trial]:
+    """Time constants of servos (n,) that have just been told to go `ways` [rad or m] further.
 
-    Two points of the curve give it, 20 % and 60 %, so that neither the start (the link's inertia)
-    nor the end (its weight) matters: for exp(-t / tau) they lie tau ln 2 apart.
+    Two points of the curve give each, 20 % and 60 %, so that neither the start (the link's
+    inertia) nor the end matters: for exp(-t / tau) they lie tau ln 2 apart.
     """
-    start = read()
-    t, q = record(world, int(250 * 4 * max(tau, 0.05)), read)
-    share = (q - start) / full
-    found = (_crossing(t, share, 0.6) - _crossing(t, share, 0.2)) / np.log(2)
-    law = full * (1 - np.exp(-t / tau))
-    trace = Trace(t, q - start, law, "time [s]", "way from start [rad or m]")
-    return Trial(what, tau, float(found), "s", tolerance=TOLERANCE, trace=trace)
+    start = np.array(read(), float)
+    t, q = record(world, int(RATE * 2 * max(tau, 0.05)), read)
+    law = 1 - np.exp(-t / tau)
+    trials = []
+    for i, name in enumerate(names):
+        share = (q[:, i] - start[i]) / ways[i]
+        found = (_crossing(t, share, 0.6) - _crossing(t, share, 0.2)) / np.log(2)
+        trace = Trace(t, share, law, "time [s]", "share of the way [1]")
+        trials.append(Trial(name, tau, float(found), "s", tolerance=TOLERANCE, trace=trace))
+    return trials
 
 
 def _crossing(t: Array, share: Array, level: float) -> float:

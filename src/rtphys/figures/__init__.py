@@ -1,0 +1,1 @@
+"""Pictures of numbers. The only package that imports matplotlib."""

@@ -1,0 +1,74 @@
+"""One figure per attribute: what the law says, what the simulator did, and how far they differ."""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")  # no display needed
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rtphys.proofs.proof import Proof, Trial
+
+FLOOR = 1e-6  # error below which a point is drawn at the edge: single precision
+
+
+def draw_law(proof: Proof, trials: list[Trial], path: Path) -> None:
+    """Write a PNG: the recorded curves (or measured against expected), and every error."""
+    figure = Figure(figsize=(10, 4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    traced = [t for t in trials if t.trace is not None]
+    if traced:
+        _curves(left, traced)
+    else:
+        _parity(left, trials)
+    _errors(right, trials)
+    figure.suptitle(f"{proof.key}:  {proof.law}")
+    figure.savefig(path, dpi=120)
+
+
+def _curves(axes: Axes, traced: list[Trial]) -> None:
+    first: dict[str, Trial] = {}
+    for trial in traced:
+        first.setdefault(trial.setting, trial)
+    alone = {s: t for s, t in first.items() if "," not in s.split("=", 1)[1].split("),")[-1]}
+    for i, (setting, trial) in enumerate((alone or first).items()):
+        trace, colour = trial.trace, f"C{i}"
+        assert trace is not None
+        step = max(1, len(trace.x) // 40)
+        axes.plot(trace.x, trace.law, colour, lw=1.2)
+        axes.plot(trace.x[::step], trace.measured[::step], "o", color=colour, ms=3, label=setting)
+        axes.set_xlabel(trace.x_label)
+        axes.set_ylabel(trace.y_label)
+    axes.set_title("line: law, dots: simulator", fontsize=9)
+    axes.legend(fontsize=7)
+
+
+def _parity(axes: Axes, trials: list[Trial]) -> None:
+    for unit in dict.fromkeys(trial.unit for trial in trials):
+        same = [t for t in trials if t.unit == unit]
+        full = max(max(abs(t.expected) for t in same), max(t.full for t in same)) or 1.0
+        x = [t.expected / full for t in same]
+        axes.plot(x, [t.measured / full for t in same], "o", ms=4, label=f"of {full:.3g} {unit}")
+    axes.plot([0, 1], [0, 1], "k", lw=0.8)
+    axes.set_xlabel("law says (share)")
+    axes.set_ylabel("simulator did (share)")
+    axes.legend(fontsize=7)
+
+
+def _errors(axes: Axes, trials: list[Trial]) -> None:
+    settings = list(dict.fromkeys(trial.setting for trial in trials))
+    for trial in trials:
+        colour = "C2" if trial.passed else "C3"
+        shown = min(max(trial.error, FLOOR), 10.0)
+        axes.plot(shown, settings.index(trial.setting), "o", color=colour, ms=4, alpha=0.7)
+    axes.axvline(trials[0].tolerance, color="k", lw=0.8, ls="--")
+    axes.set_xscale("log")
+    axes.set_xlim(FLOOR / 2, max(1.0, 2 * max(min(t.error, 10.0) for t in trials)))
+    axes.set_yticks(range(len(settings)), settings, fontsize=6)
+    axes.set_ylim(len(settings) - 0.5, -0.5)
+    axes.set_xlabel("relative error (dashed: tolerance)")
+    axes.grid(axis="x", alpha=0.3)
+    axes.set_title(f"largest {100 * float(np.max([t.error for t in trials])):.2g} %", fontsize=9)

@@ -1,0 +1,111 @@
+"""What holds for each attribute alike, in a world with all kinds of things in it."""
+
+import pytest
+
+from rtphys.physics import attributes, load_domain
+from rtphys.physics.distribution import By, Fixed, SameAs
+from rtphys.physics.enforce import disagreements, enforce, read_back
+from rtphys.physics.gaze import MODES
+from rtphys.physics.handles import Blueprint
+from rtphys.poses import Pose
+from rtphys.proofs.run import proof
+from rtphys.sim.world import World, WorldPlan
+from rtphys.task.props import Articulated, Ball, Box, Mesh
+
+pytestmark = pytest.mark.sim
+GLOBAL = load_domain("global")
+PROPS = (
+    Box(name="block", pose=Pose((0.2, -0.1, 0)), half_size=(0.02, 0.02, 0.02)),
+    Ball(name="ball", pose=Pose((-0.2, -0.1, 0)), radius=0.03),
+    Mesh(name="hammer", pose=Pose((0, -0.1, 0)), category="020_hammer", model=0),
+    Articulated(
+        name="laptop",
+        pose=Pose((0, 0.1, 0)),
+        category="015_laptop",
+        model=0,
+        fixed=True,
+        opening=0.3,
+    ),
+    Box(name="mark", pose=Pose((0.3, 0.2, 0)), half_size=(0.05, 0.05, 0.001), visual_only=True),
+)
+
+
+def build(lab, physics):
+    blueprint = Blueprint()
+    enforce(blueprint, physics)
+    world = World(WorldPlan(lab.pack, PROPS, blueprint))
+    enforce(world, physics)
+    return world
+
+
+def ends(key):
+    """Both ends of the global domain, as a call of `sample` would hold them."""
+    rule = GLOBAL.rules[key]
+    if isinstance(rule, SameAs):
+        rule = GLOBAL.rules[rule.source]
+    if isinstance(rule, By):
+        rule = next(r for r in rule.branches.values() if not isinstance(r, Fixed))
+    size = attributes()[key].size
+    both = (rule.interval.low, rule.interval.high)
+    return [(end,) * size if size > 1 else end for end in both]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_all_together_read_back_as_labelled(lab, seed):
+    physics = GLOBAL.sample(seed)
+    assert disagreements(build(lab, physics), physics) == []
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_camera_mode_reads_back(lab, mode):
+    physics = GLOBAL.sample(3, overrides={"camera_mode": mode})
+    assert disagreements(build(lab, physics), physics) == []
+
+
+@pytest.mark.parametrize("key", GLOBAL.keys)
+def test_alone_at_both_ends(lab, key):
+    for value in ends(key):
+        physics = GLOBAL.sample(1, only=[], overrides={key: value})
+        assert physics.varied == {key}
+        assert disagreements(build(lab, physics), physics) == []
+
+
+@pytest.mark.parametrize("key", [k for k in GLOBAL.keys if attributes()[k].when == "after_build"])
+def test_applying_twice_is_applying_once_and_touches_no_neighbour(lab, key):
+    physics = GLOBAL.sample(5)
+    world = build(lab, physics)
+    before = read_back(world, physics)
+    attribute = attributes()[key].given(physics)
+    for _ in range(3):
+        attribute.apply(world, physics[key])
+    assert read_back(world, physics) == before
+
+
+def test_a_lie_is_found(lab):
+    physics = GLOBAL.sample(5)
+    world = build(lab, physics)
+    world.bodies[0].set_mass(1.0)
+    found = disagreements(world, physics)
+    assert len(found) == 2  # mass, and the force that is a share of the weight agrees with itself
+    assert found[0].startswith("object_mass at block: read")
+
+
+def test_clean_is_the_assets_own(lab):
+    physics = GLOBAL.sample(1, only=[])
+    world = build(lab, physics)
+    assert disagreements(world, physics) == []
+    for body in world.bodies:
+        assert body.mass == body.nominal_mass
+    for joint in world.joints:
+        assert joint.damping == joint.nominal_damping
+
+
+@pytest.mark.parametrize("key", GLOBAL.keys)
+def test_each_proof_covers_nominal_and_both_ends(key):
+    law = proof(key)
+    assert law.key == key
+    assert attributes()[key].nominal in law.settings
+    for end in ends(key):
+        assert end in law.settings
+    assert all(company.keys() <= attributes().keys() for company in law.company)
+    assert len(law.company) >= 2
