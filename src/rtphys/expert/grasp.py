@@ -61,16 +61,14 @@ def ee_of_contact(contact: Pose) -> Pose:
     return Pose(contact.p + TCP_OFFSET * C[:, 1], Pose.from_matrix(R).q)
 
 
-def tilted(ee: Pose, pivot: Array, angle: float) -> Pose:
-    """Turn about the gripper's own y through the pivot, the wrist towards the robot (-y)."""
-    best, least = ee, np.inf
-    for sign in (-1.0, 1.0):
-        q = quat_multiply(ee.q, axis_angle((0, 1, 0), sign * angle))
+def tilted(ee: Pose, pivot: Array, angle: float) -> list[Pose]:
+    """Turned by +-angle about the gripper's own y through the pivot, wrist nearer the robot first."""
+    poses = []
+    for signed in (-angle, angle):
+        q = quat_multiply(ee.q, axis_angle((0, 1, 0), signed))
         turned = Pose((0, 0, 0), q)
-        moved = Pose(pivot - np.linalg.norm(pivot - ee.p) * turned.R[:, 0], q)
-        if moved.p[1] < least - 1e-9:
-            best, least = moved, moved.p[1]
-    return best
+        poses.append(Pose(pivot - np.linalg.norm(pivot - ee.p) * turned.R[:, 0], q))
+    return sorted(poses, key=lambda pose: float(pose.p[1]))
 
 
 def raised_clear(ee: Pose, table_top: float, clearance: float = 0.003) -> Pose:
@@ -113,7 +111,10 @@ def candidates(
         flip = Pose(straight.p, quat_multiply(straight.q, axis_angle((1, 0, 0), np.pi)))
         for ee, extra in ((straight, 0.0), (flip, 0.05)):
             base = preference(ee, side) + extra
-            for tilt in TILTS:
-                pose = raised_clear(tilted(ee, contact.p, tilt) if tilt else ee, table_top)
-                found.append(Grasp(number, pose, base + 0.35 * tilt))
+            found.append(Grasp(number, raised_clear(ee, table_top), base))
+            for tilt in TILTS[1:]:
+                cost = base + 0.35 * tilt
+                nearer, farther = tilted(ee, contact.p, tilt)
+                found.append(Grasp(number, raised_clear(nearer, table_top), cost))
+                found.append(Grasp(number, raised_clear(farther, table_top), cost + 0.15))
     yield from sorted(found, key=lambda g: g.cost)
