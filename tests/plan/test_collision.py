@@ -24,13 +24,8 @@ def robot(urdf, X_WB) -> CollisionChecker:
 
 @pytest.fixture
 def checker(robot: CollisionChecker) -> CollisionChecker:
-    robot.detach("left")
-    robot.detach("right")
+    robot.reset()
     robot.set_obstacles([TABLE])
-    for name in ("table", "cube", "block"):
-        robot.stop_ignoring("left", name)
-        robot.stop_ignoring("right", name)
-    robot.keep_carried_clear()
     return robot
 
 
@@ -167,6 +162,32 @@ def test_carried_body_may_be_handed_over(checker, reach) -> None:
     assert not checker.clear(ZERO, q)
     checker.ignore("right", "block")
     assert checker.clear(ZERO, q)
+
+
+def test_both_hands_may_carry_one_body(checker, arms, pose_above_table) -> None:
+    rng = stream(0, "test")
+    q, rollers = {}, {}
+    bar = CUBE * [8, 0.5, 0.5] + np.array([0, -0.1, 0.82])  # 32 cm along x, in the world
+    for side, x in (("left", -0.1), ("right", 0.1)):
+        X_WE = pose_above_table(np.array([x, -0.1, 0.85]), np.pi / 2)
+        q[side] = arms[side].solve_near(X_WE, HOME_SEED, rng)
+        assert q[side] is not None
+        rollers[side] = X_WE.inverse() @ bar
+    checker.attach("right", "roller", rollers["right"])
+    with_other_hand = checker.contacts(q["left"], q["right"], (0.01, 0.01))
+    assert any(pair.startswith("fl_link") and "roller" in pair for pair in with_other_hand)
+    checker.attach("left", "roller", rollers["left"])
+    assert checker.clear(q["left"], q["right"], (0.01, 0.01))
+
+
+def test_contacts_name_every_pair_and_reset_forgets(checker, reach) -> None:
+    q = reach((0.2, -0.1, 0.7405))
+    checker.set_obstacles([TABLE, Obstacle("cube", CUBE, Pose((0.2, -0.1, 0.765)))])
+    pairs = checker.contacts(ZERO, q, (0.045, 0.01))
+    assert {pair.split(" and ")[1] for pair in pairs} == {"table", "cube"}
+    assert checker.first_contact(ZERO, q, (0.045, 0.01)) in pairs
+    checker.reset()
+    assert checker.contacts(ZERO, q, (0.045, 0.01)) == frozenset()
 
 
 def test_a_body_of_two_parts_is_two_obstacles(checker, reach) -> None:

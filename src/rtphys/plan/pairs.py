@@ -77,6 +77,9 @@ def margins(
     table = np.full((len(bodies), len(bodies)), np.nan)
     for i, j in own_pairs:
         table[i, j] = _own_margin(bodies[i], bodies[j])
+    # Two hands on one body: each may touch the body that the other one carries.
+    held = {(body.owner, body.name) for body in bodies if body.carried}
+    rules = Rules(rules.ignored | held, rules.carried_margin)
     for j in range(own, len(bodies)):
         for i in range(j):
             table[i, j] = _margin(bodies[i], bodies[j], rules)
