@@ -3,7 +3,7 @@
 import numpy as np
 
 from rtphys.proofs.lab import Lab, floating, record, slope
-from rtphys.proofs.proof import Company, number
+from rtphys.proofs.proof import Company
 from rtphys.sim.engine import RATE, from_sapien
 from rtphys.sim.world import World
 from rtphys.task.props import Box
@@ -16,7 +16,7 @@ SPARE = 8.0  # [m/s²] that the pull leaves: the pads give way a little, the blo
 CLOSE, PULL, SLIDING = 300, 20, 5  # [steps] until the grip is steady; of the pull; until it slides
 
 
-def finger_friction(lab: Lab, values: Company) -> float:
+def finger_friction(lab: Lab, values: Company, mu: float) -> float:
     """Coefficient between finger pad and block [1].
 
     A block floats between the left fingers, which close on it. It is then pulled across them by a
@@ -35,7 +35,7 @@ def finger_friction(lab: Lab, values: Company) -> float:
     for _ in range(CLOSE):
         world.step()
     along = from_sapien(arm.ee_link.entity_pose).R[:, 2]
-    force = 2 * number(values["friction"]) * squeeze(world) + SPARE * body.mass
+    force = 2 * mu * squeeze(world) + SPARE * body.mass
     push, none = (force * along).tolist(), [0.0, 0.0, 0.0]
     t, seen = record(
         world,
