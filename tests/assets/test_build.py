@@ -39,6 +39,11 @@ def test_a_failed_build_leaves_the_old_pack_and_no_scraps(tmp_path, monkeypatch)
     assert (tmp_path / "pack" / STAMP).is_file()
 
 
+def test_a_failing_worker_is_heard(tmp_path):
+    with pytest.raises(RuntimeError, match="999_nothing"):
+        builder._write_all(tmp_path, [Job("object", "999_nothing", i) for i in range(20)], None, 2)
+
+
 def test_jobs_cover_robot_and_objects():
     every = jobs()
     assert Job("embodiment", "aloha-agilex") in every and Job("object", "050_bell", 1) in every

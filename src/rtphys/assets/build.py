@@ -4,13 +4,15 @@ import hashlib
 import json
 import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterable
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib import metadata
-from multiprocessing import get_context
 from pathlib import Path
+from queue import Queue
 
 from rtphys.assets.embodiments import EMBODIMENTS
 from rtphys.assets.objects import catalogue
@@ -124,14 +126,37 @@ def _write_all(root: Path, todo: list[Job], progress: Progress | None, workers: 
             write(root, job)
             _tell(progress, done, todo, job)
         return
-    # Spawned, not forked: the parent may hold a renderer, which a fork would leave hanging.
-    with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
-        for done, future in enumerate(as_completed(_submit(pool, root, todo)), 1):
-            _tell(progress, done, todo, future.result())
+    finished: Queue[Job | Exception] = Queue()
+    with ThreadPoolExecutor(count) as threads:
+        for i in range(count):
+            threads.submit(_run_worker, root, todo[i::count], finished)
+        for done in range(1, len(todo) + 1):
+            job = finished.get()
+            if isinstance(job, Exception):
+                raise job
+            _tell(progress, done, todo, job)
 
 
-def _submit(pool: Executor, root: Path, todo: list[Job]) -> list[Future[Job]]:
-    return [pool.submit(write, root, job) for job in todo]
+def _run_worker(root: Path, share: list[Job], finished: "Queue[Job | Exception]") -> None:
+    """One process for these jobs; puts each into `finished`, or what stopped it.
+
+    A plain command and not multiprocessing, which would run the caller's main module again: that
+    may be a notebook, or a script without a guard.
+    """
+    source = str(Path(__file__).parents[2])
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([source, os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-m", "rtphys.assets.worker", str(root)]
+    with tempfile.TemporaryFile("w+") as orders, tempfile.TemporaryFile("w+") as said:
+        orders.write("".join(f"{job.kind} {job.name} {job.index}\n" for job in share))
+        orders.seek(0)
+        with subprocess.Popen(
+            command, stdin=orders, stdout=subprocess.PIPE, stderr=said, text=True, env=env
+        ) as process:
+            for job, _ in zip(share, process.stdout or (), strict=False):
+                finished.put(job)
+        if process.returncode:
+            said.seek(0)
+            finished.put(RuntimeError(f"a generator failed:\n{said.read()[-2000:]}"))
 
 
 def _tell(progress: Progress | None, done: int, todo: list[Job], job: Job) -> None:

@@ -130,13 +130,13 @@ class BuildBar:
         self._task = self._bar.add_task(verb, total=None, name="")
 
     def __enter__(self) -> "BuildBar":
-        self._bar.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._bar.stop()
 
     def __call__(self, done: int, total: int, name: str) -> None:
+        self._bar.start()  # only now: mostly there is nothing to do
         self._bar.update(self._task, completed=done, total=total, name=name)
 
 

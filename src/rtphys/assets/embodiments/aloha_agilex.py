@@ -123,36 +123,30 @@ def _body(key: str, visual: tuple[Part, ...], collision: tuple) -> Body:
 def _arm_joints(side: str) -> list[Joint]:
     _, xyz, yaw = SIDES[side]
     hand, camera = _link(side, "6"), _link(side, "camera")
-    fixed = [
-        Joint(
-            f"{side}_base_joint",
-            "fixed",
-            "footprint",
-            _link(side, "base"),
-            placed(xyz, (0, 0, yaw)),
-        ),
+    base = placed(xyz, (0, 0, yaw))
+    return [
+        Joint(f"{side}_base_joint", "fixed", "footprint", _link(side, "base"), base),
         Joint(f"{camera}_joint", "fixed", hand, camera, placed(*WRIST_CAMERA)),
+        *_turning_joints(side),
+        *_finger_joints(side),
     ]
-    keys = ["base", "1", "2", "3", "4", "5", "6"]
-    turning = [
-        Joint(
-            f"{side}_joint{i + 1}",
-            "revolute",
-            _link(side, keys[i]),
-            _link(side, keys[i + 1]),
-            placed(origin, rpy),
-            axis,
-            limits,
-        )
-        for i, ((origin, rpy, axis), limits) in enumerate(
-            zip(ARM_JOINTS, ALOHA_LIMITS, strict=True)
-        )
+
+
+def _turning_joints(side: str) -> list[Joint]:
+    links = [_link(side, key) for key in ("base", "1", "2", "3", "4", "5", "6")]
+    rows = zip(links, links[1:], ARM_JOINTS, ALOHA_LIMITS, strict=False)
+    return [
+        Joint(f"{side}_joint{i}", "revolute", parent, child, placed(origin, rpy), axis, limits)
+        for i, (parent, child, (origin, rpy, axis), limits) in enumerate(rows, 1)
     ]
-    sliding = [
+
+
+def _finger_joints(side: str) -> list[Joint]:
+    return [
         Joint(
             f"{side}_joint{key}",
             "prismatic",
-            hand,
+            _link(side, "6"),
             _link(side, key),
             placed(origin),
             axis,
@@ -161,7 +155,6 @@ def _arm_joints(side: str) -> list[Joint]:
         )
         for key, (origin, axis) in zip("78", FINGER_JOINTS, strict=True)
     ]
-    return fixed + turning + sliding
 
 
 def _scenery() -> dict[str, Body]:

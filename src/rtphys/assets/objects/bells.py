@@ -44,7 +44,9 @@ def bell(size: Bell, dome: Finish, foot_colour: Colour, words: tuple[str, ...]) 
         Part(stem + knob, metal((0.55, 0.55, 0.58)), "steel"),
     )
     body = lathe(outline, 16)
-    plunger = cylinder(0.9 * size.knob, size.height - top + 0.004, 8).at(y=(size.height + top - 0.004) / 2)
+    plunger = cylinder(0.9 * size.knob, size.height - top + 0.004, 8).at(
+        y=(size.height + top - 0.004) / 2
+    )
     hulls = (cone(size.foot_radius, 0.84 * size.foot_radius, 0.010, 20), body, plunger)
     return Thing(
         body=Body(looks, hulls, size.mass),
