@@ -7,6 +7,7 @@ from rtphys.physics.handles import Blueprint, Body, Camera, Joint, Servo, Surfac
 from rtphys.physics.interval import Interval
 from rtphys.physics.load import domain_for_task, load_domain
 from rtphys.physics.overrides import parse_overrides
+from rtphys.physics.readback import readback
 from rtphys.physics.registry import attribute, attributes
 from rtphys.physics.sampling import after
 from rtphys.physics.values import Physics, Value, Vector
@@ -34,4 +35,5 @@ __all__ = [
     "load_domain",
     "parse_overrides",
     "read_back",
+    "readback",
 ]
