@@ -66,7 +66,12 @@ ensure_libraries() {
     "$VENV/bin/python" -W ignore -c 'import sapien' || die "SAPIEN still cannot be imported"
 }
 
-renders() { "$VENV/bin/python" -W ignore -m rtphys.sim.probe; }
+renders() {
+    local answer status=0
+    answer=$("$VENV/bin/python" -W ignore -m rtphys.sim.probe 2>/dev/null) || status=$?
+    say "  $(sed -n 's/.*"detail": "\([^"]*\)".*/\1/p' <<<"${answer:-\"detail\": \"the test crashed\"}")"
+    return "$status"
+}
 
 ensure_driver() {
     stamped "$DRIVER_STAMP" "$(driver_key)" && return

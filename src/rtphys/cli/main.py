@@ -17,6 +17,8 @@ COMMANDS = {
     "collect": "Collect verified episodes of one or more tasks.",
     "check": "Try a task's expert over many seeds, without pictures.",
     "verify-manifest": "Prove that a dataset is what its manifest says.",
+    "convert": "Write a dataset again in the other official layout.",
+    "export": "Write a dataset in the format of another tool.",
     "tasks": "List the tasks and what they need.",
     "domains": "Show and check the ranges of the physical attributes.",
     "physics": "Draw physical attributes and prove their laws.",
