@@ -4,6 +4,7 @@ import io
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 
 import av
 import numpy as np
@@ -23,21 +24,37 @@ class BadVideo(RtphysError):
 
 
 class VideoWriter:
-    """Encodes RGB pictures (H, W, 3) into an MP4 in memory; H and W must be even."""
+    """Encodes RGB pictures (H, W, 3) into an MP4 in memory; H and W must be even.
 
-    def __init__(self, height: int, width: int) -> None:
+    Args:
+        height, width: of every picture [px].
+        rate: pictures a second.
+        keyframes: at least every so many pictures; None leaves it to the encoder. Random access
+            costs as many decoded pictures, so training formats want few.
+    """
+
+    def __init__(
+        self, height: int, width: int, rate: Fraction = Fraction(FPS), keyframes: int | None = None
+    ) -> None:
         self._buffer = io.BytesIO()
         # bitexact keeps the library's version and the date out of the file.
         self._container = av.open(self._buffer, "w", format="mp4", options={"fflags": "+bitexact"})
-        stream = self._container.add_stream("libx264", rate=FPS)
+        stream = self._container.add_stream("libx264", rate=rate)
         assert isinstance(stream, VideoStream)
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
         # x264 changes its decisions with the thread count, so the count is part of the format.
         stream.options = {"preset": PRESET, "crf": CRF, "threads": "1"}
+        if keyframes is not None:
+            stream.options |= {"g": str(keyframes), "bf": "0"}
         self._stream = stream
 
     def add(self, rgb: NDArray[np.uint8]) -> None:
         self._container.mux(self._stream.encode(av.VideoFrame.from_ndarray(rgb, format="rgb24")))
+
+    @property
+    def size(self) -> int:
+        """Bytes written so far; the encoder holds a few pictures more."""
+        return self._buffer.tell()
 
     def finish(self) -> bytes:
         """The whole file. The writer cannot be used afterwards."""

@@ -1,0 +1,45 @@
+"""`rtphys export`: a dataset in the formats of other tools."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from rtphys.dataset import Dataset
+
+app = typer.Typer(no_args_is_help=True, help="Write a dataset in the format of another tool.")
+
+
+@app.callback()
+def main() -> None:
+    """Write a dataset in the format of another tool."""
+
+
+@app.command()
+def lerobot(
+    dataset: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
+    out: Annotated[Path, typer.Option(help="Folder to make.")],
+    version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
+    task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
+    protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
+    camera_names: Annotated[
+        str, typer.Option(help="aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
+    ] = "aloha",
+) -> None:
+    """A LeRobot dataset with the physics of each episode in its columns phys/<attribute>."""
+    # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
+    from rtphys.export.lerobot import export_lerobot
+
+    chosen = Dataset(dataset).where(task, protocol)
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        row = bar.add_task("exporting", total=len(chosen))
+        export_lerobot(
+            chosen,
+            out,
+            version=version,
+            camera_names=camera_names,
+            progress=lambda done, _: bar.update(row, completed=done),
+        )
+    typer.echo(f"{out}: {len(chosen)} episodes, LeRobot {version}")

@@ -1,0 +1,1 @@
+"""Other people's formats, made from a dataset's files."""

@@ -1,0 +1,86 @@
+"""One episode in LeRobot's terms: columns, statistics, and pictures into an encoder."""
+
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from rtphys.data.video import VideoWriter
+from rtphys.dataset import Episode
+from rtphys.export.lerobot_plan import RATE, Plan
+from rtphys.export.statistics import PixelCounts, Stats, of_numbers, sampled
+
+Columns = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Position:
+    """Where an episode stands in the export."""
+
+    episode: int
+    first: int  # index of its first frame
+    task: int
+
+
+def columns_of(episode: Episode, at: Position) -> Columns:
+    """Frame columns, R = T - 1 rows: the last frame has no action, so it is left out."""
+    frames = episode.frames
+    rows = len(frames) - 1
+    ee = np.concatenate([frames.left_endpose, frames.right_endpose], axis=1)
+    order = np.arange(rows)
+    return {
+        "observation.state": frames.vector[:-1].astype(np.float32),
+        "observation.ee_pose": ee[:-1].astype(np.float32),
+        "action": frames.vector[1:].astype(np.float32),
+        "timestamp": (order / float(RATE)).astype(np.float32),
+        "frame_index": order,
+        "episode_index": np.full(rows, at.episode),
+        "index": at.first + order,
+        "task_index": np.full(rows, at.task),
+    }
+
+
+def encode(
+    episode: Episode, plan: Plan, writers: Mapping[str, VideoWriter]
+) -> dict[str, PixelCounts]:
+    """Adds R pictures of each camera to its writer; returns what the sampled ones look like.
+
+    One thread a camera: decoding and encoding release the GIL.
+    """
+
+    def work(camera: str) -> PixelCounts:
+        pictures = episode.images(camera)[:-1]
+        for picture in pictures:
+            writers[camera].add(picture)
+        return PixelCounts.of([pictures[t] for t in sampled(len(pictures))])
+
+    with ThreadPoolExecutor(len(plan.cameras)) as pool:
+        return dict(zip(plan.cameras, pool.map(work, plan.cameras), strict=True))
+
+
+def statistics(columns: Columns, pixels: Mapping[str, PixelCounts], plan: Plan) -> dict[str, Stats]:
+    """By feature, pictures included."""
+    found = {name: of_numbers(values) for name, values in columns.items()}
+    found |= {plan.video_key(camera): counts.stats() for camera, counts in pixels.items()}
+    return found
+
+
+def sentence(episode: Episode) -> str:
+    """The episode's task as LeRobot means the word: one sentence."""
+    seen = episode.instructions.seen
+    return seen[0] if seen else episode.task.replace("_", " ")
+
+
+def labels(episode: Episode) -> dict[str, object]:
+    """Episode columns beyond LeRobot's own: `phys/<key>` and where it came from."""
+    physics = episode.physics
+    found: dict[str, object] = {
+        "rtphys/task": episode.task,
+        "rtphys/protocol": episode.protocol,
+        "rtphys/seed": episode.seed,
+    }
+    for key in episode.meta.attributes:
+        value = physics[key]
+        found[f"phys/{key}"] = list(value) if isinstance(value, tuple) else value
+    return found

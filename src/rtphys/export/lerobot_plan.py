@@ -1,0 +1,115 @@
+"""What a LeRobot export holds: its features, its camera names, its paths."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from rtphys.dataset import Episode
+from rtphys.errors import BadValue, UnknownName
+
+VERSIONS = ("v3.0", "v2.1")
+CAMERA_NAMES: dict[str, dict[str, str]] = {
+    "aloha": {
+        "head_camera": "cam_high",
+        "left_camera": "cam_left_wrist",
+        "right_camera": "cam_right_wrist",
+        "front_camera": "cam_low",
+    },
+    "robotwin": {name: name for name in ("head_camera", "left_camera", "right_camera")}
+    | {"front_camera": "front_camera"},
+}
+RATE = Fraction(250, 15)  # frames a second: one every 15 of 250 control steps
+ROBOT = "aloha-agilex"
+CHUNK = 1000  # files in a folder (v3.0), episodes in a folder (v2.1)
+
+JOINTS = [
+    f"{side}_{part}"
+    for side in ("left", "right")
+    for part in (*(f"joint_{k}" for k in range(1, 7)), "gripper")
+]
+POSE = [
+    f"{side}_{part}"
+    for side in ("left", "right")
+    for part in ("x", "y", "z", "qw", "qx", "qy", "qz")
+]
+INDICES = ("frame_index", "episode_index", "index", "task_index")
+VECTORS = {"observation.state": JOINTS, "observation.ee_pose": POSE, "action": JOINTS}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Choices of one export."""
+
+    version: str
+    cameras: Mapping[str, str]  # official name -> name in the export
+    size: tuple[int, int]  # height, width of every picture
+
+    def video_key(self, camera: str) -> str:
+        return f"observation.images.{self.cameras[camera]}"
+
+    def features(self) -> dict[str, dict[str, object]]:
+        """The `features` of info.json."""
+        height, width = self.size
+        info = {
+            "video.height": height,
+            "video.width": width,
+            "video.codec": "h264",
+            "video.pix_fmt": "yuv420p",
+            "video.is_depth_map": False,
+            "video.fps": float(RATE),
+            "video.channels": 3,
+            "has_audio": False,
+        }
+        found: dict[str, dict[str, object]] = {
+            name: {"dtype": "float32", "shape": [len(parts)], "names": parts}
+            for name, parts in VECTORS.items()
+        }
+        for camera in self.cameras:
+            found[self.video_key(camera)] = {
+                "dtype": "video",
+                "shape": [height, width, 3],
+                "names": ["height", "width", "channels"],
+                "info": info,
+            }
+        found["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
+        found |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
+        return found
+
+
+def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
+    """Reads one episode to see which cameras there are and how large their pictures.
+
+    Args:
+        episode: any episode of the dataset.
+        version: "v3.0" or "v2.1".
+        camera_names: "aloha", "robotwin", or pairs such as "head_camera=top,left_camera=wrist";
+            with pairs only the cameras named are exported.
+
+    Raises:
+        UnknownName: no such version or camera.
+        BadValue: cameras of different sizes, or two with one name.
+    """
+    if version not in VERSIONS:
+        raise UnknownName("LeRobot version", version, VERSIONS)
+    chosen = _names(camera_names, episode.cameras)
+    sizes = {camera: episode.image(camera, 0).shape for camera in chosen}
+    if len({*sizes.values()}) != 1:
+        raise BadValue("cameras", sizes, "all pictures of one export have one size")
+    height, width, _ = next(iter(sizes.values()))
+    return Plan(version, chosen, (height, width))
+
+
+def _names(spelt: str, cameras: tuple[str, ...]) -> dict[str, str]:
+    if "=" not in spelt:
+        if spelt not in CAMERA_NAMES:
+            raise UnknownName("camera naming", spelt, CAMERA_NAMES)
+        return {camera: CAMERA_NAMES[spelt][camera] for camera in cameras}
+    chosen: dict[str, str] = {}
+    for pair in spelt.split(","):
+        camera, _, name = pair.partition("=")
+        if camera not in cameras:
+            raise UnknownName("camera", camera, cameras)
+        if not name or "/" in name or name in chosen.values():
+            raise BadValue("camera name", name, "each camera needs a name of its own")
+        chosen[camera] = name
+    return chosen

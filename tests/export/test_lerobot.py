@@ -1,0 +1,200 @@
+"""The LeRobot export against the format's rules and against the episodes it came from."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_dataset_writer import FRAMES, collect
+
+from rtphys.data import video
+from rtphys.data.faults import DatasetExists
+from rtphys.dataset import Dataset
+from rtphys.errors import BadValue, UnknownName
+
+pq = pytest.importorskip("pyarrow.parquet", reason="the extra rtphys[lerobot] is not installed")
+
+from rtphys.export.lerobot import export_lerobot  # noqa: E402
+from rtphys.export.lerobot_plan import RATE  # noqa: E402
+from rtphys.export.statistics import PixelCounts, of_numbers  # noqa: E402
+
+R = FRAMES - 1
+VIDEOS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    out = tmp_path_factory.mktemp("dataset")
+    collect(out, 3)
+    return Dataset(out)
+
+
+@pytest.fixture(scope="module")
+def v3(dataset: Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return export_lerobot(dataset, tmp_path_factory.mktemp("v3") / "out")
+
+
+def info(root: Path) -> dict:
+    return json.loads((root / "meta/info.json").read_text())
+
+
+def test_info_agrees_with_the_tables(v3: Path) -> None:
+    meta = info(v3)
+    table = pq.read_table(v3 / "data/chunk-000/file-000.parquet")
+    declared = {n for n, f in meta["features"].items() if f["dtype"] != "video"}
+    assert set(table.column_names) == declared, "a loader refuses undeclared columns"
+    assert (meta["total_episodes"], meta["total_frames"], meta["total_tasks"]) == (3, 3 * R, 1)
+    assert meta["fps"] == 250 / 15
+    for name in declared:
+        kind, shape = meta["features"][name]["dtype"], meta["features"][name]["shape"]
+        assert kind in str(table.schema.field(name).type).replace("float", "float32").replace(
+            "float3232", "float32"
+        )
+        if shape != [1]:
+            assert table.schema.field(name).type.list_size == shape[0]
+            assert len(meta["features"][name]["names"]) == shape[0]
+
+
+def test_rows_are_the_episodes(v3: Path, dataset: Dataset) -> None:
+    table = pq.read_table(v3 / "data/chunk-000/file-000.parquet").to_pydict()
+    assert table["index"] == list(range(3 * R))
+    for number, episode in enumerate(dataset):
+        rows = slice(number * R, (number + 1) * R)
+        assert table["episode_index"][rows] == [number] * R
+        assert table["frame_index"][rows] == list(range(R))
+        vector = episode.frames.vector.astype(np.float32)
+        np.testing.assert_array_equal(table["observation.state"][rows], vector[:-1])
+        np.testing.assert_array_equal(table["action"][rows], vector[1:])
+        np.testing.assert_allclose(table["timestamp"][rows], episode.frames.time[:-1], atol=1e-6)
+
+
+def test_episode_rows_carry_the_physics(v3: Path, dataset: Dataset) -> None:
+    rows = pq.read_table(v3 / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
+    for row, episode in zip(rows, dataset, strict=True):
+        assert row["rtphys/seed"] == episode.seed
+        assert row["phys/friction"] == episode.physics["friction"]
+        assert row["phys/center_of_mass"] == list(episode.physics.vector("center_of_mass"))
+        assert row["tasks"] == ["ring the bell"]
+        assert row["dataset_to_index"] - row["dataset_from_index"] == row["length"] == R
+    assert sum(key.startswith("phys/") for key in rows[0]) == 13
+
+
+def test_videos_show_the_frames_at_their_times(v3: Path, dataset: Dataset) -> None:
+    rows = pq.read_table(v3 / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
+    for name, camera in zip(VIDEOS, dataset[0].cameras, strict=True):
+        key = f"videos/observation.images.{name}"
+        data = (v3 / key / "chunk-000/file-000.mp4").read_bytes()
+        facts = video.probe(data)
+        assert (facts.frames, facts.codec) == (3 * R, "h264")
+        assert facts.fps == pytest.approx(float(RATE), rel=1e-6)
+        pictures = np.stack([*video.decode(data)]).astype(int)
+        for row, episode in zip(rows, dataset, strict=True):
+            first = round(row[f"{key}/from_timestamp"] * float(RATE))
+            truth = episode.images(camera)[:-1]
+            error = np.abs(pictures[first : first + R] - truth).mean()
+            other = np.abs(pictures[first : first + R] - truth[..., ::-1]).mean()
+            assert error < 12 < other, "right frames, true colours"
+
+
+def test_statistics(v3: Path, dataset: Dataset) -> None:
+    stats = json.loads((v3 / "meta/stats.json").read_text())
+    action = np.concatenate([e.action for e in dataset]).astype(np.float32).astype(np.float64)
+    np.testing.assert_allclose(stats["action"]["mean"], action.mean(axis=0))
+    np.testing.assert_allclose(stats["action"]["q99"], np.quantile(action, 0.99, axis=0))
+    assert stats["action"]["count"] == [3 * R]
+    image = stats["observation.images.cam_high"]
+    assert np.shape(image["mean"]) == (3, 1, 1)
+    assert 0 <= np.min(image["min"]) < np.max(image["max"]) <= 1
+    assert set(stats) == set(info(v3)["features"])
+
+
+def test_pixel_statistics_are_exact() -> None:
+    rng = np.random.default_rng(0)
+    pictures = rng.integers(0, 256, (4, 20, 30, 3), dtype=np.uint8)
+    stats = (PixelCounts.of(pictures[:1]) + PixelCounts.of(pictures[1:])).stats()
+    flat = pictures[:, ::2, ::2].reshape(-1, 3) / 255
+    truth = of_numbers(flat)
+    for name in ("min", "max", "mean", "std"):
+        np.testing.assert_allclose(stats[name].ravel(), truth[name], atol=1e-12)
+    for name in ("q01", "q50", "q99"):
+        np.testing.assert_allclose(stats[name].ravel(), truth[name], atol=1 / 255)
+
+
+def test_v21_is_one_file_an_episode(dataset: Dataset, tmp_path: Path) -> None:
+    root = export_lerobot(dataset, tmp_path / "out", version="v2.1", camera_names="robotwin")
+    meta = info(root)
+    assert meta["codebase_version"] == "v2.1"
+    for number in range(3):
+        at = {"episode_chunk": 0, "episode_index": number}
+        table = pq.read_table(root / meta["data_path"].format(**at))
+        assert table["index"].to_pylist() == list(range(number * R, (number + 1) * R))
+        key = "observation.images.left_camera"
+        clip = root / meta["video_path"].format(video_key=key, **at)
+        assert video.probe(clip.read_bytes()).frames == R
+    lines = [json.loads(t) for t in (root / "meta/episodes_stats.jsonl").read_text().splitlines()]
+    assert [line["episode_index"] for line in lines] == [0, 1, 2]
+    assert json.loads((root / "meta/modality.json").read_text())["video"].keys() == {
+        "head_camera", "left_camera", "right_camera",
+    }  # fmt: skip
+
+
+def test_chosen_cameras(dataset: Dataset, tmp_path: Path) -> None:
+    root = export_lerobot(dataset, tmp_path / "out", camera_names="right_camera=wrist")
+    assert [n for n in info(root)["features"] if "images" in n] == ["observation.images.wrist"]
+
+
+def test_refusals_leave_nothing(dataset: Dataset, tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match="LeRobot version"):
+        export_lerobot(dataset, tmp_path / "out", version="v4")
+    with pytest.raises(UnknownName, match="did you mean 'head_camera'"):
+        export_lerobot(dataset, tmp_path / "out", camera_names="head_cam=top")
+    with pytest.raises(BadValue, match="a name of its own"):
+        export_lerobot(dataset, tmp_path / "out", camera_names="head_camera=a,left_camera=a")
+
+    def stop(done: int, _: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        export_lerobot(dataset, tmp_path / "out", progress=stop)
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full/mine").write_text("")
+    with pytest.raises(DatasetExists):
+        export_lerobot(dataset, tmp_path / "full")
+
+
+READER = """
+import sys, numpy as np
+from lerobot.datasets.lerobot_dataset import LeRobotDataset
+root, out = sys.argv[1:]
+data = LeRobotDataset("rtphys/test", root=root, video_backend="pyav")
+ahead = LeRobotDataset("rtphys/test", root=root, video_backend="pyav",
+                       delta_timestamps={"action": [n / data.fps for n in range(3)]})
+rows = [data[n] for n in range(len(data))]
+np.savez(out, state=np.stack([r["observation.state"] for r in rows]),
+         action=np.stack([r["action"] for r in rows]),
+         image=np.stack([r["observation.images.cam_high"] for r in rows]),
+         chunk=ahead[0]["action"], episodes=data.num_episodes, task=rows[0]["task"])
+"""
+
+
+@pytest.mark.slow
+def test_the_real_lerobot_reads_it(v3: Path, dataset: Dataset, tmp_path: Path) -> None:
+    """In an environment of its own: lerobot needs Python 3.12 and torch."""
+    python = os.environ.get("RTPHYS_LEROBOT_PYTHON")
+    if not python:
+        pytest.skip("set RTPHYS_LEROBOT_PYTHON to a Python that has lerobot[dataset]")
+    command = [python, "-c", READER, str(v3), str(tmp_path / "read.npz")]
+    clean = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"} | {"HF_HUB_OFFLINE": "1"}
+    result = subprocess.run(command, capture_output=True, text=True, env=clean)
+    assert result.returncode == 0, result.stderr
+    read = np.load(tmp_path / "read.npz")
+    vectors = [e.frames.vector.astype(np.float32) for e in dataset]
+    np.testing.assert_array_equal(read["state"], np.concatenate([v[:-1] for v in vectors]))
+    np.testing.assert_array_equal(read["action"], np.concatenate([v[1:] for v in vectors]))
+    np.testing.assert_array_equal(read["chunk"], vectors[0][1:4])
+    truth = np.concatenate([e.images("head_camera")[:-1] for e in dataset]) / 255
+    assert np.abs(read["image"].transpose(0, 2, 3, 1) - truth).mean() < 12 / 255
+    assert (int(read["episodes"]), str(read["task"])) == (3, "ring the bell")
