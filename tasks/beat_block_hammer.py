@@ -4,14 +4,13 @@ Success: the face meets the block's top within 2 cm, the hammer is in a hand, an
 felt. Upstream tests neither grip nor impact; both are what the name demands.
 """
 
-from math import atan2
-
 from rtphys.task import (
     RED,
     Box,
     Draw,
     Mesh,
     Placing,
+    Pose,
     Robot,
     Scene,
     Task,
@@ -20,14 +19,13 @@ from rtphys.task import (
     points_meet,
 )
 
-HEAD_AWAY = 2 * atan2(0.995, 0.105)  # [rad] yaw of the hammer at its fixed place
+LYING = Pose((0.0, -0.06, 0.783), (0.0, 0.0, 0.995, 0.105))  # face down, head away from the robot
 STRIKE = 0.001  # [N s] a blow that moves a gram by 1 m/s; resting contact of one step is below it
 OVER = Placing(pre=0.06, gap=0.0, release=False)
 
 
 def layout(draw: Draw):
-    hammer = draw.spot("hammer", x=(0.0, 0.0), y=(-0.06, -0.06), yaw=(HEAD_AWAY, HEAD_AWAY))
-    yield Mesh(name="hammer", category="020_hammer", model=0, pose=hammer.pose())
+    yield Mesh(name="hammer", category="020_hammer", model=0, pose=LYING)
     spot = draw.spot(
         "block", x=(-0.25, 0.25), y=(-0.05, 0.15), yaw=(-0.5, 0.5), where=off_centre(0.05)
     )

@@ -1,24 +1,31 @@
-"""Swing the lid of a laptop further open.
+"""Swing the lid of a laptop further open: a closed hand lifts its free edge along the arc.
 
 Success: the hinge is past 40 % of its range, and the hand that pushed is still at the lid.
 """
 
-from math import pi
+from math import cos, pi, sin
+
+import numpy as np
 
 from rtphys.task import (
     IDENTITY,
     Articulated,
     Draw,
-    Infeasible,
+    Pose,
     Robot,
     Scene,
     Task,
+    axis_angle,
     claim,
     joint_beyond,
+    quat_multiply,
 )
 
-LID, CARROT = 0, 1  # contact points: the lid's free edge, and 2-3 cm further open
-ENOUGH = 0.5  # share of the range at which the script stops
+LID = "link_1"
+EDGE, CARROT = 0, 1  # contact points: the lid's free edge, and 2-3 cm further open
+ENOUGH = 0.5  # share of the range to which the lid is swung
+PUSH = 12.0  # [N] on the edge that the hinge's damping may cost
+FINGER = np.array([0.14, 0.0, 0.034])  # [m] ee frame: where the edge lies on the closed fingers
 
 
 def layout(draw: Draw):
@@ -31,28 +38,55 @@ def layout(draw: Draw):
     )  # fmt: skip
 
 
-def share(scene: Scene) -> float:
-    q, low, high = scene.joint("laptop")
-    return (q - low) / (high - low)
-
-
 def hand_at_lid(scene: Scene) -> bool:
     edge = scene.contact("laptop", CARROT).p
     gaps = [((scene.tcp(side).p - edge) ** 2).sum() ** 0.5 for side in ("left", "right")]
     return min(gaps) < 0.1
 
 
+def arc(scene: Scene, pitch: float, turn: float, aside: float) -> list[Pose]:
+    """ee poses that carry the edge from just below it to ENOUGH, hand pitched down and turned."""
+    X_TL, X_TE = scene.pose("laptop", LID), scene.contact("laptop", EDGE)
+    q, low, high = scene.joint("laptop")
+    hinge = scene.contact("laptop", EDGE).R[:, 0]
+    heading = (
+        np.cross(hinge, (0, 0, 1))
+        if scene.pose("laptop").R[:, 0] @ np.cross(hinge, (0, 0, 1)) > 0
+        else np.cross((0, 0, 1), hinge)
+    )
+    x = cos(pitch) * heading - sin(pitch) * np.array([0, 0, 1.0])
+    side = np.cross(np.array([0, 0, 1.0]), heading)
+    hand = Pose.from_matrix(np.column_stack([x, side, np.cross(x, side)]))
+    hand = Pose((0, 0, 0), quat_multiply(axis_angle((0, 0, 1), turn), hand.q))
+    arm_ = X_TE.p - X_TL.p
+    axis = np.cross((0, 0, 1), heading)  # opens: the edge rises
+    poses = []
+    for angle in np.linspace(0.0, low + ENOUGH * (high - low) - q, 12):
+        edge = X_TL.p + Pose((0, 0, 0), axis_angle(axis, angle)).R @ arm_ + aside * side
+        poses.append(Pose(edge - hand.R @ FINGER, hand.q))
+    below = poses[0].moved(-0.025 * hand.R[:, 2])
+    return [below, *poses]
+
+
 def script(robot: Robot) -> None:
-    facing = robot.scene.pose("laptop").R[0, 0]
-    arm = robot.left if facing > 0 else robot.right
-    robot.do(arm.grasp("laptop", (LID,), pre=0.08))
-    for _ in range(30):
-        before = share(robot.scene)
-        robot.do(arm.grasp("laptop", (CARROT,), pre=0.0))
-        if share(robot.scene) > ENOUGH:
+    scene = robot.scene
+    facing = scene.pose("laptop").R[0, 0]
+    first = robot.left if facing > 0 else robot.right
+    damping = scene.physics.scalar("object_joint_damping", 1.0)
+    q, low, high = scene.joint("laptop")
+    radius = float(np.linalg.norm(scene.contact("laptop", EDGE).p - scene.pose("laptop", LID).p))
+    seconds = (low + ENOUGH * (high - low) - q) * damping / (PUSH * radius)
+    robot.do(first.close(), robot.other(first).close())
+    ways = [
+        arc(scene, pitch, turn, aside)
+        for pitch in (0.8, 0.6, 1.0)
+        for turn in (0.0, 0.3, -0.3, 0.6, -0.6)
+        for aside in (0.0, 0.04, -0.04)
+    ]
+    for arm in (first, robot.other(first)):
+        if robot.tried(lambda arm=arm: robot.do(arm.sweep(*ways, seconds=seconds, prop="laptop"))):
             return
-        if share(robot.scene) - before < 0.001:
-            raise Infeasible("stalled", f"the lid stopped at {share(robot.scene):.0%}")
+    robot.do(first.sweep(*ways, seconds=seconds, prop="laptop"))
 
 
 task = Task(

@@ -9,7 +9,7 @@ from rtphys.errors import Infeasible
 from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, candidates
 from rtphys.expert.place import Held, goals
 from rtphys.poses import Pose
-from rtphys.task.arm import Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
+from rtphys.task.arm import Follow, Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
 from rtphys.task.props import TABLE_TOP
 
 if TYPE_CHECKING:
@@ -37,9 +37,9 @@ class ExpertArm:
         depth: float = 0.0,
         grip: float = 0.0,
     ) -> Motion:
-        way = self._feasible_grasp(prop, contacts, pre, depth)
+        way, posture = self._feasible_grasp(prop, contacts, pre, depth)
         steps = (
-            Reach((way.backed_off(pre),)),
+            Reach((way.backed_off(pre),), posture),
             Line(way.backed_off(depth)),
             Grip(grip, holds=prop),
         )
@@ -60,7 +60,7 @@ class ExpertArm:
 
     def _feasible_grasp(
         self, prop: str, contacts: Sequence[int], pre: float, depth: float
-    ) -> Grasp:
+    ) -> tuple[Grasp, tuple[float, ...]]:
         self.robot.refresh()
         scene = self.robot.scene
         known = len(self.robot.world.object(prop).contact_points)
@@ -69,8 +69,10 @@ class ExpertArm:
             raise Infeasible("ungraspable", f"{prop} has no contact points")
         points = [(i, scene.contact(prop, i)) for i in numbers]
         for way in candidates(points, self.side, TABLE_TOP):
-            if self.robot.can_grasp(self.side, prop, way.backed_off(pre), way.backed_off(depth)):
-                return way
+            ends = way.backed_off(pre), way.backed_off(depth)
+            posture = self.robot.grasp_posture(self.side, prop, *ends)
+            if posture is not None:
+                return way, tuple(posture.tolist())
         raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
 
     # ---- letting go ------------------------------------------------------------------------------
@@ -88,25 +90,25 @@ class ExpertArm:
             scene.pose(prop),
             None if point is None else scene.functional(prop, point),
         )
-        before, after = self._feasible_place(held, target, how)
-        steps: list[Step] = []
+        before, after, posture = self._feasible_place(held, target, how)
+        steps: list[Step] = [Reach((before,), posture)]
         if how.pre != how.gap:
-            steps.append(Reach((before,)))
             steps.append(Line(after))
-        else:
-            steps.append(Reach((after,)))
         if how.release:
             steps.append(Grip(1.0, releases=prop))
         return self._motion(f"place {prop}", *steps)
 
-    def _feasible_place(self, held: Held, target: Pose, how: Placing) -> tuple[Pose, Pose]:
+    def _feasible_place(
+        self, held: Held, target: Pose, how: Placing
+    ) -> tuple[Pose, Pose, tuple[float, ...]]:
         yaws = how.yaws
         if yaws == (0.0,) and how.mode in ("free", "auto"):
             yaws = _PLACE_YAWS
         for yaw in yaws:
             before, after = goals(held, target, how, yaw)
-            if self.robot.can_follow(self.side, before, after):
-                return before, after
+            posture = self.robot.path_posture(self.side, (before, after))
+            if posture is not None:
+                return before, after, tuple(posture.tolist())
         raise Infeasible("unreachable", f"the {self.side} hand cannot place there")
 
     # ---- moving ----------------------------------------------------------------------------------
@@ -141,6 +143,15 @@ class ExpertArm:
 
     def line(self, goal: Pose, speed: float = 1.0, until: str = "") -> Motion:
         return self._motion("line", Line(goal, speed=speed, until=until))
+
+    def sweep(self, *paths: Sequence[Pose], seconds: float = 0.0, prop: str = "") -> Motion:
+        self.robot.refresh()
+        for path in paths:
+            q = self.robot.path_posture(self.side, path)
+            if q is not None and self.robot.clear_at(self.side, q, prop):
+                steps = (Reach((path[0],), tuple(q.tolist())), Follow(tuple(path[1:]), seconds))
+                return self._motion(f"sweep {prop}".strip(), *steps)
+        raise Infeasible("unreachable", f"no way for the {self.side} hand along {prop or 'a path'}")
 
     def close(self, opening: float = 0.0, holds: str = "") -> Motion:
         return self._motion("close", Grip(opening, holds=holds))

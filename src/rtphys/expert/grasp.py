@@ -62,7 +62,7 @@ def ee_of_contact(contact: Pose) -> Pose:
 
 
 def tilted(ee: Pose, pivot: Array, angle: float) -> list[Pose]:
-    """Turned by +-angle about the gripper's own y through the pivot, wrist nearer the robot first."""
+    """Turned by +-angle about the gripper's own y through the pivot, wrist to the robot first."""
     poses = []
     for signed in (-angle, angle):
         q = quat_multiply(ee.q, axis_angle((0, 1, 0), signed))

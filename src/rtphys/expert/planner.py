@@ -11,7 +11,7 @@ from rtphys.assets.embodiment import Embodiment, Limb
 from rtphys.errors import Infeasible
 from rtphys.plan.collision import CollisionChecker, Obstacle
 from rtphys.plan.kinematics import ArmKinematics
-from rtphys.plan.path import JointLimits, Trajectory, retime
+from rtphys.plan.path import TIME_STEP, JointLimits, Trajectory, retime
 from rtphys.plan.robot_shapes import ArmJoints
 from rtphys.plan.rrt import connect, straight_is_clear
 from rtphys.poses import Array, Pose
@@ -25,11 +25,12 @@ LINE_SPEED = 0.6  # straight lines end in contact: a share of the usual pace
 
 @dataclass(frozen=True, eq=False)
 class ArmGoal:
-    """Where one arm should go. Exactly one of `line` (ee poses world) and `q` is set."""
+    """Where one arm should go. Exactly one of `line` and `q` is set."""
 
     q: Array | None = None  # (6,) along any clear path
-    line: Pose | None = None  # straight line of the ee to this world pose
+    line: tuple[Pose, ...] = ()  # straight lines of the ee through these world poses
     speed: float = 1.0
+    seconds: float = 0.0  # take at least this long
 
 
 @lru_cache(maxsize=4)
@@ -126,16 +127,30 @@ class DualArmPlanner:
             waypoints = self._detour(start, paths, free)
         speed = pace * min(LINE_SPEED * g.speed if g.line else g.speed for g in goals.values())
         limits = JointLimits(np.tile(VELOCITY, 2), np.tile(ACCELERATION, 2))
-        return retime(waypoints, limits.scaled(float(np.clip(speed, 0.02, 1.0))))
+        motion = retime(waypoints, limits.scaled(float(np.clip(speed, 0.02, 1.0))))
+        least = max(goal.seconds for goal in goals.values()) / TIME_STEP
+        if len(motion) >= least:
+            return motion
+        slower = limits.scaled(max(speed * len(motion) / least, 1e-3))
+        return retime(waypoints, slower)
 
     def _path(self, side: str, start: dict[str, Array], goal: ArmGoal) -> Array:
         if goal.q is not None:
             return np.array([start[side], goal.q])
-        assert goal.line is not None
-        line = self.kinematics[side].line(start[side], goal.line)
-        if line is None:
+        path = self.lines(side, start[side], goal.line)
+        if path is None:
             raise Infeasible("unreachable", f"the {side} hand cannot follow a straight line")
-        return line
+        return path
+
+    def lines(self, side: str, q: Array, poses: Sequence[Pose]) -> Array | None:
+        """Postures (n, 6) along straight lines from q through world ee poses, or None."""
+        path = [np.asarray(q, float)[None]]
+        for pose in poses:
+            part = self.kinematics[side].line(path[-1][-1], pose)
+            if part is None:
+                return None
+            path.append(part[1:])
+        return np.vstack(path)
 
     def _path_clear(self, waypoints: Array) -> bool:
         def is_clear(q: Array) -> bool:

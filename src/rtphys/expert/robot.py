@@ -1,6 +1,6 @@
 """The robot that scripts command (`rtphys.task.arm.Robot`): plans steps and carries them out."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from rtphys.expert.planner import SIDES, ArmGoal, DualArmPlanner
 from rtphys.expert.surroundings import obstacles_of
 from rtphys.poses import Array, Pose
 from rtphys.sim.rollout import Rollout
-from rtphys.task.arm import Grip, Home, Line, Motion, Reach, Shift, Step, Wait
+from rtphys.task.arm import Follow, Grip, Home, Line, Motion, Reach, Shift, Step, Wait
 
 PLANNING = frozenset({"unreachable", "no_path", "retime_failed", "ungraspable"})
 SETTLED = 0.003  # [rad] largest tracking error before the fingers act
@@ -75,26 +75,37 @@ class ExpertRobot:
         ee = self.planner.kinematics[side].ee_pose(self.commanded(side))
         return self.world.to_task(ee)
 
-    def can_grasp(self, side: str, prop: str, before: Pose, at: Pose) -> bool:
-        """Both poses reachable on one branch, and clear but for the thing itself."""
+    def grasp_posture(self, side: str, prop: str, before: Pose, at: Pose) -> Array | None:
+        """Posture for the first pose, if both are reachable on one branch and clear.
+
+        At the second, the hand may touch the prop.
+        """
         q = self._posture(side, before)
         if q is None or not self._clear_with(side, q):
-            return False
-        line = self.planner.kinematics[side].line(q, self.world.X_WT @ at)
+            return None
+        line = self.planner.lines(side, q, [self.world.X_WT @ at])
         if line is None:
-            return False
+            return None
         with self.hands.may_touch(side, prop):
             if not self._clear_with(side, line[-1]):
-                return False
+                return None
         self._intended[side] = line[-1]
-        return True
+        return q
 
-    def can_follow(self, side: str, before: Pose, after: Pose) -> bool:
-        """Both poses reachable, the second by a straight line from the first."""
-        q = self._posture(side, before)
+    def path_posture(self, side: str, poses: Sequence[Pose]) -> Array | None:
+        """Posture for the first pose, if the others follow from it by straight lines."""
+        q = self._posture(side, poses[0])
         if q is None:
-            return False
-        return self.planner.kinematics[side].line(q, self.world.X_WT @ after) is not None
+            return None
+        path = self.planner.lines(side, q, [self.world.X_WT @ pose for pose in poses[1:]])
+        if path is not None:
+            self._intended[side] = path[-1]
+        return None if path is None else q
+
+    def clear_at(self, side: str, q: Array, prop: str) -> bool:
+        """Nothing in the way at a posture, the prop aside."""
+        with self.hands.may_touch(side, prop):
+            return self._clear_with(side, q)
 
     def _posture(self, side: str, ee: Pose) -> Array | None:
         return self.planner.posture(side, self.world.X_WT @ ee, self.commanded(side))
@@ -145,10 +156,15 @@ class ExpertRobot:
         if isinstance(step, Home):
             return ArmGoal(q=self.world.robot.arm(side).limb.home)
         if isinstance(step, Line):
-            return ArmGoal(line=self.world.X_WT @ step.goal, speed=step.speed)
+            return ArmGoal(line=(self.world.X_WT @ step.goal,), speed=step.speed)
+        if isinstance(step, Follow):
+            poses = tuple(self.world.X_WT @ pose for pose in step.poses)
+            return ArmGoal(line=poses, seconds=step.seconds)
         if isinstance(step, Shift):
             return self._shift_goal(side, step)
         if isinstance(step, Reach):
+            if step.posture:
+                return ArmGoal(q=np.array(step.posture))
             for pose in step.candidates:
                 q = self._posture(side, pose)
                 if q is not None and (len(step.candidates) == 1 or self._clear_with(side, q)):
@@ -163,7 +179,7 @@ class ExpertRobot:
             goal = Pose(ee.p + share * offset, step.turn or ee.q)
             world = self.world.X_WT @ goal
             if self.planner.kinematics[side].line(self.commanded(side), world) is not None:
-                return ArmGoal(line=world, speed=step.speed)
+                return ArmGoal(line=(world,), speed=step.speed)
             if step.turn:  # a large turn may need another branch: go there freely
                 q = self._posture(side, goal)
                 if q is not None:

@@ -165,7 +165,7 @@ class ObjectFactory:
         thing.nominal_size = _nominal_size(prop, model)
         self._annotate(thing, model, scale)
         if not prop.fixed:
-            _weigh(component, None if mass is None else mass * scale**3)
+            _weigh(component, None if mass is None else mass * scale**3, model, scale)
             thing.bodies = [SimBody(prop.name, component)]
         return thing
 
@@ -203,6 +203,8 @@ class ObjectFactory:
             # SAPIEN's default link damping of 0.05 would add 5 %/s to every labelled decay.
             link.set_linear_damping(0.0)
             link.set_angular_damping(0.0)
+            # A spring carries it (a laptop's lid stays where it is put).
+            link.set_disable_gravity(link.name in asset.balanced_links)
         thing.bodies = [
             SimBody(f"{prop.name}/{link.name}", link) for link in moving if not link.is_root
         ]
@@ -246,13 +248,29 @@ def _scaled(matrix: Array, scale: float) -> Pose:
     return Pose(X.p * scale, X.q)
 
 
-def _weigh(component: physx.PhysxRigidDynamicComponent, mass: float | None) -> None:
-    """Give a body its stated mass; inertia follows in proportion."""
+def _weigh(
+    component: physx.PhysxRigidDynamicComponent,
+    mass: float | None,
+    model: Model | None,
+    scale: float,
+) -> None:
+    """Give a body its stated mass; the model's own centre and inertia where it states them.
+
+    Inertia from convex parts of one density is off by up to a factor of two for things whose
+    parts differ (a hammer's head and handle).
+    """
     if mass is None:
         return
-    inertia, ratio = np.array(component.inertia), mass / component.mass
+    if model is not None and model.inertia is not None and model.center_of_mass is not None:
+        moments, axes = np.linalg.eigh(model.inertia)
+        axes[:, 2] *= np.sign(np.linalg.det(axes))
+        centre = Pose(model.center_of_mass * scale, Pose.from_matrix(axes).q)
+        component.set_cmass_local_pose(to_sapien(centre))
+        inertia = moments * (mass * scale**2 / (model.mass_kg or mass))
+    else:
+        inertia = np.array(component.inertia) * (mass / component.mass)
     component.set_mass(mass)  # leaves the inertia as it was, and ends auto-computation
-    component.set_inertia(inertia * ratio)
+    component.set_inertia(inertia.astype(np.float32))
 
 
 def _box_points(prop: Box, scale: float) -> tuple[list[Pose], list[Pose]]:

@@ -18,7 +18,7 @@ class Reach:
     """Go to an ee pose along any clear path. The first reachable of `candidates` is taken."""
 
     candidates: tuple[Pose, ...]
-    touching: str = ""  # prop that the fingers may be near at the end
+    posture: tuple[float, ...] = ()  # (6,) [rad] for the first candidate, where already found
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,14 @@ class Shift:
 
 
 @dataclass(frozen=True)
+class Follow:
+    """Move the ee through poses in one motion, as straight lines with rounded corners."""
+
+    poses: tuple[Pose, ...]
+    seconds: float = 0.0  # take at least this long
+
+
+@dataclass(frozen=True)
 class Grip:
     """Move the fingers to an opening 0..1. `holds` names what must be between them after."""
 
@@ -67,7 +75,7 @@ class Home:
     """Return to the joint configuration of the start."""
 
 
-Step = Reach | Line | Shift | Grip | Wait | Home
+Step = Reach | Line | Shift | Follow | Grip | Wait | Home
 
 
 @dataclass(frozen=True)
@@ -155,6 +163,20 @@ class Arm(Protocol):
 
     def line(self, goal: Pose, speed: float = 1.0, until: str = "") -> Motion:
         """Straight line of the ee to a pose, or until it presses on a prop."""
+        ...
+
+    def sweep(self, *paths: Sequence[Pose], seconds: float = 0.0, prop: str = "") -> Motion:
+        """Reach the start of the first feasible path, then follow it in one motion.
+
+        Args:
+            paths: ee poses each; the first whose poses are all reachable without a change of
+                branch is taken.
+            seconds: least duration of the path itself.
+            prop: what the hand may touch at the start.
+
+        Raises:
+            Infeasible: "unreachable", when no path is.
+        """
         ...
 
     def close(self, opening: float = 0.0, holds: str = "") -> Motion:
