@@ -43,3 +43,18 @@ def lerobot(
             progress=lambda done, _: bar.update(row, completed=done),
         )
     typer.echo(f"{out}: {len(chosen)} episodes, LeRobot {version}")
+
+
+@app.command()
+def card(
+    dataset: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
+    name: Annotated[str, typer.Option(help="The dataset's name.")] = "rtphys demonstrations",
+    licence: Annotated[str, typer.Option("--license", help="SPDX name.")] = "apache-2.0",
+    url: Annotated[str, typer.Option(help="Where it will be found.")] = "",
+    published: Annotated[str, typer.Option(help="Date of publication, YYYY-MM-DD.")] = "",
+) -> None:
+    """README.md for Hugging Face and croissant.json, beside the manifest they are made from."""
+    from rtphys.export.card import CardText, write_card
+
+    for path in write_card(Dataset(dataset), CardText(name, licence, url, published)):
+        typer.echo(str(path))

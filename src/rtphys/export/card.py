@@ -1,0 +1,142 @@
+"""A dataset's README with Hugging Face's front matter, generated from the manifest."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from rtphys.data.files import FileFacts, replace_file
+from rtphys.data.json_text import plain, pretty
+from rtphys.dataset import Dataset
+from rtphys.export.croissant import CROISSANT, CardText, croissant
+from rtphys.physics import attributes
+
+CARD = "README.md"
+SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (10**6, "100K<n<1M"))
+
+
+def write_card(dataset: Dataset, text: CardText) -> list[Path]:
+    """Writes README.md and croissant.json beside the manifest; returns their paths.
+
+    Raises:
+        CannotWrite, BadFile, SchemaError: an episode's label cannot be read.
+    """
+    metadata = pretty(plain(croissant(dataset, text)), sort=False)
+    contents = {CARD: card(dataset, text).encode(), CROISSANT: metadata}
+    written: dict[Path, FileFacts] = {
+        dataset.path / name: replace_file(dataset.path / name, data)
+        for name, data in contents.items()
+    }
+    return list(written)
+
+
+def card(dataset: Dataset, text: CardText) -> str:
+    """The README's text."""
+    leaves = dataset.manifest.leaves.values()
+    frames = sum(leaf.frames for leaf in leaves)
+    parts = [
+        _front_matter(text, frames),
+        f"# {text.name}",
+        f"{len(dataset)} bimanual demonstrations ({frames} frames at 16.67 Hz) of "
+        f"{len(dataset.tasks)} simulated tasks. Physics differs from episode to episode, and the "
+        "13 physical attributes that were in force in the contact solver stand beside each one.",
+        "## Episodes",
+        _task_table(dataset),
+        _rejections(dataset),
+        "## Physics",
+        _physics_table(dataset),
+        "## Files",
+        FILES,
+        "## Use",
+        USE,
+        "## Provenance",
+        _provenance(dataset),
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+FILES = """\
+| path | content |
+|---|---|
+| `manifest.json` | seeds, attempts, rejections by reason, resolved domains, SHA-256 of every file |
+| `<config>/<task>/<embodiment>/data/` | trajectories, RoboTwin's XPolicyLab v1.0 HDF5 |
+| `…/video/` | the head camera as MP4 |
+| `…/phys_meta/` | the physics of each episode as the simulator had it |
+| `…/instruction/` | sentences, seen and unseen |
+
+JPEG streams in the HDF5 files have red and blue exchanged, as RoboTwin's have: `cv2.imdecode` gives
+RGB. Poses are x y z [m] and qw qx qy qz in the world frame."""
+
+USE = """\
+```python
+import rtphys
+
+for episode in rtphys.Dataset("path/to/this/folder"):
+    print(episode.task, episode.seed, episode.physics["friction"])
+    pictures = episode.images("head_camera")   # (T, H, W, 3), RGB
+    actions = episode.action                   # (T - 1, 14), commanded joint targets
+```
+
+`rtphys verify-manifest path/to/this/folder` checks every file, and derives the sampled physics of
+every episode again from its seed."""
+
+
+def _front_matter(text: CardText, frames: int) -> str:
+    size = next((name for limit, name in SIZES if frames < limit), "n>1M")
+    lines = [
+        "---",
+        f"license: {text.license}",
+        "language:",
+        "- en",
+        f"pretty_name: {text.name}",
+        "task_categories:",
+        "- robotics",
+        "tags:",
+        *(f"- {tag}" for tag in ("robotics", "manipulation", "bimanual", "RoboTwin", "physics")),
+        "size_categories:",
+        f"- {size}",
+        "---",
+    ]
+    return "\n".join(lines)
+
+
+def _task_table(dataset: Dataset) -> str:
+    rows = ["| task | protocol | episodes | attempts | accepted |", "|---|---|---:|---:|---:|"]
+    for leaf in dataset.manifest.leaves.values():
+        tried = len(leaf.attempts)
+        share = f"{leaf.episodes / tried:.0%}" if tried else "–"
+        rows.append(f"| {leaf.task} | {leaf.config} | {leaf.episodes} | {tried} | {share} |")
+    return "\n".join(rows)
+
+
+def _rejections(dataset: Dataset) -> str:
+    total: Counter[str] = Counter()
+    for leaf in dataset.manifest.leaves.values():
+        total.update(leaf.rejections)
+    if not total:
+        return ""
+    told = ", ".join(f"{reason} {count}" for reason, count in total.most_common())
+    return f"Attempts without an episode, by reason: {told}."
+
+
+def _physics_table(dataset: Dataset) -> str:
+    rows = ["| attribute | unit | varied in | smallest | largest |", "|---|---|---:|---:|---:|"]
+    labels = [episode.meta.attributes for episode in dataset]
+    for key, known in attributes().items():
+        given = [label[key] for label in labels if key in label]
+        numbers = [np.ravel(label.value) for label in given if label.value is not None]
+        values = np.concatenate(numbers) if numbers else np.array([])
+        low, high = (f"{values.min():.4g}", f"{values.max():.4g}") if len(values) else ("", "")
+        varied = sum(label.varied for label in given)
+        rows.append(f"| `{key}` | {known.unit} | {varied} | {low} | {high} |")
+    return "\n".join(rows)
+
+
+def _provenance(dataset: Dataset) -> str:
+    found: dict[str, set[str]] = {}
+    for leaf in dataset.manifest.leaves.values():
+        for name, version in leaf.versions.items():
+            found.setdefault(name, set()).add(version)
+    versions = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(found.items()))
+    form = dataset.manifest.dataset_version
+    return f"Made by a scripted expert in simulation: {versions}. Dataset format {form}."

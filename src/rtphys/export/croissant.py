@@ -1,0 +1,148 @@
+"""Croissant 1.1 metadata: every file with its SHA-256, every episode with its physics."""
+
+from dataclasses import dataclass
+
+from rtphys.data.files import facts_of
+from rtphys.data.layout import MANIFEST
+from rtphys.dataset import Dataset, Episode
+
+CROISSANT = "croissant.json"
+CONTEXT = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "arrayShape": "cr:arrayShape",
+    "citeAs": "cr:citeAs",
+    "column": "cr:column",
+    "conformsTo": "dct:conformsTo",
+    "containedIn": "cr:containedIn",
+    "cr": "http://mlcommons.org/croissant/",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "dataBiases": "cr:dataBiases",
+    "dataCollection": "cr:dataCollection",
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    "dct": "http://purl.org/dc/terms/",
+    "equivalentProperty": "cr:equivalentProperty",
+    "examples": {"@id": "cr:examples", "@type": "@json"},
+    "extract": "cr:extract",
+    "field": "cr:field",
+    "fileObject": "cr:fileObject",
+    "fileProperty": "cr:fileProperty",
+    "fileSet": "cr:fileSet",
+    "format": "cr:format",
+    "includes": "cr:includes",
+    "isArray": "cr:isArray",
+    "isLiveDataset": "cr:isLiveDataset",
+    "jsonPath": "cr:jsonPath",
+    "key": "cr:key",
+    "md5": "cr:md5",
+    "parentField": "cr:parentField",
+    "path": "cr:path",
+    "personalSensitiveInformation": "cr:personalSensitiveInformation",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "recordSet": "cr:recordSet",
+    "references": "cr:references",
+    "regex": "cr:regex",
+    "repeated": "cr:repeated",
+    "replace": "cr:replace",
+    "samplingRate": "cr:samplingRate",
+    "sc": "https://schema.org/",
+    "separator": "cr:separator",
+    "source": "cr:source",
+    "subField": "cr:subField",
+    "transform": "cr:transform",
+}
+FORMATS = {
+    "hdf5": "application/x-hdf5",
+    "mp4": "video/mp4",
+    "json": "application/json",
+    "jsonl": "application/jsonl",
+    "txt": "text/plain",
+}
+TYPES = {int: "sc:Integer", float: "sc:Float", str: "sc:Text"}
+
+
+@dataclass(frozen=True)
+class CardText:
+    """What the manifest cannot know."""
+
+    name: str
+    license: str = "apache-2.0"  # SPDX
+    url: str = ""  # where the dataset will be found
+    published: str = ""  # YYYY-MM-DD
+    version: str = "1.0.0"
+
+
+def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
+    """The JSON-LD document. Raises `BadFile`, `SchemaError` for an unreadable label."""
+    return {
+        "@context": CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": "http://mlcommons.org/croissant/1.1",
+        "name": text.name,
+        "description": f"{len(dataset)} simulated bimanual manipulation episodes with 13 physical "
+        "attributes each, as they were in force in the contact solver.",
+        "license": f"https://spdx.org/licenses/{text.license}",
+        "url": text.url or "https://example.org/not-published-yet",
+        "version": text.version,
+        **({"datePublished": text.published} if text.published else {}),
+        "citeAs": text.name,
+        "distribution": _files(dataset),
+        "recordSet": [_episodes(dataset)],
+    }
+
+
+def _files(dataset: Dataset) -> list[dict[str, object]]:
+    listed = {path: facts.sha256 for path, facts in dataset.manifest.files.items()}
+    listed[MANIFEST] = facts_of(dataset.path / MANIFEST).sha256
+    return [
+        {
+            "@type": "cr:FileObject",
+            "@id": path,
+            "name": path,
+            "contentUrl": path,
+            "encodingFormat": FORMATS[path.rpartition(".")[2]],
+            "sha256": digest,
+        }
+        for path, digest in sorted(listed.items())
+    ]
+
+
+def _episodes(dataset: Dataset) -> dict[str, object]:
+    """One record an episode, inline: what to search a dataset by."""
+    records = [_record(episode, dataset) for episode in dataset]
+    types = {
+        key: next((TYPES[type(r[key])] for r in records if r[key] is not None), "sc:Float")
+        for key in (records[0] if records else ())
+    }
+    return {
+        "@type": "cr:RecordSet",
+        "@id": "episodes",
+        "name": "episodes",
+        "description": "One record an episode: seed, files, physics.",
+        "field": [
+            {
+                "@type": "cr:Field",
+                "@id": f"episodes/{key}",
+                "name": key,
+                "dataType": kind,
+            }
+            for key, kind in types.items()
+        ],
+        "data": [{f"episodes/{key}": value for key, value in record.items()} for record in records],
+    }
+
+
+def _record(episode: Episode, dataset: Dataset) -> dict[str, int | float | str | None]:
+    found: dict[str, int | float | str | None] = {
+        "task": episode.task,
+        "protocol": episode.protocol,
+        "number": episode.number,
+        "seed": episode.seed,
+        "trajectory": episode.paths.hdf5.relative_to(dataset.path).as_posix(),
+    }
+    for key, label in episode.meta.attributes.items():
+        if isinstance(label.value, list):
+            found |= {f"{key}_{axis}": v for axis, v in zip("xyz", label.value, strict=True)}
+        else:
+            found[key] = None if label.value is None else float(label.value)
+    return found

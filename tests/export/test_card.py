@@ -1,0 +1,74 @@
+"""README and Croissant metadata say what the manifest says."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from test_dataset_writer import collect
+
+from rtphys.dataset import Dataset
+from rtphys.export.card import card, write_card
+from rtphys.export.croissant import CardText
+from rtphys.verify import verify
+
+TEXT = CardText("Bells", url="https://example.org/bells", published="2026-11-21")
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    out = tmp_path_factory.mktemp("dataset")
+    collect(out, 3)
+    write_card(Dataset(out), TEXT)
+    return Dataset(out)
+
+
+def metadata(dataset: Dataset) -> dict:
+    return json.loads((dataset.path / "croissant.json").read_text())
+
+
+def test_card_counts(dataset: Dataset) -> None:
+    text = card(dataset, TEXT)
+    front = text.split("---")[1].splitlines()
+    assert "license: apache-2.0" in front and "- robotics" in front and "- n<1K" in front
+    assert "| click_bell | phys_random | 3 | 4 | 75% |" in text
+    assert "by reason: grip_slip 1." in text
+    assert "3 bimanual demonstrations (12 frames at 16.67 Hz)" in text
+    frictions = [float(e.physics.scalar("friction")) for e in dataset]
+    assert f"| `friction` | 1 | 3 | {min(frictions):.4g} | {max(frictions):.4g} |" in text
+
+
+def test_croissant_lists_every_file_with_its_checksum(dataset: Dataset) -> None:
+    listed = {f["contentUrl"]: f["sha256"] for f in metadata(dataset)["distribution"]}
+    expected = {path: facts.sha256 for path, facts in dataset.manifest.files.items()}
+    assert expected.items() <= listed.items()
+    assert set(listed) - set(expected) == {"manifest.json"}
+
+
+def test_croissant_has_a_record_per_episode(dataset: Dataset) -> None:
+    (records,) = metadata(dataset)["recordSet"]
+    fields = {field["@id"] for field in records["field"]}
+    assert [set(row) for row in records["data"]] == [fields] * 3
+    assert [row["episodes/seed"] for row in records["data"]] == [0, 1, 3]
+    assert records["data"][1]["episodes/friction"] == dataset[1].physics["friction"]
+
+
+def test_the_dataset_stays_sound_and_the_card_repeats(dataset: Dataset) -> None:
+    before = [path.read_bytes() for path in write_card(dataset, TEXT)]
+    assert [path.read_bytes() for path in write_card(dataset, TEXT)] == before
+    assert verify(dataset.path).problems == []
+
+
+@pytest.mark.slow
+def test_mlcroissant_accepts_it(dataset: Dataset) -> None:
+    program = os.environ.get("RTPHYS_MLCROISSANT")
+    if not program:
+        pytest.skip("set RTPHYS_MLCROISSANT to the program mlcroissant")
+    path = Path(dataset.path / "croissant.json")
+    result = subprocess.run(
+        [program, "validate", "--jsonld", str(path)], capture_output=True, text=True
+    )
+    told = result.stdout + result.stderr
+    assert result.returncode == 0 and "Done" in told, told
+    assert "WARNING" not in told and "Found the following" not in told
