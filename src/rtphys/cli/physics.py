@@ -12,6 +12,7 @@ from rtphys.cli.domains import AsJson, domain_named
 from rtphys.physics import Physics, Value, attributes, parse_overrides
 
 if TYPE_CHECKING:
+    from rtphys.dataset import Dataset
     from rtphys.proofs.proof import Trial
 
 app = typer.Typer(no_args_is_help=True, help="The physical attributes.")
@@ -70,6 +71,50 @@ def prove(
     typer.echo(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
     if failed:
         raise typer.Exit(1)
+
+
+@app.command()
+def audit(
+    dataset: Annotated[Path, typer.Argument(help="A folder with a manifest.json.")],
+    out: Annotated[Path | None, typer.Option(help="Draw histograms here, one per task.")] = None,
+    labels: Annotated[bool, typer.Option(help="Rebuild worlds and compare labels.")] = True,
+) -> None:
+    """Build each episode's world again from its label, and tell where feasibility cut."""
+    from rtphys.dataset import Dataset
+    from rtphys.proofs.audit import selections_by_leaf
+
+    data = Dataset(dataset)
+    wrong = _audit_labels(data) if labels else 0
+    for leaf, found in selections_by_leaf(data).items():
+        typer.echo(f"\n{leaf}")
+        typer.echo(f"  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
+        for one in found:
+            counts = f"{one.accepted.sum()} of {len(one.accepted)}"
+            typer.echo(
+                f"  {one.key:24} {counts:>12} {one.distance:6.3f} {one.p:8.2g}  {one.sentence}"
+            )
+        if out is not None:
+            from rtphys.figures.selection import draw_selections
+
+            out.mkdir(parents=True, exist_ok=True)
+            draw_selections(found, leaf, out / f"{leaf.replace('/', '_')}.png")
+    if wrong:
+        raise typer.Exit(1)
+
+
+def _audit_labels(data: "Dataset") -> int:
+    """Prints every false label; the number of episodes that have one."""
+    from rtphys.assets.pack import default_pack
+    from rtphys.proofs.audit_labels import label_problems
+
+    pack, wrong = default_pack(), 0
+    for episode in data:
+        problems = label_problems(episode, pack)
+        wrong += bool(problems)
+        for problem in problems:
+            typer.echo(f"{episode.paths.phys_meta}: {problem}")
+    typer.echo(f"{len(data) - wrong} of {len(data)} episodes: the rebuilt world says what they say")
+    return wrong
 
 
 def worst(trials: "list[Trial]") -> "list[Trial]":

@@ -1,4 +1,4 @@
-"""What the simulator says of everything that physics may touch, in SI: the record beside a label."""
+"""What the simulator says of everything that physics may touch, in SI: kept beside a label."""
 
 import numpy as np
 

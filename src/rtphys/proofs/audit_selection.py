@@ -1,0 +1,109 @@
+"""Where did feasibility cut the distribution? Accepted against attempted, key by key."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import ks_2samp
+
+from rtphys.poses import Array
+
+FIFTHS = 5
+UNLIKELY = 0.01  # p below which a difference is told as one
+FEW = 5  # accepted or rejected attempts below which nothing is told
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """One attribute (or one component of one) over the attempts of a dataset."""
+
+    key: str
+    unit: str
+    attempted: Array  # (n,) in the attribute's own unit
+    accepted: NDArray[np.bool_]  # (n,)
+
+    @property
+    def distance(self) -> float:
+        """Kolmogorov-Smirnov distance between accepted and attempted values."""
+        if not self.accepted.any():
+            return 1.0
+        return _ks(self.attempted[self.accepted], self.attempted)[0]
+
+    @property
+    def p(self) -> float:
+        """How likely acceptance is blind to this attribute.
+
+        Two-sample test of accepted against rejected values: accepted and attempted ones share
+        members, and such samples are not the independent ones that the test is made for.
+        """
+        kept, cut = self.attempted[self.accepted], self.attempted[~self.accepted]
+        if min(len(kept), len(cut)) < FEW:
+            return 1.0
+        return _ks(kept, cut)[1]
+
+    @property
+    def rates(self) -> tuple[Array, Array]:
+        """Edges (6,) and accepted shares (5,) of fifths with equally many attempts."""
+        order = np.argsort(self.attempted, kind="stable")
+        parts = np.array_split(order, FIFTHS)
+        edges = [self.attempted[part[0]] for part in parts if len(part)]
+        edges.append(self.attempted[order[-1]])
+        return np.array(edges), np.array([self.accepted[p].mean() for p in parts if len(p)])
+
+    @property
+    def sentence(self) -> str:
+        """What happened, in words."""
+        kept, n = int(self.accepted.sum()), len(self.accepted)
+        if min(kept, n - kept) < FEW:
+            return "too few rejections to tell" if kept else "nothing was accepted"
+        if self.p >= UNLIKELY:
+            return "no cut that shows"
+        edges, rates = self.rates
+        worst = int(np.argmin(rates))
+        rest = np.delete(rates, worst).mean()
+        low, high = edges[worst], edges[worst + 1]
+        where = {0: "low", len(rates) - 1: "high"}.get(worst, "middle")
+        return (
+            f"{where} values were cut: of {low:.3g} to {high:.3g} {self.unit} "
+            f"{100 * rates[worst]:.0f} % passed, elsewhere {100 * rest:.0f} %"
+        )
+
+
+def _ks(a: Array, b: Array) -> tuple[float, float]:
+    """Distance and p-value of the two-sample test."""
+    statistic, pvalue = np.asarray(ks_2samp(a, b), float)
+    return float(statistic), float(pvalue)
+
+
+def selections(
+    attempts: Iterable[tuple[Mapping[str, object], bool]], units: Mapping[str, str]
+) -> list[Selection]:
+    """One `Selection` for each scalar, and each component of a vector, that really varies.
+
+    Args:
+        attempts: (values by attribute, accepted) of every attempt whose physics was drawn.
+        units: attribute -> unit; also says which keys count.
+    """
+    columns: dict[str, tuple[str, list[tuple[float, bool]]]] = {}
+    for values, accepted in attempts:
+        for key, raw in values.items():
+            if key not in units:
+                continue
+            for name, number in _components(key, raw):
+                columns.setdefault(name, (units[key], []))[1].append((number, accepted))
+    found = []
+    for name, (unit, rows) in sorted(columns.items()):
+        attempted = np.array([number for number, _ in rows])
+        if np.ptp(attempted) > 0:
+            accepted = np.array([kept for _, kept in rows], bool)
+            found.append(Selection(name, unit, attempted, accepted))
+    return found
+
+
+def _components(key: str, raw: object) -> list[tuple[str, float]]:
+    if isinstance(raw, list | tuple):
+        return [(f"{key}.{'xyz'[i]}", float(part)) for i, part in enumerate(raw)]
+    if isinstance(raw, int | float) and not isinstance(raw, bool):
+        return [(key, float(raw))]
+    return []
