@@ -95,7 +95,7 @@ REFUSALS = {
     "physics: {friction: {uniform: [0, .nan]}}": "nan is not finite",
     "physics: {friction: {uniform: [0, 1], fixed: 2}}": "a rule has exactly one key",
     "physics: {friction: {log_uniform: [0, 1]}}": "log_uniform needs a positive lower end",
-    "physics: {friction: slippery}": "it is a number in [0, 4] 1",
+    "physics: {friction: slippery}": "it is a number in [0, 4]",
     "physics: {friction: 5}": "FILE: friction = 5.0 is not allowed; it is a number in [0, 4]",
     "physics: {friction: true}": "True is not a number",
     "physics: {friction: {direction: 3}}": "an attribute needs numbers",

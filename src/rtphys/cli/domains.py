@@ -57,13 +57,15 @@ def domain_named(name: str) -> Domain:
     if name in domains or name.endswith((".yaml", ".yml")):
         return load_domain(name)
     if name not in tasks:
-        raise UnknownName("task or domain", name, [*tasks, *domains])
+        raise UnknownName("task or domain", name, {*tasks, *domains})
     return domain_for_task(name)
 
 
 def _table(domain: Domain) -> Table:
     known = attributes()
-    table = Table("attribute", "range", "unit", "nominal", "from", title=f"domain {domain.name}")
+    table = Table(title=f"domain {domain.name}", box=None)
+    for column in ("attribute", "range", "unit", "nominal", "from"):
+        table.add_column(column, no_wrap=column in ("attribute", "from"))
     for key in [*domain.keys, *(k for k in AUXILIARY if k in domain.rules)]:
         rule, attribute = domain.rules[key], known.get(key)
         nominal = attribute.nominal if attribute else ""

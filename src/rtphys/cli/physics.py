@@ -8,8 +8,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from rtphys import library
 from rtphys.cli.domains import AsJson, domain_named
+from rtphys.errors import Infeasible
 from rtphys.physics import Physics, Value, attributes, parse_overrides
+from rtphys.recipe import Recipe
 
 if TYPE_CHECKING:
     from rtphys.dataset import Dataset
@@ -27,17 +30,19 @@ def sample(
     held: Annotated[list[str] | None, typer.Option("--set", help="key=value, repeatable.")] = None,
     as_json: AsJson = False,
 ) -> None:
-    """The values that an episode draws.
+    """The values that an episode draws, exactly as its label will say.
 
-    The centre of mass is as drawn from the domain; an episode redraws it while it lies outside
-    one of the task's own bodies.
+    For a task, the centre of mass is redrawn until it lies inside the task's own bodies; for a
+    domain it is as first drawn.
     """
     domain = domain_named(task)
-    wanted = [key for key in only.split(",") if key] or None
+    wanted = tuple(key for key in only.split(",") if key) or None
     overrides = parse_overrides(held or [])
-    drawn = {
-        s: domain.sample(s, only=wanted, overrides=overrides) for s in range(seed, seed + episodes)
-    }
+    drawn: dict[int, Physics] = {}
+    for s in range(seed, seed + episodes):
+        drawn[s] = domain.sample(s, wanted, overrides)
+        if task in library.names("tasks"):
+            drawn[s] = _inside_bodies(Recipe(task, s, "phys_random", wanted, overrides), drawn[s])
     if as_json:
         rows = [{"seed": s, "domain": domain.name, **p.to_json()} for s, p in drawn.items()]
         typer.echo(json.dumps(rows, ensure_ascii=False))
@@ -137,10 +142,27 @@ def _tell(key: str, law: str, trials: "list[Trial]") -> None:
         typer.echo(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
 
 
+def _inside_bodies(recipe: Recipe, first: Physics) -> Physics:
+    """The same draw with the centre of mass that fits; `first` where the episode has none."""
+    if "center_of_mass" not in first.varied:
+        return first
+    from rtphys.assets.pack import default_pack
+    from rtphys.instance import prepare
+    from rtphys.task.spec import load_task
+
+    try:
+        return prepare(recipe, load_task(recipe.task), default_pack()).physics
+    except Infeasible as problem:
+        typer.echo(f"seed {recipe.seed} gives no episode: {problem}", err=True)
+        return first
+
+
 def _table(name: str, drawn: dict[int, Physics]) -> Table:
     known = attributes()
     keys = [*known, "camera_mode", "camera_direction"]
-    table = Table("attribute", "unit", title=f"domain {name}")
+    table = Table(title=f"domain {name}", box=None)
+    table.add_column("attribute", no_wrap=True)
+    table.add_column("unit")
     for seed in drawn:
         table.add_column(f"seed {seed}", justify="right")
     for key in keys:

@@ -69,7 +69,8 @@ class Attribute(Generic[Target, Label]):
         components = len(value) if isinstance(value, tuple) else 1
         if components != self.size or value not in self.valid:
             parts = f"{self.size} numbers, each" if self.size > 1 else "a number"
-            raise BadValue(self.key, value, f"it is {parts} in {self.valid} {self.unit}", where)
+            unit = "" if self.unit == "1" else f" {self.unit}"
+            raise BadValue(self.key, value, f"it is {parts} in {self.valid}{unit}", where)
 
 
 def agree(a: Reading, b: Reading, resolution: float) -> bool:

@@ -1,0 +1,98 @@
+"""`rtphys physics` and `rtphys domains` from the command line."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from rtphys.cli import domains, physics
+from rtphys.errors import BadValue, UnknownName
+from rtphys.physics import Domain, Physics, load_domain
+from rtphys.proofs.lab import Lab
+
+RUN = CliRunner()
+
+
+def told(app, *arguments):
+    result = RUN.invoke(app, list(arguments))
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_sample_as_json_is_what_the_domain_draws():
+    rows = json.loads(told(physics.app, "sample", "--task", "global", "--episodes", "3", "--json"))
+    assert [row["seed"] for row in rows] == [0, 1, 2]
+    for row in rows:
+        assert Physics.from_json(row) == load_domain("global").sample(row["seed"])
+
+
+def test_sample_of_a_part_and_of_a_held_value():
+    arguments = ("--only", "friction,restitution", "--set", "restitution=0.1", "--json")
+    (row,) = json.loads(told(physics.app, "sample", "--task", "scan_object.yaml", *arguments))
+    assert row["varied"] == ["friction", "restitution"]
+    assert row["values"]["restitution"] == 0.1
+
+
+@pytest.fixture(autouse=True)
+def beside_the_domains(monkeypatch, tmp_path):
+    (tmp_path / "scan_object.yaml").write_text("extends: scan_object\n")
+    monkeypatch.chdir(tmp_path)
+
+
+def test_sample_as_a_table_shows_nominal_values_in_brackets():
+    text = told(physics.app, "sample", "--task", "global", "--only", "friction")
+    assert "(1)" in text
+    assert "friction" in text
+
+
+@pytest.mark.sim
+def test_sample_of_a_task_is_what_its_episode_has():
+    arguments = ("sample", "--task", "open_laptop", "--seed", "3", "--json")
+    (row,) = json.loads(told(physics.app, *arguments))
+    assert row["values"]["center_of_mass_redraws"] > 0
+
+
+def test_show_as_json_reads_back():
+    data = json.loads(told(domains.app, "show", "scan_object", "--json"))
+    assert Domain.from_json(data).digest == load_domain("scan_object").digest
+    assert data["sources"]["camera_distance"] == "scan_object"
+    assert data["sources"]["friction"] == "global"
+
+
+def test_show_names_ranges_and_sources():
+    text = told(domains.app, "show", "turn_switch")
+    line = next(li for li in text.splitlines() if "object_joint_damping" in li)
+    assert "[0, 1]" in line
+    assert "turn_switch" in line
+
+
+def test_check_one_s_own_file(tmp_path):
+    path = tmp_path / "icy.yaml"
+    path.write_text("extends: global\nphysics: {friction: {uniform: [0.01, 0.1]}}\n")
+    assert "good; it sets friction" in told(domains.app, "check", str(path))
+    path.write_text("extends: global\nphysics: {friction: {uniform: [0, 0.1]}}\n")
+    result = RUN.invoke(domains.app, ["check", str(path)])
+    assert isinstance(result.exception, BadValue)
+    assert "may only narrow" in str(result.exception)
+
+
+def test_unknown_names_are_refused_with_the_nearest():
+    result = RUN.invoke(domains.app, ["show", "scan_objekt"])
+    assert isinstance(result.exception, UnknownName)
+    assert "did you mean 'scan_object'" in str(result.exception)
+    result = RUN.invoke(physics.app, ["prove", "frictoin"])
+    assert "did you mean 'friction'" in str(result.exception)
+
+
+@pytest.mark.sim
+def test_prove_draws_and_exits_by_the_outcome(tmp_path, monkeypatch):
+    text = told(physics.app, "prove", "restitution", "camera_angle", "--out", str(tmp_path))
+    assert "trials obey the laws of 2 attributes" in text
+    assert sorted(p.name for p in tmp_path.glob("*.png")) == ["camera_angle.png", "restitution.png"]
+    monkeypatch.setattr(Lab, "world", lambda lab, props, values: real(lab, props, {}))
+    result = RUN.invoke(physics.app, ["prove", "restitution"])
+    assert result.exit_code == 1
+    assert "FAIL" in result.output
+
+
+real = Lab.world

@@ -1,0 +1,106 @@
+"""Every task: labels are read back from its own objects, and physics moves nothing else."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from rtphys import library
+from rtphys.assets.pack import builtin_pack
+from rtphys.data.schema import PhysMeta
+from rtphys.errors import Infeasible
+from rtphys.instance import prepare
+from rtphys.physics import Physics, attributes, disagreements, readback
+from rtphys.proofs.audit_labels import label_problems
+from rtphys.recipe import Recipe
+from rtphys.task.spec import load_task
+
+pytestmark = pytest.mark.sim
+TASKS = list(library.names("tasks"))
+SEEDS = (0, 3)
+
+
+@pytest.fixture(scope="module")
+def pack():
+    return builtin_pack()
+
+
+def instances(name, pack):
+    task = load_task(name)
+    for seed in SEEDS:
+        try:
+            yield prepare(Recipe(name, seed, "phys_random"), task, pack)
+        except Infeasible as problem:
+            assert problem.reason in ("layout", "invalid_physics")
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_labels_are_in_force_on_every_body(name, pack):
+    seen = 0
+    for instance in instances(name, pack):
+        assert disagreements(instance.world, instance.physics) == []
+        assert instance.domain.problems(instance.physics) == []
+        seen += 1
+    assert seen
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_physics_never_moves_the_layout(name, pack):
+    task = load_task(name)
+    for instance in instances(name, pack):
+        clean = prepare(Recipe(name, instance.recipe.seed), task, pack)
+        there = {p.name: (p.pose.p.tolist(), p.pose.q.tolist()) for p in clean.props}
+        here = {p.name: (p.pose.p.tolist(), p.pose.q.tolist()) for p in instance.props}
+        assert here == there
+
+
+@dataclass
+class Stored:
+    """What an audit needs of an episode."""
+
+    meta: PhysMeta
+    physics: Physics
+
+
+def stored(instance, **changed):
+    physics, known = instance.physics, attributes()
+    labels = {
+        key: {
+            "value": list(v) if isinstance(v := physics[key], tuple) else v,
+            "unit": known[key].unit,
+            "varied": key in physics.varied,
+        }
+        for key in known
+    }
+    camera = instance.world.head_camera.pose
+    where = {"position": camera.p.tolist(), "quaternion_wxyz": camera.q.tolist()}
+    meta = {
+        "seed": instance.recipe.seed,
+        "task": instance.task.name,
+        "protocol": "phys_random",
+        "episode": 0,
+        "domain": {"name": instance.domain.name, "digest": instance.domain.digest},
+        "attributes": labels,
+        "readback": readback(instance.world),
+        "cameras": {"head_camera": where},
+        "verdict": {"accepted": True},
+        "recipe": {"embodiment": instance.recipe.embodiment},
+        "versions": {},
+        "state_hash": "",
+    }
+    return Stored(PhysMeta.model_validate({**meta, **changed}), physics)
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_an_audit_rebuilds_the_world_from_the_label_alone(name, pack):
+    for instance in instances(name, pack):
+        assert label_problems(stored(instance), pack) == []
+
+
+def test_an_audit_finds_a_false_label(pack):
+    instance = next(instances("stack_blocks_two", pack))
+    told = readback(instance.world)
+    body = sorted(told["bodies"])[0]
+    told["bodies"][body]["mass"] *= 1.001
+    found = label_problems(stored(instance, readback=told), pack)
+    assert len(found) == 1
+    assert found[0].startswith(f"readback.bodies.{body}.mass: the label says")
