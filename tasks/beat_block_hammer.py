@@ -6,6 +6,7 @@ felt. Upstream tests neither grip nor impact; both are what the name demands.
 
 from rtphys.task import (
     RED,
+    Aim,
     Box,
     Draw,
     Mesh,
@@ -13,8 +14,10 @@ from rtphys.task import (
     Pose,
     Robot,
     Scene,
+    Spot,
     Task,
     claim,
+    clear_of,
     off_centre,
     points_meet,
 )
@@ -26,13 +29,16 @@ OVER = Placing(pre=0.06, gap=0.0, release=False)
 
 def layout(draw: Draw):
     yield Mesh(name="hammer", category="020_hammer", model=0, pose=LYING)
-    spot = draw.spot(
-        "block", x=(-0.25, 0.25), y=(-0.05, 0.15), yaw=(-0.5, 0.5), where=off_centre(0.05)
-    )
+    spot = draw.spot("block", x=(-0.25, 0.25), y=(-0.05, 0.15), yaw=(-0.5, 0.5), where=room)
     yield Box(
         name="block", half_size=(0.025,) * 3, colour=RED, pose=spot.pose(), fixed=True,
         phrase="red block",
     )  # fmt: skip
+
+
+def room(spot: Spot) -> bool:
+    """Off the midline, and far enough from the handle that a hand fits between (not upstream's)."""
+    return off_centre(0.05)(spot) and clear_of(((0.0, -0.06), 0.115))(spot)
 
 
 def struck(scene: Scene) -> bool:
@@ -44,10 +50,10 @@ def in_hand(scene: Scene) -> bool:
 
 
 def script(robot: Robot) -> None:
-    arm = robot.nearest("block")
-    robot.do(arm.grasp("hammer", pre=0.12, depth=0.01))
+    arm, top = robot.nearest("block"), robot.scene.functional("block", 1)
+    robot.do(arm.grasp("hammer", pre=0.12, depth=0.01, aim=Aim(top, 0, OVER)))
     robot.do(arm.lift(0.07))
-    robot.do(arm.place("hammer", robot.scene.functional("block", 1), point=0, how=OVER))
+    robot.do(arm.place("hammer", top, point=0, how=OVER))
 
 
 task = Task(

@@ -9,6 +9,7 @@ import numpy as np
 
 from rtphys.task import (
     IDENTITY,
+    Arm,
     Articulated,
     Draw,
     Pose,
@@ -68,25 +69,38 @@ def arc(scene: Scene, pitch: float, turn: float, aside: float) -> list[Pose]:
     return [below, *poses]
 
 
-def script(robot: Robot) -> None:
-    scene = robot.scene
-    facing = scene.pose("laptop").R[0, 0]
-    first = robot.left if facing > 0 else robot.right
-    damping = scene.physics.scalar("object_joint_damping", 1.0)
+def share(scene: Scene) -> float:
     q, low, high = scene.joint("laptop")
+    return (q - low) / (high - low)
+
+
+def push(robot: Robot, arm: Arm) -> None:
+    """Sweep the rest of the arc, no faster than the hinge's damping allows."""
+    scene = robot.scene
+    q, low, high = scene.joint("laptop")
+    damping = scene.physics.scalar("object_joint_damping", 1.0)
     radius = float(np.linalg.norm(scene.contact("laptop", EDGE).p - scene.pose("laptop", LID).p))
     seconds = (low + ENOUGH * (high - low) - q) * damping / (PUSH * radius)
-    robot.do(first.close(), robot.other(first).close())
     ways = [
         arc(scene, pitch, turn, aside)
         for pitch in (0.8, 0.6, 1.0)
         for turn in (0.0, 0.3, -0.3, 0.6, -0.6)
         for aside in (0.0, 0.04, -0.04)
     ]
-    for arm in (first, robot.other(first)):
-        if robot.tried(lambda arm=arm: robot.do(arm.sweep(*ways, seconds=seconds, prop="laptop"))):
+    robot.do(arm.sweep(*ways, seconds=max(seconds, 1.5), prop="laptop"))
+
+
+def script(robot: Robot) -> None:
+    facing = robot.scene.pose("laptop").R[0, 0]
+    first = robot.left if facing > 0 else robot.right
+    robot.do(first.close(), robot.other(first).close())
+    for _ in range(3):
+        for arm in (first, robot.other(first)):
+            if robot.tried(lambda arm=arm: push(robot, arm)):
+                break
+        if share(robot.scene) > 0.42:
             return
-    robot.do(first.sweep(*ways, seconds=seconds, prop="laptop"))
+        robot.do(arm.retreat(0.06))
 
 
 task = Task(

@@ -8,6 +8,7 @@ from rtphys.task import (
     DOWN,
     GREEN,
     RED,
+    Aim,
     Box,
     Draw,
     Placing,
@@ -50,7 +51,7 @@ def script(robot: Robot) -> None:
     for name in ("red", "green"):
         arm = robot.nearest(name)
         away = [last.home()] if last and last is not arm else []
-        robot.do(arm.grasp(name, pre=0.09), *away)
+        robot.do(arm.grasp(name, pre=0.09, aim=Aim(target, 0, ONTO)), *away)
         robot.do(arm.lift(0.07))
         robot.do(arm.place(name, target, point=0, how=ONTO))
         robot.do(arm.lift(0.07))

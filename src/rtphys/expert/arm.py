@@ -9,12 +9,14 @@ from rtphys.errors import Infeasible
 from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, candidates
 from rtphys.expert.place import Held, goals
 from rtphys.poses import Pose
-from rtphys.task.arm import Follow, Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
+from rtphys.task.arm import Aim, Follow, Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
 from rtphys.task.props import TABLE_TOP
 
 if TYPE_CHECKING:
     from rtphys.expert.robot import ExpertRobot
 
+Posture = tuple[float, ...]  # (6,) [rad]
+MOST_AIMED = 10  # graspable ways that are tested for what they allow later
 _PLACE_YAWS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.57, -1.57)  # [rad] tried where the yaw is free
 
 
@@ -36,8 +38,9 @@ class ExpertArm:
         pre: float = 0.1,
         depth: float = 0.0,
         grip: float = 0.0,
+        aim: Aim | None = None,
     ) -> Motion:
-        way, posture = self._feasible_grasp(prop, contacts, pre, depth)
+        way, posture = self._feasible_grasp(prop, contacts, (pre, depth), aim)
         steps = (
             Reach((way.backed_off(pre),), posture),
             Line(way.backed_off(depth)),
@@ -59,8 +62,8 @@ class ExpertArm:
         return self._motion(f"hover {prop}", Reach(poses))
 
     def _feasible_grasp(
-        self, prop: str, contacts: Sequence[int], pre: float, depth: float
-    ) -> tuple[Grasp, tuple[float, ...]]:
+        self, prop: str, contacts: Sequence[int], depths: tuple[float, float], aim: Aim | None
+    ) -> tuple[Grasp, Posture]:
         self.robot.refresh()
         scene = self.robot.scene
         known = len(self.robot.world.object(prop).contact_points)
@@ -68,12 +71,26 @@ class ExpertArm:
         if not numbers:
             raise Infeasible("ungraspable", f"{prop} has no contact points")
         points = [(i, scene.contact(prop, i)) for i in numbers]
+        first = None
+        tried = 0
         for way in candidates(points, self.side, TABLE_TOP):
-            ends = way.backed_off(pre), way.backed_off(depth)
-            posture = self.robot.grasp_posture(self.side, prop, *ends)
-            if posture is not None:
-                return way, tuple(posture.tolist())
-        raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
+            before, at = (way.backed_off(d) for d in depths)
+            q = self.robot.grasp_posture(self.side, prop, before, at)
+            if q is None:
+                continue
+            found = way, tuple(q.tolist())
+            if aim is None or self._allows(prop, at, aim):
+                return found
+            first, tried = first or found, tried + 1
+            if tried >= MOST_AIMED:
+                break
+        if first is None:
+            raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
+        return first
+
+    def _allows(self, prop: str, hand: Pose, aim: Aim) -> bool:
+        """Whether a thing grasped at this hand pose can be placed as aimed."""
+        return self._placement(self._held(prop, hand, aim.point), aim.target, aim.how) is not None
 
     # ---- letting go ------------------------------------------------------------------------------
 
@@ -81,16 +98,12 @@ class ExpertArm:
         self, prop: str, target: Pose, point: int | None = None, how: Placing | None = None
     ) -> Motion:
         how = how or Placing()
-        scene = self.robot.scene
-        held = Held(
-            self.side,
-            # The commanded hand, not the measured one: the load's droop is then in the grasp,
-            # and the thing itself arrives where it should.
-            self.ee(),
-            scene.pose(prop),
-            None if point is None else scene.functional(prop, point),
-        )
-        before, after, posture = self._feasible_place(held, target, how)
+        # The commanded hand, not the measured one: the load's droop is then in the grasp, and the
+        # thing itself arrives where it should.
+        found = self._placement(self._held(prop, self.ee(), point), target, how)
+        if found is None:
+            raise Infeasible("unreachable", f"the {self.side} hand cannot place {prop} there")
+        before, after, posture = found
         steps: list[Step] = [Reach((before,), posture)]
         if how.pre != how.gap:
             steps.append(Line(after))
@@ -98,18 +111,24 @@ class ExpertArm:
             steps.append(Grip(1.0, releases=prop))
         return self._motion(f"place {prop}", *steps)
 
-    def _feasible_place(
+    def _held(self, prop: str, hand: Pose, point: int | None) -> Held:
+        scene = self.robot.scene
+        functional = None if point is None else scene.functional(prop, point)
+        return Held(self.side, hand, scene.pose(prop), functional)
+
+    def _placement(
         self, held: Held, target: Pose, how: Placing
-    ) -> tuple[Pose, Pose, tuple[float, ...]]:
+    ) -> tuple[Pose, Pose, Posture] | None:
+        """Hand poses before and at the placement and the first one's posture, or None."""
         yaws = how.yaws
         if yaws == (0.0,) and how.mode in ("free", "auto"):
             yaws = _PLACE_YAWS
         for yaw in yaws:
             before, after = goals(held, target, how, yaw)
-            posture = self.robot.path_posture(self.side, (before, after))
-            if posture is not None:
-                return before, after, tuple(posture.tolist())
-        raise Infeasible("unreachable", f"the {self.side} hand cannot place there")
+            q = self.robot.path_posture(self.side, (before, after))
+            if q is not None:
+                return before, after, tuple(q.tolist())
+        return None
 
     # ---- moving ----------------------------------------------------------------------------------
 

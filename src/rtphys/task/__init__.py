@@ -2,7 +2,7 @@
 
 from rtphys.errors import Infeasible
 from rtphys.poses import Pose, axis_angle, quat_multiply
-from rtphys.task.arm import Arm, Motion, Placing, Robot
+from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
 from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
 from rtphys.task.orientation import DOWN, IDENTITY, UP_F, UP_S, UP_Y, UP_Z, yawed
 from rtphys.task.props import (
@@ -41,9 +41,9 @@ from rtphys.task.success import (
 
 __all__ = [
     "BLUE", "COLOURS", "DOWN", "GREEN", "IDENTITY", "LEFT", "RED", "RIGHT", "SHORT_COLOURS",
-    "TABLE_TOP", "UP_F", "UP_S", "UP_Y", "UP_Z", "Arm", "Articulated", "Ball", "Box", "Condition",
-    "Draw", "Infeasible", "Mesh", "Motion", "Phrases", "Placing", "Pose", "Prop", "Robot", "Scene",
-    "Spot", "Task", "above", "at_rest", "axis_angle", "claim", "clear_of", "free_of", "hands_open",
+    "TABLE_TOP", "UP_F", "UP_S", "UP_Y", "UP_Z", "Aim", "Arm", "Articulated", "Ball", "Box",
+    "Condition", "Draw", "Infeasible", "Mesh", "Motion", "Phrases", "Placing", "Pose", "Prop", "Robot",
+    "Scene", "Spot", "Task", "above", "at_rest", "axis_angle", "claim", "clear_of", "free_of", "hands_open",
     "held_by", "joint_beyond", "lifted", "load_task", "near", "off_centre", "opened",
     "points_meet", "pressed", "quat_multiply", "reachable", "task_names", "touching", "turned_to",
     "upright", "yawed",

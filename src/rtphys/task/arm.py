@@ -93,6 +93,27 @@ class Motion:
         return Motion(self.side, self.stage, self.steps + other.steps)
 
 
+@dataclass(frozen=True)
+class Placing:
+    """How a held prop meets its target (RoboTwin fact sheet, section 1.6)."""
+
+    mode: str = "auto"  # "free" | "align" | "auto"
+    pre: float = 0.1  # [m] distance of the pose before the last straight line
+    gap: float = 0.02  # [m] distance left at the end
+    along: str = "grasp"  # direction of both: "grasp" (gripper to prop) | "point" (target's z)
+    release: bool = True
+    yaws: tuple[float, ...] = (0.0,)  # [rad] extra turns about the target's z, tried in order
+
+
+@dataclass(frozen=True)
+class Aim:
+    """Where a thing will be placed, so that it is grasped in a way that allows it."""
+
+    target: Pose
+    point: int | None = None
+    how: Placing = Placing()
+
+
 class Arm(Protocol):
     """Verbs of one arm. Distances in metres, angles in radians, openings 0..1."""
 
@@ -105,10 +126,12 @@ class Arm(Protocol):
         pre: float = 0.1,
         depth: float = 0.0,
         grip: float = 0.0,
+        aim: Aim | None = None,
     ) -> Motion:
         """Reach `pre` in front of a contact point, advance to `depth` short of it, close.
 
         Args:
+            aim: prefer a grasp from which this placement will be reachable.
             contacts: allowed contact point ids; empty: all of the prop's.
             grip: commanded opening to close to; 0 presses as hard as the servo can.
 
@@ -128,7 +151,7 @@ class Arm(Protocol):
         prop: str,
         target: Pose,
         point: int | None = None,
-        how: "Placing | None" = None,
+        how: Placing | None = None,
     ) -> Motion:
         """Bring the held prop (its functional point, or its origin) to a target pose and let go."""
         ...
@@ -198,18 +221,6 @@ class Arm(Protocol):
     def ee(self) -> Pose:
         """Commanded end-effector pose, task frame."""
         ...
-
-
-@dataclass(frozen=True)
-class Placing:
-    """How a held prop meets its target (RoboTwin fact sheet, section 1.6)."""
-
-    mode: str = "auto"  # "free" | "align" | "auto"
-    pre: float = 0.1  # [m] distance of the pose before the last straight line
-    gap: float = 0.02  # [m] distance left at the end
-    along: str = "grasp"  # direction of both: "grasp" (gripper to prop) | "point" (target's z)
-    release: bool = True
-    yaws: tuple[float, ...] = (0.0,)  # [rad] extra turns about the target's z, tried in order
 
 
 class Robot(Protocol):
