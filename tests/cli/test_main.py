@@ -1,0 +1,141 @@
+"""The command line's frame: laziness, one-line errors, exit codes, global options."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from rtphys.cli import lazy
+from rtphys.cli.main import COMMANDS, app
+from rtphys.errors import BadValue, NoRenderer
+
+PACKAGE = Path(lazy.__file__).parent
+RUN = CliRunner()
+
+
+def program(problem: BaseException) -> typer.Typer:
+    """The real frame around a command that fails in one way."""
+    inner = typer.Typer(cls=lazy.LazyGroup)
+
+    @inner.callback()
+    def main(debug: bool = typer.Option(False, "--debug")) -> None: ...
+
+    lazy.add_stubs(inner, {"fail": "Fails."})
+
+    def fail() -> None:
+        raise problem
+
+    module = type(sys)("rtphys.cli.fail")
+    module.fail = fail  # type: ignore[attr-defined]
+    sys.modules["rtphys.cli.fail"] = module
+    return inner
+
+
+@pytest.mark.parametrize(
+    ("problem", "code", "message"),
+    [
+        (BadValue("friction", 9.0, "allowed: 0 to 4"), 2, "rtphys: friction = 9.0 is not allowed"),
+        (NoRenderer("no picture"), 3, "rtphys: no picture"),
+        (KeyboardInterrupt(), 130, "rtphys: stopped"),
+        (OSError(errno.ENOSPC, "No space left on device", "data/x"), 2, "free some space"),
+        (PermissionError(errno.EACCES, "Permission denied", "out"), 2, "out: Permission denied"),
+        (ImportError("libX11.so.6: cannot open", name="sapien"), 3, "`rtphys doctor`"),
+    ],
+    ids=lambda v: type(v).__name__ if isinstance(v, BaseException) else "",
+)
+def test_a_failure_is_one_line_and_an_exit_code(
+    problem: BaseException, code: int, message: str
+) -> None:
+    result = RUN.invoke(program(problem), ["fail"])
+    assert result.exit_code == code
+    assert message in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert "Traceback" not in result.output
+
+
+def test_debug_shows_the_traceback() -> None:
+    problem = BadValue("friction", 9.0, "allowed: 0 to 4")
+    result = RUN.invoke(program(problem), ["--debug", "fail"])
+    assert result.exception is problem
+
+
+def test_a_bug_is_no_user_error() -> None:
+    """Only errors that a user can cause are shortened; a defect keeps its traceback."""
+    result = RUN.invoke(program(ZeroDivisionError("oops")), ["fail"])
+    assert isinstance(result.exception, ZeroDivisionError)
+
+
+def test_commands_and_modules_are_the_same() -> None:
+    """A module is a command if it defines what the frame looks for."""
+    modules = {}
+    for path in PACKAGE.glob("*.py"):
+        if path.stem not in ("__init__", "main"):
+            modules[path.stem.replace("_", "-")] = path.read_text()
+    found = {
+        name
+        for name, text in modules.items()
+        if "\napp = " in text or f"\ndef {name.replace('-', '_')}(" in text
+    }
+    assert found == COMMANDS.keys()
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_every_command_explains_itself(name: str) -> None:
+    result = RUN.invoke(app, [name, "--help"])
+    assert result.exit_code == 0, result.output
+    assert "Usage" in result.output
+
+
+def test_unknown_command_names_the_nearest() -> None:
+    result = RUN.invoke(app, ["verify-manifets"])
+    assert result.exit_code == 2
+    assert "verify-manifest" in result.output
+
+
+def test_library_option_adds_to_the_variable(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("RTPHYS_LIBRARY", raising=False)
+    (tmp_path / "domains").mkdir()
+    (tmp_path / "domains" / "my_lab.yaml").write_text("extends: global\n")
+    result = RUN.invoke(app, ["--library", str(tmp_path), "domains", "list"])
+    assert result.exit_code == 0, result.output
+    assert "my_lab" in result.output.split()
+    result = RUN.invoke(app, ["--library", str(tmp_path / "gone"), "domains", "list"])
+    assert result.exit_code == 2
+    assert "gone" in result.stderr
+
+
+def test_ctrl_c_in_a_real_process() -> None:
+    code = (
+        "import sys, time, types\n"
+        "from rtphys.cli import main\n"
+        "slow = types.ModuleType('rtphys.cli.tasks')\n"
+        "def tasks() -> None:\n"
+        "    print('working', flush=True); time.sleep(60)\n"
+        "slow.tasks = tasks\n"
+        "sys.modules['rtphys.cli.tasks'] = slow\n"
+        "sys.argv = ['rtphys', 'tasks']\n"
+        "main.app()\n"
+    )
+    child = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    assert child.stdout is not None
+    assert child.stdout.readline().strip() == "working"
+    time.sleep(0.1)
+    child.send_signal(signal.SIGINT)
+    _, complaint = child.communicate(timeout=20)
+    assert child.returncode == 130
+    assert complaint.strip() == "rtphys: stopped"
