@@ -5,7 +5,7 @@ OUT ?= data
 PYTEST ?=
 BIN := .venv/bin
 
-.PHONY: setup collect test test-all check format bench wheel tables clean
+.PHONY: setup collect test test-all check format bench wheel tables pictures clean
 
 setup:            ## environment, Vulkan driver, assets (quick when nothing is to do)
 	@scripts/setup.sh
@@ -37,6 +37,11 @@ wheel: setup      ## build the wheel into dist/ and try it in a clean environmen
 
 tables: setup     ## write the generated tables into the documents
 	$(BIN)/python scripts/tables.py
+
+pictures: setup   ## one episode of every task, and README's picture of them
+	rm -rf build/pictures
+	$(BIN)/rtphys collect --task '*' --episodes 1 --cameras head --out build/pictures
+	$(BIN)/python scripts/contact_sheet.py build/pictures docs/images/contact_sheet.png
 
 clean:            ## remove what was built, not what was collected
 	rm -rf .venv dist build .pytest_cache .ruff_cache .hypothesis
