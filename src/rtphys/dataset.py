@@ -19,7 +19,7 @@ from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import MANIFEST, EpisodePaths
-from rtphys.data.schema import Instructions, Manifest, PhysMeta
+from rtphys.data.schema import Instructions, LeafEntry, Manifest, PhysMeta
 from rtphys.errors import BadFile, BadValue, UnknownName
 from rtphys.physics import Physics
 from rtphys.physics.values import plain_value
@@ -134,10 +134,11 @@ class Dataset(Sequence[Episode]):
         given = Path(path)
         self.path = given.parent if given.name == MANIFEST else given
         self.manifest: Manifest = read_manifest(self.path)
+        self.leaves: tuple[LeafEntry, ...] = tuple(self.manifest.leaves.values())
         self._episodes = tuple(self._listed())
 
     def _listed(self) -> Iterator[Episode]:
-        for entry in self.manifest.leaves.values():
+        for entry in self.leaves:
             leaf = leaf_at(self.path, entry)
             for number, seed in enumerate(entry.seeds):
                 paths = leaf.episode(number)
@@ -145,11 +146,11 @@ class Dataset(Sequence[Episode]):
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(episode.task for episode in self))
+        return tuple(dict.fromkeys(leaf.task for leaf in self.leaves))
 
     @property
     def protocols(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(episode.protocol for episode in self))
+        return tuple(dict.fromkeys(leaf.config for leaf in self.leaves))
 
     def where(self, task: str | None = None, protocol: str | None = None) -> "Dataset":
         """The episodes of one task and/or one protocol, as a dataset of its own.
@@ -165,11 +166,12 @@ class Dataset(Sequence[Episode]):
                 raise UnknownName(kind, name, known, self.path)
         part = object.__new__(Dataset)
         part.path, part.manifest = self.path, self.manifest
-        part._episodes = tuple(
-            episode
-            for episode in self
-            if task in (None, episode.task) and protocol in (None, episode.protocol)
+        part.leaves = tuple(
+            leaf
+            for leaf in self.leaves
+            if task in (None, leaf.task) and protocol in (None, leaf.config)
         )
+        part._episodes = tuple(part._listed())
         return part
 
     def __len__(self) -> int:

@@ -10,46 +10,65 @@ from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.values import REDRAWS, Value, plain_value
 
 
-class PhysicsCheck:
-    """Draws each episode's physics of one leaf again.
-
-    The centre of mass was redrawn until it lay inside every body; the label says how often, so
-    the same draw is found without any geometry.
-    """
+class Redraw:
+    """Draws the physics of one leaf's seeds again, from the manifest alone."""
 
     def __init__(self, entry: LeafEntry, domains: Mapping[str, Mapping[str, JSON]]) -> None:
-        self.entry = entry
-        self.refusal = ""  # why nothing can be derived
-        self._domain: Domain | None = None
-        resolved = domains.get(entry.domain.digest)
-        if resolved is None:
-            self.refusal = f"the manifest holds no domain with digest {entry.domain.digest}"
+        self.refusal = ""  # why nothing can be drawn
+        self.domain: Domain | None = None
+        self.only = entry.only
+        self.overrides: dict[str, Value] = {}
+        name, digest = entry.domain.name, entry.domain.digest
+        if digest not in domains:
+            self.refusal = f"the manifest holds no domain with digest {digest}"
             return
         try:
-            self._domain = Domain.from_json(resolved, "manifest.json")
-            self._overrides = {key: plain_value(v) for key, v in entry.overrides.items()}
+            self.domain = Domain.from_json(domains[digest], "manifest.json")
+            self.overrides = {key: plain_value(v) for key, v in entry.overrides.items()}
         except (RtphysError, ValueError) as error:
-            self.refusal = f"domain {entry.domain.name} cannot be read: {error}"
+            self.refusal = f"domain {name} cannot be read: {error}"
             return
-        if self._domain.digest != entry.domain.digest:
-            self.refusal = (
-                f"domain {entry.domain.name} has digest {self._domain.digest}, not its own"
-            )
+        if self.domain.digest != digest:
+            self.refusal = f"domain {name} has digest {self.domain.digest}, not its own"
+
+    def draw(self, seed: int, redraws: int = 0) -> Physics:
+        """The centre of mass was redrawn until it lay inside every body; a label says how often,
+        so the same draw is found without any geometry.
+
+        Raises:
+            RtphysError: the manifest's domain cannot draw.
+        """
+        if self.domain is None or self.refusal:
+            raise RtphysError(self.refusal)
+        return self.domain.sample(seed, self.only, self.overrides, inside=after(redraws))
+
+    def values(self, seed: int) -> Mapping[str, JSON]:
+        """Plain values, empty when the domain cannot draw; for pictures, not for proofs."""
+        try:
+            return {key: value for key, value in self.draw(seed).items()}  # noqa: C416 - typed
+        except RtphysError:
+            return {}
+
+
+class PhysicsCheck:
+    """Compares the labels of one leaf with what their seeds give."""
+
+    def __init__(self, entry: LeafEntry, domains: Mapping[str, Mapping[str, JSON]]) -> None:
+        self._redraw = Redraw(entry, domains)
 
     def problems(self, meta: PhysMeta) -> list[str]:
         """One sentence for each value that is not what the seed gives."""
-        if self._domain is None or self.refusal:
-            return [self.refusal]
+        domain = self._redraw.domain
+        if domain is None or self._redraw.refusal:
+            return [self._redraw.refusal]
         stated = meta.draws.get(REDRAWS, 0)
         if not isinstance(stated, int) or isinstance(stated, bool) or stated < 0:
             return [f"draws.{REDRAWS} = {stated!r} is no count"]
         try:
-            drawn = self._domain.sample(
-                meta.seed, self.entry.only, self._overrides, inside=after(stated)
-            )
+            drawn = self._redraw.draw(meta.seed, stated)
         except (RtphysError, TypeError, ValueError) as error:
             return [f"the physics of seed {meta.seed} cannot be drawn again: {error}"]
-        return _compare(meta, drawn) + self._domain.problems(drawn, self._overrides)
+        return _compare(meta, drawn) + domain.problems(drawn, self._redraw.overrides)
 
 
 def _compare(meta: PhysMeta, drawn: Physics) -> list[str]:

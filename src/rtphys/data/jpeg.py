@@ -49,3 +49,10 @@ def padded(streams: Sequence[bytes]) -> NDArray[np.bytes_]:
 def encode_png(rgb: NDArray[np.uint8]) -> bytes:
     """PNG of an RGB picture, true colours."""
     return cv2.imencode(".png", cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))[1].tobytes()
+
+
+def thumbnail(rgb: NDArray[np.uint8], width: int) -> bytes:
+    """A small ordinary JPEG of an RGB picture, at most `width` wide [px]."""
+    height = round(rgb.shape[0] * width / rgb.shape[1])
+    small = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_AREA)
+    return true_colour(np.asarray(small, np.uint8))

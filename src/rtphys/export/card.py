@@ -32,7 +32,7 @@ def write_card(dataset: Dataset, text: CardText) -> list[Path]:
 
 def card(dataset: Dataset, text: CardText) -> str:
     """The README's text."""
-    leaves = dataset.manifest.leaves.values()
+    leaves = dataset.leaves
     frames = sum(leaf.frames for leaf in leaves)
     parts = [
         _front_matter(text, frames),
@@ -102,7 +102,7 @@ def _front_matter(text: CardText, frames: int) -> str:
 
 def _task_table(dataset: Dataset) -> str:
     rows = ["| task | protocol | episodes | attempts | accepted |", "|---|---|---:|---:|---:|"]
-    for leaf in dataset.manifest.leaves.values():
+    for leaf in dataset.leaves:
         tried = len(leaf.attempts)
         share = f"{leaf.episodes / tried:.0%}" if tried else "–"
         rows.append(f"| {leaf.task} | {leaf.config} | {leaf.episodes} | {tried} | {share} |")
@@ -111,7 +111,7 @@ def _task_table(dataset: Dataset) -> str:
 
 def _rejections(dataset: Dataset) -> str:
     total: Counter[str] = Counter()
-    for leaf in dataset.manifest.leaves.values():
+    for leaf in dataset.leaves:
         total.update(leaf.rejections)
     if not total:
         return ""
@@ -134,7 +134,7 @@ def _physics_table(dataset: Dataset) -> str:
 
 def _provenance(dataset: Dataset) -> str:
     found: dict[str, set[str]] = {}
-    for leaf in dataset.manifest.leaves.values():
+    for leaf in dataset.leaves:
         for name, version in leaf.versions.items():
             found.setdefault(name, set()).add(version)
     versions = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(found.items()))

@@ -1,0 +1,27 @@
+"""`rtphys report`: a dataset as one HTML page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from rtphys.dataset import Dataset
+from rtphys.report.write import write_report
+
+
+def report(
+    dataset: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
+    out: Annotated[
+        Path | None, typer.Option(help="The page; report.html in the dataset if not given.")
+    ] = None,
+    task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
+) -> None:
+    """Counts, acceptance, histograms of the physics, and every episode's video on one page."""
+    chosen = Dataset(dataset).where(task)
+    page = out or chosen.path / "report.html"
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        row = bar.add_task("reading", total=None)
+        write_report(chosen, page, lambda done, all_: bar.update(row, completed=done, total=all_))
+    typer.echo(str(page))

@@ -1,0 +1,1 @@
+"""A dataset made visible: one HTML page, contact sheets, plots."""

@@ -1,0 +1,135 @@
+"""What the report page tells, gathered from manifest, journals and episodes as plain JSON."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rtphys.data.check_physics import Redraw
+from rtphys.data.convert import leaf_at
+from rtphys.data.episode import JSON
+from rtphys.data.journal import read_journal
+from rtphys.data.schema import LeafEntry
+from rtphys.dataset import Dataset, Episode
+from rtphys.errors import BadFile
+from rtphys.physics import attributes
+
+JOINTS = tuple(f"{side} {part}" for side in ("left", "right") for part in (*"123456", "gripper"))
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One number to make a histogram of: an attribute, or one component of it."""
+
+    key: str
+    part: int | None
+    title: str
+    unit: str
+
+    def of(self, values: Mapping[str, JSON]) -> float | None:
+        value = values.get(self.key)
+        if self.part is not None and isinstance(value, list | tuple):
+            value = value[self.part]
+        return float(value) if isinstance(value, int | float) else None
+
+
+def axes() -> list[Axis]:
+    """Every attribute; vectors by component."""
+    found = []
+    for key, known in attributes().items():
+        if known.size == 1:
+            found.append(Axis(key, None, key.replace("_", " "), known.unit))
+        else:
+            found += [
+                Axis(key, n, f"{key.replace('_', ' ')} {'xyz'[n]}", known.unit)
+                for n in range(known.size)
+            ]
+    return found
+
+
+@dataclass
+class Facts:
+    """The page's data; `to_json` is what its script reads."""
+
+    title: str
+    leaves: list[dict[str, JSON]] = field(default_factory=list)
+    attempts: list[list[JSON]] = field(default_factory=list)  # leaf, accepted, one value an axis
+    episodes: list[dict[str, JSON]] = field(default_factory=list)
+
+    def to_json(self) -> dict[str, JSON]:
+        return {
+            "title": self.title,
+            "axes": [{"title": a.title, "unit": a.unit} for a in axes()],
+            "joints": list(JOINTS),
+            "leaves": self.leaves,
+            "attempts": self.attempts,
+            "episodes": self.episodes,
+        }
+
+
+def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
+    """Reads every label and every trajectory once; no picture.
+
+    Raises:
+        BadFile, SchemaError: an episode is damaged.
+    """
+    facts = Facts(dataset.path.resolve().name)
+    shown = axes()
+    order = dataset.leaves
+    for index, entry in enumerate(order):
+        facts.leaves.append(
+            {
+                "task": entry.task,
+                "protocol": entry.config,
+                "episodes": entry.episodes,
+                "attempts": len(entry.attempts),
+                "rejections": dict(entry.rejections),
+            }
+        )
+        for accepted, values in _tried(dataset, entry):
+            facts.attempts.append([index, int(accepted), *(axis.of(values) for axis in shown)])
+    at = {leaf_at(dataset.path, entry).folder: n for n, entry in enumerate(order)}
+    for done, episode in enumerate(dataset, start=1):
+        facts.episodes.append(_episode(episode, at[episode.paths.hdf5.parents[1]], shown))
+        if progress:
+            progress(done, len(dataset))
+    return facts
+
+
+def _tried(dataset: Dataset, entry: LeafEntry) -> list[tuple[bool, Mapping[str, JSON]]]:
+    """(accepted, physics) of every attempt, told by the journal or drawn again from the seed."""
+    told: dict[int, Mapping[str, JSON]] = {}
+    journal = leaf_at(dataset.path, entry).journal
+    if journal.exists():
+        for line in read_journal(journal).lines[1:]:
+            seed, physics = line.entry.get("seed"), line.entry.get("physics")
+            if isinstance(seed, int) and isinstance(physics, Mapping) and physics:
+                told[seed] = physics
+    redraw = Redraw(entry, dataset.manifest.domains)
+    found = []
+    for attempt in entry.attempts:
+        values = told.get(attempt.seed) or redraw.values(attempt.seed)
+        found.append((attempt.verdict == "accepted", values))
+    return found
+
+
+def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
+    frames, meta = episode.frames, episode.meta
+    labels: dict[str, JSON] = {key: label.value for key, label in meta.attributes.items()}
+    if len(frames) < 2:
+        raise BadFile(episode.paths.hdf5, "holds fewer than two frames")
+    rounded = np.round([frames.vector.min(axis=0), frames.vector.max(axis=0)], 4)
+    return {
+        "leaf": leaf,
+        "number": episode.number,
+        "seed": episode.seed,
+        "frames": len(frames),
+        "seconds": round(float(frames.time[-1] - frames.time[0]), 3),
+        "says": episode.instructions.seen[0] if episode.instructions.seen else "",
+        "success": meta.verdict.first_success_time,
+        "values": [axis.of(labels) for axis in shown],
+        "varied": [meta.attributes[a.key].varied for a in shown if a.key in meta.attributes],
+        "low": rounded[0].tolist(),
+        "high": rounded[1].tolist(),
+    }

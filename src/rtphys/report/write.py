@@ -1,0 +1,64 @@
+"""One self-contained HTML page about a dataset."""
+
+import base64
+import json
+import os
+from importlib.resources import files
+from pathlib import Path
+from urllib.parse import quote
+
+from rtphys.data import jpeg
+from rtphys.data.encode import VIDEO_CAMERA
+from rtphys.data.files import make_folder, replace_file
+from rtphys.dataset import Dataset, Episode
+from rtphys.report.facts import Progress, gather
+
+THUMBNAIL = 200  # [px]
+EMBEDDED = 64_000_000  # bytes of video inside the page; later ones are linked to
+
+
+def write_report(dataset: Dataset, out: Path, progress: Progress | None = None) -> Path:
+    """Writes the page.
+
+    Pictures and videos are inside it, up to 64 MB of video; the rest is linked relative to it.
+
+    Args:
+        dataset: what to show.
+        out: the HTML file.
+        progress: called with (steps done, steps in all).
+
+    Raises:
+        BadFile, SchemaError: an episode is damaged.
+        CannotWrite: the page cannot be written.
+    """
+    total = 2 * len(dataset)
+    facts = gather(dataset, lambda done, _: progress(done, total) if progress else None)
+    embedded = 0
+    for number, (row, episode) in enumerate(zip(facts.episodes, dataset, strict=True), start=1):
+        size = episode.paths.video.stat().st_size
+        embedded += size
+        row["thumb"] = _inline("image/jpeg", _thumbnail(episode))
+        row["video"] = _video(episode, out, inside=embedded <= EMBEDDED)
+        if progress:
+            progress(len(dataset) + number, total)
+    # "</script>" inside a JSON string would end the script early.
+    data = json.dumps(facts.to_json(), allow_nan=False).replace("<", "\\u003c")
+    page = (files("rtphys.report") / "page.html").read_text(encoding="utf-8")
+    make_folder(out.parent)
+    replace_file(out, page.replace("/*DATA*/", data).encode())
+    return out
+
+
+def _thumbnail(episode: Episode) -> bytes:
+    camera = VIDEO_CAMERA if VIDEO_CAMERA in episode.cameras else episode.cameras[0]
+    return jpeg.thumbnail(episode.image(camera, len(episode) // 2), THUMBNAIL)
+
+
+def _video(episode: Episode, page: Path, *, inside: bool) -> str:
+    if inside:
+        return _inline("video/mp4", episode.paths.video.read_bytes())
+    return quote(Path(os.path.relpath(episode.paths.video, page.parent)).as_posix())
+
+
+def _inline(kind: str, data: bytes) -> str:
+    return f"data:{kind};base64,{base64.b64encode(data).decode()}"

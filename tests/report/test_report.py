@@ -1,0 +1,94 @@
+"""The report page: its data, and its behaviour in a real browser."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+import synthetic
+from test_dataset_writer import collect
+
+from rtphys.dataset import Dataset
+from rtphys.report.facts import axes
+from rtphys.report.write import write_report
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    out = tmp_path_factory.mktemp("report <!--<script> page")
+    collect(out, 3)
+    collect(out, 2, what=synthetic.conditions(task="press_bell"))
+    return Dataset(out)
+
+
+@pytest.fixture(scope="module")
+def page(dataset: Dataset) -> Path:
+    seen: list[tuple[int, int]] = []
+    path = write_report(dataset, dataset.path / "report.html", lambda *at: seen.append(at))
+    assert seen[-1] == (10, 10)
+    return path
+
+
+def data(page: Path) -> dict:
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read_text())
+    assert found
+    return json.loads(found[1])
+
+
+def test_data_is_the_dataset(page: Path, dataset: Dataset) -> None:
+    facts = data(page)
+    assert len(facts["episodes"]) == 5
+    assert [a[1] for a in facts["attempts"]] == [1, 1, 0, 1, 1, 1]
+    friction = [axis.key for axis in axes()].index("friction")
+    for row, episode in zip(facts["episodes"], dataset, strict=True):
+        assert row["values"][friction] == episode.physics["friction"]
+        assert row["video"].startswith("data:video/mp4;base64,")
+    assert facts["attempts"][2][2 + friction] == 0.1, "a rejected attempt's physics is told"
+
+
+def test_page_needs_nothing_else(page: Path) -> None:
+    text = page.read_text()
+    assert not re.search(r'(src|href)="?https?:', text)
+    assert text.count("</script>") == 2
+
+
+def test_part_of_a_dataset(dataset: Dataset, tmp_path: Path) -> None:
+    path = write_report(dataset.where(task="click_bell"), tmp_path / "part.html")
+    assert [leaf["task"] for leaf in data(path)["leaves"]] == ["click_bell"]
+    assert len(data(path)["attempts"]) == 4
+
+
+def test_in_a_browser(page: Path) -> None:
+    """Loads without errors, filters, and plays."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome")
+    api = pytest.importorskip("playwright.sync_api", reason="needs playwright and Chromium")
+    if browser is None:
+        pytest.skip("needs Chromium")
+    errors: list[str] = []
+    with api.sync_playwright() as p:
+        chromium = p.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+        tab = chromium.new_page()
+        tab.on("pageerror", lambda error: errors.append(str(error)))
+        tab.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
+        tab.goto(page.as_uri())
+        assert tab.locator(".episode").count() == 5
+        assert tab.locator("#physics svg").count() == len(axes())
+        tab.select_option("#axis", label="friction")
+        values = sorted(
+            float(t.split()[0])
+            for t in tab.locator("dt:text-is('friction') + dd").all_inner_texts()
+        )
+        tab.fill("#from", str(values[-1] - 1e-3))
+        kept = sum(value > values[-1] - 1e-3 for value in values)
+        assert tab.locator(".episode").count() == kept < 5
+        assert f"{kept} episodes, {kept} attempts (100 %" in tab.locator("#counts").inner_text()
+        tab.click("#clear")
+        tab.select_option("#task", "press_bell")
+        assert tab.locator(".episode").count() == 2
+        tab.click("#clear")
+        assert tab.locator(".episode").count() == 5
+        tab.locator(".play").first.click()
+        tab.wait_for_function("document.querySelector('video').currentTime > 0", timeout=10_000)
+        chromium.close()
+    assert errors == []
