@@ -1,8 +1,16 @@
 """An audit finds labels that lie, and says in words where feasibility cut."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from rtphys.cli import physics as command
+from rtphys.data.writer import DatasetWriter, Rejection, stage_episode
+from rtphys.dataset import Dataset
+from rtphys.proofs.audit import selections_by_leaf
 from rtphys.proofs.audit_labels import differences
 from rtphys.proofs.audit_selection import Selection, selections
 
@@ -74,3 +82,53 @@ def test_a_distance_is_that_of_the_textbook():
 def test_differences_name_the_place(stored, now, words):
     found = differences("r", stored, now)
     assert (found == []) if words is None else found[0].startswith(words)
+
+
+@pytest.fixture(scope="module")
+def slippery_rejected(tmp_path_factory):
+    """A dataset of 25 small episodes, from which every friction below 0.5 was refused."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
+    import synthetic
+
+    out = tmp_path_factory.mktemp("audited")
+    with DatasetWriter(out) as dataset:
+        task, seed = dataset.task(synthetic.conditions(), 25), 0
+        while not task.done:
+            labels = synthetic.phys_meta(seed)["attributes"]
+            values = {key: label["value"] for key, label in labels.items()}
+            if values["friction"] < 0.5:
+                task.record(Rejection(seed, "grip_slip", "too slippery", values))
+            else:
+                task.record(stage_episode(task.staging(seed), synthetic.episode(seed, 2), "native"))
+            seed += 1
+    return out
+
+
+def test_a_dataset_tells_which_attempts_were_refused(slippery_rejected):
+    (found,) = selections_by_leaf(Dataset(slippery_rejected)).values()
+    by_key = {one.key: one for one in found}
+    assert by_key["friction"].accepted.sum() == 25
+    assert by_key["friction"].attempted.min() < 0.5
+    assert by_key["friction"].sentence.startswith("low values were cut")
+    assert by_key["restitution"].sentence == "no cut that shows"
+    assert {"center_of_mass.x", "center_of_mass.y", "center_of_mass.z"} <= by_key.keys()
+
+
+def test_the_command_prints_and_draws_it(slippery_rejected, tmp_path):
+    arguments = ["audit", str(slippery_rejected), "--no-labels", "--out", str(tmp_path)]
+    result = CliRunner().invoke(command.app, arguments)
+    assert result.exit_code == 0, result.output
+    line = next(li for li in result.output.splitlines() if li.strip().startswith("friction"))
+    assert "25 of " in line
+    assert "low values were cut" in line
+    (figure,) = tmp_path.glob("*.png")
+    assert figure.stat().st_size > 20_000
+
+
+@pytest.mark.sim
+def test_the_command_finds_labels_that_no_world_has(slippery_rejected):
+    # The bell of these small episodes "weighs" 0.25 kg; the real one is fixed to the table.
+    result = CliRunner().invoke(command.app, ["audit", str(slippery_rejected)])
+    assert result.exit_code == 1
+    assert "readback.bodies.bell: only the label has it" in result.output
+    assert "0 of 25 episodes" in result.output
