@@ -1,0 +1,70 @@
+"""`rtphys show`: what it says of an episode, and the pictures it writes."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_dataset_writer import FRAMES, collect
+from typer import Typer
+from typer.testing import CliRunner
+
+from rtphys.cli.show import show
+from rtphys.dataset import Dataset
+from rtphys.report.joint_plot import joint_plot, panels
+from rtphys.report.sheet import GAP, contact_sheet
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
+    out = tmp_path_factory.mktemp("dataset")
+    collect(out, 2)
+    return Dataset(out)
+
+
+def run(*arguments: str):
+    app = Typer()
+    app.command()(show)
+    return CliRunner().invoke(app, arguments)
+
+
+def test_says_what_is_in_the_episode(dataset: Dataset, tmp_path: Path) -> None:
+    result = run(str(dataset[1].paths.video), "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    for told in ("click_bell, seed 1", "ring the bell", "friction", "reach", "press", "4, 0.18 s"):
+        assert told in result.output
+    assert (tmp_path / "click_bell_phys_random_1.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "click_bell_phys_random_1_joints.svg").stat().st_size > 3000
+
+
+def test_by_number(dataset: Dataset) -> None:
+    assert "seed 1" in run(str(dataset.path), "--number", "1").output
+    result = run(str(dataset.path), "--number", "7")
+    assert "episodes 0 to 1" in str(result.exception)
+
+
+def test_sheet_has_a_row_per_camera(dataset: Dataset) -> None:
+    sheet = contact_sheet(dataset[0])
+    height, width, _ = dataset[0].image("head_camera", 0).shape
+    assert sheet.shape == (3 * (height + GAP), FRAMES * (width + GAP), 3)
+    np.testing.assert_array_equal(sheet[:height, :width], dataset[0].image("head_camera", 0))
+
+
+def test_plot_draws_target_and_measured_of_every_joint(dataset: Dataset) -> None:
+    root = ElementTree.fromstring(joint_plot(dataset[0]))
+    lines = root.findall(f"{SVG}polyline")
+    assert len(lines) == 2 * 14
+    assert all(len(line.attrib["points"].split()) == FRAMES for line in lines)
+    stages = [text.text for text in root.findall(f"{SVG}text")]
+    assert stages.count("reach") == stages.count("press") == 2
+
+
+def test_a_panel_pairs_command_and_joint_by_name(dataset: Dataset) -> None:
+    frames = dataset[0].frames
+    right = panels(frames)[7 + 3]
+    np.testing.assert_array_equal(right.target, frames.right_arm[:, 3])
+    assert right.measured is not None
+    column = frames.joint_names.index("fr_joint4")
+    np.testing.assert_array_equal(right.measured, frames.qpos[:, column])
