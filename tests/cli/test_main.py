@@ -102,7 +102,7 @@ def test_unknown_command_names_the_nearest() -> None:
 def test_library_option_adds_to_the_variable(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.delenv("RTPHYS_LIBRARY", raising=False)
+    monkeypatch.setenv("RTPHYS_LIBRARY", "")  # set, so that it is put back: the command sets it too
     (tmp_path / "domains").mkdir()
     (tmp_path / "domains" / "my_lab.yaml").write_text("extends: global\n")
     result = RUN.invoke(app, ["--library", str(tmp_path), "domains", "list"])
