@@ -59,11 +59,19 @@ sys.exit(gui != ["NONE"])
 PY
 }
 
-# The simulator's own shared libraries: SAPIEN links libX11 even when it never opens a window.
+# Wheels bring most of what they link; a bare machine lacks the rest. Each answer may hide the next
+# (a library that is found may ask for another), hence the rounds.
 ensure_libraries() {
-    "$VENV/bin/python" -c 'import sapien' 2>/dev/null && return
-    install_packages "the simulator links libX11 (no window is opened)" libx11-6
-    "$VENV/bin/python" -W ignore -c 'import sapien' || die "SAPIEN still cannot be imported"
+    local broken packages round
+    for round in 1 2 3; do
+        broken=$("$VENV/bin/python" -W ignore -m rtphys.natives 2>/dev/null) && return
+        packages=$(sed -n 's/.*: \([a-z0-9.+-]\{2,\}\)$/\1/p' <<<"$broken" | sort -u)
+        [ -n "$packages" ] || break
+        # shellcheck disable=SC2086  # one word a package
+        install_packages "compiled packages miss system libraries (no window is opened)" $packages ||
+            break
+    done
+    die "these packages cannot be loaded: $broken"
 }
 
 renders() {

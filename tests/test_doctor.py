@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rtphys import doctor
+from rtphys import doctor, natives
 from rtphys.sim import probe, vulkan
 
 NO_DEVICE = {"VK_DRIVER_FILES": "/nowhere.json", "VK_ICD_FILENAMES": "/nowhere.json"}
@@ -86,6 +86,23 @@ def test_no_permission(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may open everything
     answer = probe.probe()
     assert answer["cause"] == "no_permission" and str(card) in str(answer["detail"])
+
+
+def test_a_missing_system_library_is_named_with_its_package() -> None:
+    said = "toppra: libgomp.so.1: cannot open shared object file: No such file or directory"
+    finding = doctor.check_natives(child(f"print({said + ': libgomp1'!r}); exit(1)"))
+    assert finding.cause == "not_loadable" and "libgomp1" in finding.detail
+    assert natives.package_of(said) == "libgomp1"
+    assert natives.package_of("No module named 'toppra'") is None
+    assert doctor.check_natives(child("import os; os.abort()")).cause == "not_loadable"
+    assert doctor.check_natives().status == "ok"
+
+
+def test_a_broken_module_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(natives, "MODULES", ("json", "no_such_module_at_all"))
+    assert natives.failures() == {
+        "no_such_module_at_all": "No module named 'no_such_module_at_all'"
+    }
 
 
 def test_full_disk_and_closed_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from rtphys.assets.pack import STAMP, Pack, cache_folder, linked
 from rtphys.errors import RtphysError
 
 PROBE = (sys.executable, "-W", "ignore", "-m", "rtphys.sim.probe")
+NATIVES = (sys.executable, "-W", "ignore", "-m", "rtphys.natives")
 PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
 DISK_LOW, DISK_NEEDED = 5e9, 5e8  # [bytes] warn, fail; an episode is about 5 MB
 
@@ -75,11 +76,11 @@ CAUSES = {
     "old_package": Cause(
         22, "a package is missing or too old", "`pip install --upgrade rtphys`, or `make setup`"
     ),
-    "no_opencv": Cause(
+    "not_loadable": Cause(
         23,
-        "OpenCV cannot be loaded",
-        "in rtphys's environment: `pip install --force-reinstall --no-deps "
-        "opencv-contrib-python-headless`",
+        "a compiled package cannot be loaded",
+        "install the system library that it names; for cv2, `pip install --force-reinstall "
+        "--no-deps opencv-contrib-python-headless` in rtphys's environment",
     ),
     "bad_assets": Cause(24, "the asset pack is not usable", "`rtphys assets --help`"),
     "bad_library": Cause(25, "the task library is not usable", "check $RTPHYS_LIBRARY"),
@@ -104,7 +105,7 @@ def examine(out: Path = Path()) -> list[Finding]:
     """Run every check. `out` is where datasets are to go; it need not exist yet."""
     return [
         check_packages(),
-        check_opencv(),
+        check_natives(),
         check_renderer(),
         check_disk("space for data", out),
         check_disk("space for assets", cache_folder()),
@@ -164,15 +165,17 @@ def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object
     return "no_simulator", {"detail": last}
 
 
-def check_opencv() -> Finding:
-    """Import OpenCV; the one with windows needs libGL, which a server lacks."""
-    done = subprocess.run(
-        [sys.executable, "-c", "import cv2; print(cv2.__version__)"], capture_output=True, text=True
-    )
+def check_natives(command: Sequence[str] = NATIVES) -> Finding:
+    """Import every compiled package in a child process."""
+    done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    check = "compiled packages"
     if done.returncode == 0:
-        return _found("OpenCV", "ok", done.stdout.strip())
-    lines = done.stderr.strip().splitlines() or ["it said nothing"]
-    return _found("OpenCV", "no_opencv", lines[-1])
+        return _found(check, "ok", "all can be loaded")
+    if done.returncode < 0:
+        name = signal.Signals(-done.returncode).name
+        return _found(check, "not_loadable", f"importing them was ended by {name}")
+    lines = [*done.stdout.strip().splitlines(), *done.stderr.strip().splitlines()[-1:]]
+    return _found(check, "not_loadable", "; ".join(lines))
 
 
 # ---- in this process ---------------------------------------------------------------------------
