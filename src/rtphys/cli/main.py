@@ -19,6 +19,7 @@ COMMANDS = {
     "verify-manifest": "Prove that a dataset is what its manifest says.",
     "convert": "Write a dataset again in the other official layout.",
     "export": "Write a dataset in the format of another tool.",
+    "show": "Show one episode in the terminal or as a picture.",
     "report": "Show a dataset on one HTML page.",
     "tasks": "List the tasks and what they need.",
     "domains": "Show and check the ranges of the physical attributes.",
