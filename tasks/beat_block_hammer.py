@@ -24,7 +24,8 @@ from rtphys.task import (
 
 LYING = Pose((0.0, -0.06, 0.783), (0.0, 0.0, 0.995, 0.105))  # face down, head away from the robot
 STRIKE = 0.001  # [N s] a blow that moves a gram by 1 m/s; resting contact of one step is below it
-OVER = Placing(pre=0.06, gap=0.0, release=False)
+RAISED = Placing(pre=0.06, gap=0.06, along="point", release=False)
+OVER = Placing(pre=0.06, gap=0.0, along="point", release=False, until="block")
 
 
 def layout(draw: Draw):
@@ -53,6 +54,8 @@ def script(robot: Robot) -> None:
     arm, top = robot.nearest("block"), robot.scene.functional("block", 1)
     robot.do(arm.grasp("hammer", pre=0.12, depth=0.01, aim=Aim(top, 0, OVER)))
     robot.do(arm.lift(0.07))
+    robot.do(arm.place("hammer", top, point=0, how=RAISED))
+    # A heavy head sags in the hand on the way: aim anew from above the block.
     robot.do(arm.place("hammer", top, point=0, how=OVER))
 
 

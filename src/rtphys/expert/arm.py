@@ -106,7 +106,7 @@ class ExpertArm:
         before, after, posture = found
         steps: list[Step] = [Reach((before,), posture)]
         if how.pre != how.gap:
-            steps.append(Line(after))
+            steps.append(Line(after, until=how.until))
         if how.release:
             steps.append(Grip(1.0, releases=prop))
         return self._motion(f"place {prop}", *steps)

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from rtphys.errors import Infeasible, UnknownName
-from rtphys.expert.pace import friction_margin, pace_of
+from rtphys.expert.pace import hold_margin, pace_of
 from rtphys.expert.planner import SIDES, DualArmPlanner
 from rtphys.plan.online import gripper_ramp
 from rtphys.poses import Array
@@ -16,6 +16,8 @@ from rtphys.task.arm import Grip
 STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
 GRIP_LIMIT = 100  # [steps] for the fingers to stop on what they hold
 STOPPED = 0.003  # [m/s] a finger slower than this has stopped
+CALM = 0.1  # [rad/s] a load that turns slower hangs still
+CALM_LIMIT = 125  # [steps]
 FEEL_STEPS = 12  # contact may flicker for a few steps
 
 
@@ -93,7 +95,7 @@ class Hands:
         return held is not None and held != prop and self.scene.touching(held, prop)
 
     def still_held(self) -> None:
-        """Everything carried is still in its hand.
+        """Everything carried is still in its hand, and has stopped swinging there.
 
         Raises:
             Infeasible: "slipped".
@@ -105,14 +107,23 @@ class Hands:
                 self.rollout.tick()
             else:
                 raise Infeasible("slipped", f"{prop} left the {side} hand")
+        for prop in set(self.holding.values()):
+            self._wait_for_calm(prop)
+
+    def _wait_for_calm(self, prop: str) -> None:
+        bodies = [body.component for body in self.world.object(prop).bodies]
+        for _ in range(CALM_LIMIT):
+            spins = [float(np.linalg.norm(c.angular_velocity)) for c in bodies]
+            if max(spins, default=0.0) < CALM:
+                return
+            self.rollout.tick()
 
     def pace(self) -> float:
         """Share of the usual speed that the present load allows."""
         margins = []
         for prop in set(self.holding.values()):
             sides = [s for s in SIDES if self.holding.get(s) == prop]
-            gaps = [self.world.robot.arm(s).gap() for s in sides]
-            margins.append(friction_margin(self.world, prop, gaps))
+            margins.append(hold_margin(self.world, prop, sides))
         return min((pace_of(m) for m in margins), default=1.0)
 
     # ---- what planning may overlook --------------------------------------------------------------

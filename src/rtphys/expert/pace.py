@@ -3,25 +3,44 @@
 import numpy as np
 
 from rtphys.physics.handles import GRAVITY
+from rtphys.poses import Array
+from rtphys.sim.body import SimBody
+from rtphys.sim.engine import from_sapien
 from rtphys.sim.world import World
 
 GRIP_STIFFNESS = 1000.0  # [N/m] of a finger's servo (official config)
 OVERCLOSE = 0.01  # [m] a closed command lies 1 cm inside, so an empty hand still presses 10 N
+SHARE = 0.7  # of the commanded force that both pads really exert (measured: 24 N of 35 N)
+PATCH = 0.015  # [m] arm with which friction on a pad resists turning
 
 
 def grip_force(gap: float) -> float:
     """Normal force of one finger on a thing that keeps the pads `gap` [m] apart [N]."""
-    return GRIP_STIFFNESS * (gap / 2 + OVERCLOSE)
+    return SHARE * GRIP_STIFFNESS * (gap / 2 + OVERCLOSE)
 
 
-def friction_margin(world: World, prop: str, gaps: list[float]) -> float:
-    """Largest friction the hands can exert over the thing's weight, 1: it just holds."""
-    bodies = world.object(prop).bodies
-    weight = sum(b.mass for b in bodies) * GRAVITY
-    mu = min((m[0] for s in world.robot.pads for m in s.materials()), default=0.5)
-    return sum(2 * mu * grip_force(gap) for gap in gaps) / max(weight, 1e-6)
+def hold_margin(world: World, prop: str, sides: list[str]) -> float:
+    """How many times its weight (or its turning moment, if one hand holds it) a grip could bear."""
+    bodies = list(world.object(prop).bodies)
+    weight = max(sum(body.mass for body in bodies) * GRAVITY, 1e-6)
+    mu = min((m[0] for pad in world.robot.pads for m in pad.materials()), default=0.5)
+    arms = [world.robot.arm(side) for side in sides]
+    friction = sum(2 * mu * grip_force(arm.gap()) for arm in arms)
+    margin = friction / weight
+    if len(arms) == 1:
+        offset = _centre(bodies) - arms[0].tcp().p
+        lever = float(np.hypot(offset[0], offset[1]))
+        margin = min(margin, friction * PATCH / (weight * max(lever, 1e-3)))
+    return margin
+
+
+def _centre(bodies: list[SimBody]) -> Array:
+    """Common centre of mass (3,), world frame [m]."""
+    masses = np.array([body.mass for body in bodies])
+    points = [from_sapien(b.component.entity_pose) @ b.com for b in bodies]
+    return masses @ np.array(points) / masses.sum()
 
 
 def pace_of(margin: float) -> float:
-    """Share of the usual speed for a friction margin: full from 5 on, a third at the limit."""
+    """Share of the usual speed for a margin: full from 5 on, a third at the limit."""
     return float(np.interp(margin, [1.2, 5.0], [0.35, 1.0]))

@@ -102,6 +102,7 @@ class Placing:
     gap: float = 0.02  # [m] distance left at the end
     along: str = "grasp"  # direction of both: "grasp" (gripper to prop) | "point" (target's z)
     release: bool = True
+    until: str = ""  # stop the last line once the load presses on this prop
     yaws: tuple[float, ...] = (0.0,)  # [rad] extra turns about the target's z, tried in order
 
 

@@ -64,9 +64,36 @@ class Task:
                     raise
         raise Infeasible("layout", "50 layouts in a row broke the task's spacing rules")
 
+    def sentences(self) -> Phrases:
+        """Sentence templates: `phrases`, else the YAML beside the file, else the doc's first line.
+
+        Raises:
+            BadFile: the YAML does not hold two lists of sentences, `seen` and `unseen`.
+        """
+        if self.phrases.seen:
+            return self.phrases
+        path = self.source.with_suffix(".yaml")
+        if path.is_file():
+            return _read_phrases(path)
+        line = self.doc.partition("\n")[0].rstrip(".") or self.name.replace("_", " ")
+        return Phrases((line,), (line,))
+
     def condition(self, props: list[Prop]) -> Condition:
         """The success condition of one episode."""
         return self.success if isinstance(self.success, Condition) else self.success(props)
+
+
+def _read_phrases(path: Path) -> Phrases:
+    content = library.read_yaml(path)
+    splits: dict[str, tuple[str, ...]] = {}
+    for key in ("seen", "unseen"):
+        lines = content.pop(key, None)
+        if not (isinstance(lines, list) and lines and all(isinstance(x, str) for x in lines)):
+            raise BadFile(path, f"{key} must be a list of sentences")
+        splits[key] = tuple(str(line) for line in lines)
+    if content:
+        raise BadFile(path, f"has keys that nobody reads: {', '.join(content)}")
+    return Phrases(splits["seen"], splits["unseen"])
 
 
 def load_task(name: str) -> Task:
