@@ -47,6 +47,7 @@ def program(problem: BaseException) -> typer.Typer:
         (OSError(errno.ENOSPC, "No space left on device", "data/x"), 2, "free some space"),
         (PermissionError(errno.EACCES, "Permission denied", "out"), 2, "out: Permission denied"),
         (ImportError("libX11.so.6: cannot open", name="sapien"), 3, "`rtphys doctor`"),
+        (ImportError("No module named 'pyarrow'", name="pyarrow"), 3, "rtphys[lerobot]"),
     ],
     ids=lambda v: type(v).__name__ if isinstance(v, BaseException) else "",
 )

@@ -10,6 +10,7 @@ from typer.core import TyperGroup
 
 from rtphys.errors import RtphysError
 
+EXTRAS = {"pyarrow": "lerobot"}  # package -> the optional part of rtphys that brings it
 INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
 
@@ -34,9 +35,12 @@ class LazyGroup(TyperGroup):
         except KeyboardInterrupt:
             _stop("stopped", INTERRUPTED)
         except ImportError as error:
-            if (error.name or "").partition(".")[0] == "rtphys":
+            package = (error.name or "").partition(".")[0]
+            if package == "rtphys":
                 raise
-            _stop(f"{error}; `rtphys doctor` says what is missing", 3)
+            extra = EXTRAS.get(package)
+            cure = f"`pip install 'rtphys[{extra}]'`" if extra else "`rtphys doctor` names the cure"
+            _stop(f"{error}; {cure}", 3)
         except BrokenPipeError:
             sys.stdout = None  # whoever read our output has left; the exit flush would complain
             raise typer.Exit(1) from None
