@@ -1,0 +1,113 @@
+"""Sentences for an episode: templates filled with what its props and arms are called.
+
+A template names props by upper-case placeholders (`{A}`) and arms by lower-case ones (`{a}`), as in
+RoboTwin. It fits an episode if its placeholders are those of the task's `info`, or those without
+any arm, or if it has none at all.
+"""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+
+from rtphys.errors import BadValue
+from rtphys.seeds import stream
+from rtphys.task.props import Articulated, Mesh, Prop
+from rtphys.task.spec import Phrases, Task
+
+SENTENCES = 100  # at most, per split (RoboTwin's `language_num`)
+SIDES = ("left", "right")
+ARM = "arm:"  # an info value: the side of the table on which a prop starts
+
+Describe = Callable[[Prop], Sequence[str]]  # noun phrases for a model, without article
+
+
+def instructions(task: Task, seed: int, describe: Describe) -> dict[str, list[str]]:
+    """`{"seen": [...], "unseen": [...]}` of an episode; depends on its seed alone.
+
+    Args:
+        describe: what the asset pack calls a prop that has no phrase of its own.
+
+    Raises:
+        BadValue: a template that cannot be filled, or a task without templates.
+    """
+    props = {prop.name: prop for prop in task.props(seed)}
+    spoken = {letter: _spoken(value, props, describe) for letter, value in task.info.items()}
+    phrases = task.sentences()
+    check_templates(phrases, task.info, task.name)
+    return {
+        split: _fill(getattr(phrases, split), spoken, seed, split) for split in ("seen", "unseen")
+    }
+
+
+def scene_info(task: Task, seed: int) -> dict[str, str]:
+    """`{"{A}": "050_bell/base0", "{a}": "left"}`, as the official `scene_info.json` has it."""
+    props = {prop.name: prop for prop in task.props(seed)}
+    return {f"{{{letter}}}": _official(value, props) for letter, value in task.info.items()}
+
+
+def placeholders(template: str) -> frozenset[str]:
+    """Letters in braces."""
+    return frozenset(re.findall(r"\{(\w+)\}", template))
+
+
+def fits(template: str, info: Mapping[str, str]) -> bool:
+    """Whether a template says neither more nor less than the episode has."""
+    named, letters = placeholders(template), frozenset(info)
+    return named in (letters, frozenset(x for x in letters if not x.islower()), frozenset())
+
+
+def check_templates(phrases: Phrases, info: Mapping[str, str], where: str) -> None:
+    """Every template can be filled.
+
+    Raises:
+        BadValue: names the template.
+    """
+    allowed = ", ".join(f"{{{letter}}}" for letter in info) or "none"
+    for split in ("seen", "unseen"):
+        for template in getattr(phrases, split):
+            if not fits(template, info):
+                told = f"its placeholders must be {allowed}, or these without the arms, or none"
+                raise BadValue(split, template, told, where)
+
+
+def _fill(
+    templates: Sequence[str], spoken: Mapping[str, Sequence[str]], seed: int, split: str
+) -> list[str]:
+    """Each template once, in an order of its own, each with phrases of its own."""
+    rng = stream(seed, "language", split)
+    order = rng.permutation(len(templates))[:SENTENCES]
+    filled = []
+    for i in order:
+        words = {letter: said[int(rng.integers(len(said)))] for letter, said in spoken.items()}
+        filled.append(_sentence(templates[int(i)].format(**words)))
+    return filled
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _spoken(value: str, props: Mapping[str, Prop], describe: Describe) -> Sequence[str]:
+    """Every way to say one placeholder's value."""
+    official = _official(value, props)
+    if value in SIDES or value.startswith(ARM):
+        return [f"the {official} arm"]
+    prop = props[value]
+    said = [prop.phrase] if prop.phrase else list(describe(prop)) or [value.replace("_", " ")]
+    return [f"the {phrase.removeprefix('the ')}" for phrase in said]
+
+
+def _official(value: str, props: Mapping[str, Prop]) -> str:
+    if value in SIDES:
+        return value
+    name = value.removeprefix(ARM)
+    if name not in props:
+        known = ", ".join([*props, *(f"{ARM}{p}" for p in props), *SIDES])
+        raise BadValue("info", value, f"it is one of {known}")
+    prop = props[name]
+    if value.startswith(ARM):
+        return "left" if prop.pose.p[0] < 0 else "right"
+    if prop.label:
+        return prop.label
+    if isinstance(prop, Mesh | Articulated):
+        return f"{prop.category}/base{prop.model}"
+    return prop.phrase or prop.name.replace("_", " ")
