@@ -9,8 +9,9 @@ import numpy as np
 
 from rtphys.assets.geometry import Outline, lathe
 from rtphys.assets.parts import shell_parts
-from rtphys.assets.solid import Solid, hull
+from rtphys.assets.solid import Solid
 from rtphys.assets.thing import Array, contact
+from rtphys.assets.turned import turned_parts
 
 LINER = 0.0003  # [m] by which an inner surface of another colour stands out of the wall
 
@@ -58,22 +59,20 @@ class Vessel:
         ], self.sides)  # fmt: skip
 
     def parts(self) -> tuple[Solid, ...]:
-        """Convex parts: a floor plate, then the wall's sectors."""
+        """Convex parts: foot and floor, then the wall's sectors."""
         # Corners so far out that a sector's face is as far from the axis as the round wall, on
         # average.
-        grow = float(np.sqrt(2 * np.pi / self.sectors / np.sin(2 * np.pi / self.sectors)))
-        low = [(r, y) for r, y in self.outer if y < self.floor - 1e-6]
-        low.append((self.radius(self.floor), self.floor))
-        high = [(self.radius(self.floor), self.floor)]
-        high += [(r, y) for r, y in self.outer if y > self.floor + 0.001]
-        plate = hull([p for r, y in low for p in _circle(grow * r, y, self.sectors)])
+        n = self.sectors
+        grow = float(np.sqrt(2 * np.pi / n / np.sin(2 * np.pi / n)))
+        edge = (self.radius(self.floor), self.floor)
+        low = [*((r, y) for r, y in self.outer if y < self.floor - 1e-6), edge]
+        flat = grow * np.cos(np.pi / n)
+        foot = turned_parts([(0, 0), *((flat * r, y) for r, y in low), (0, self.floor)], n)
+        high = [edge, *((r, y) for r, y in self.outer if y > self.floor + 0.001)]
         walls = shell_parts(
-            [(grow * r, y) for r, y in high],
-            [(grow * r, y) for r, y in self.inner],
-            self.sectors,
+            [(grow * r, y) for r, y in high], [(grow * r, y) for r, y in self.inner], n
         )
-        turn = 180 / self.sectors
-        return (plate.turned("y", turn), *(w.turned("y", turn) for w in walls))
+        return (*foot, *(w.turned("y", 180 / n) for w in walls))
 
 
 def pinch(radius: float, height: float) -> tuple[Array, ...]:
@@ -92,8 +91,3 @@ def band(outer: Outline, low: float, high: float, sides: int = 24) -> Solid:
     front = [(r + LINER, y) for r, y in zip(radii, levels, strict=True)]
     back = [(r - 0.001, y) for r, y in zip(radii, levels, strict=True)]
     return lathe([*front, *back[::-1]], sides)
-
-
-def _circle(radius: float, y: float, sides: int) -> list[tuple[float, float, float]]:
-    angles = 2 * np.pi * np.arange(sides) / sides
-    return [(radius * np.cos(a), y, -radius * np.sin(a)) for a in angles]

@@ -1,8 +1,8 @@
 """002_bowl: rice, soup and salad bowls.
 
-The contact points sit 1.4 cm above the rim, so that the fingertips reach 2.2 cm down: the official
+The contact points sit 1.6 cm above the rim, so that the fingertips reach 2 cm down: the official
 ones, at the rim, would drive the inner finger into the curved floor. Model 3 is for stacking: its
-wall is steep at the top, so that the next one rests 3 cm higher and its rim stays free.
+tall foot stands flat on the next one's inside, 2.4 cm up, so that rims stay free for the fingers.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from rtphys.assets.thing import Body, Part, Thing, functional
 from rtphys.assets.vessel import Vessel, band, pinch
 from rtphys.assets.words import phrases
 
-ABOVE = 0.014  # [m] contact points above the rim
+ABOVE = 0.016  # [m] contact points above the rim
 
 
 @dataclass(frozen=True)
@@ -71,10 +71,14 @@ MODELS: Models = {
         ),
         3: partial(
             bowl,
-            Vessel(((0.032, 0), (0.049, 0.009), (0.0635, 0.021), (0.0680, 0.0520)), 0.004, 0.006),
+            Vessel(
+                ((0.034, 0), (0.033, 0.019), (0.056, 0.027), (0.0645, 0.036), (0.0675, 0.0520)),
+                0.004,
+                0.024,
+            ),
             0.21,
             Look(TEAL, CREAM, WHITE, (0.040, 0.046)),
-            ("bowl", "teal", "a white stripe"),
+            ("footed bowl", "teal", "a white stripe"),
         ),
         4: partial(
             bowl,
