@@ -1,0 +1,7 @@
+"""Collecting a dataset: one call."""
+
+from rtphys.collect.plan import CollectPlan
+from rtphys.collect.run import Listener, Summary, collect
+from rtphys.collect.tally import Tally
+
+__all__ = ["CollectPlan", "Listener", "Summary", "Tally", "collect"]

@@ -1,0 +1,139 @@
+"""What to collect, and all that can be refused before any work is done."""
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtphys.assemble import versions
+from rtphys.assets.pack import STAMP, Pack
+from rtphys.data.conditions import Conditions
+from rtphys.data.layout import LAYOUTS
+from rtphys.doctor import PROBE, check_disk, check_renderer
+from rtphys.errors import BadValue, NoRenderer, RtphysError, UnknownName
+from rtphys.physics.values import Value
+from rtphys.recipe import PROTOCOLS, Recipe
+from rtphys.runners.local import Limits
+from rtphys.sim.camera import SHORT, camera_specs
+from rtphys.sim.renderer import SHADERS
+from rtphys.task.instructions import check_templates
+from rtphys.task.spec import Task, load_task
+
+CAMERAS = ("head", "left", "right")
+EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
+BARREN = 200  # rejections in a row after which a task is given up
+
+
+class NoRoom(RtphysError):
+    """Less disk space than the episodes will need."""
+
+
+@dataclass(frozen=True)
+class CollectPlan:
+    """One run of `collect`."""
+
+    tasks: tuple[str, ...]
+    episodes: int  # of each task
+    out: Path
+    first_seed: int = 0
+    protocol: str = "clean"
+    only: tuple[str, ...] | None = None
+    overrides: Mapping[str, Value] = field(default_factory=dict)
+    cameras: tuple[str, ...] = CAMERAS  # short or official names
+    layout: str = "native"
+    shader: str = "slim"
+    workers: int = 1
+    resume: bool = True
+    most_attempts: int | None = None  # of each task, earlier runs included
+    limits: Limits = field(default_factory=Limits)
+
+    def recipe(self, task: str, seed: int) -> Recipe:
+        return Recipe(task, seed, self.protocol, self.only, self.overrides)
+
+    def conditions(self, task: Task, pack: Pack) -> Conditions:
+        """What makes two runs continue each other."""
+        recipe = self.recipe(task.name, self.first_seed)
+        domain = recipe.domain()
+        specs = camera_specs(pack.embodiment(recipe.embodiment), self.cameras)
+        builtin = (pack.root / STAMP).is_file()
+        return Conditions(
+            task=task.name,
+            protocol=self.protocol,
+            first_seed=self.first_seed,
+            domain_name=domain.name,
+            domain_digest=domain.digest,
+            domain=domain.to_json(),
+            cameras=tuple(spec.name for spec in specs),
+            versions=versions(task),
+            assets={"pack": "builtin" if builtin else pack.root.name, "digest": pack.digest},
+            only=self.only,
+            overrides=self.overrides,
+            layout=self.layout,
+        )
+
+    def check(self) -> dict[str, Task]:
+        """The tasks by name; refuses everything that cannot work, in less than a second or two.
+
+        Raises:
+            UnknownName, BadValue, BadFile: names the nearest match, or the place.
+            NoRoom, NoRenderer: with the cure.
+        """
+        self._check_numbers()
+        self._check_names()
+        tasks = {name: load_task(name) for name in self.tasks}
+        for task in tasks.values():
+            self._check_physics(task)
+            check_templates(task.sentences(), task.info, str(task.source))
+        self._check_disk()
+        finding = check_renderer((*PROBE, self.shader))
+        if finding.status == "fail":
+            cure = f"; cure: {finding.cure}" if finding.cure else ""
+            raise NoRenderer(f"no pictures can be drawn: {finding.detail}{cure}")
+        return tasks
+
+    def _check_numbers(self) -> None:
+        least = {"episodes": 1, "workers": 1, "first_seed": 0, "most_attempts": 1}
+        for key, bound in least.items():
+            value = getattr(self, key)
+            if value is not None and value < bound:
+                raise BadValue(f"--{key.replace('_', '-')}", value, f"at least {bound}")
+        if not self.tasks:
+            raise BadValue("--task", None, "name at least one task; `rtphys tasks` lists them")
+
+    def _check_names(self) -> None:
+        named = {
+            "protocol": ((self.protocol,), PROTOCOLS),
+            "layout": ((self.layout,), LAYOUTS),
+            "shader": ((self.shader,), SHADERS),
+            "camera": (self.cameras, {**SHORT, **{v: v for v in SHORT.values()}}),
+        }
+        for kind, (names, known) in named.items():
+            for name in names:
+                if name not in known:
+                    raise UnknownName(kind, name, SHORT if kind == "camera" else known)
+        official = [SHORT.get(name, name) for name in self.cameras]
+        if "head_camera" not in official:
+            raise BadValue("--cameras", ",".join(self.cameras), "head is needed, for the video")
+        if len(set(official)) < len(official):
+            raise BadValue("--cameras", ",".join(self.cameras), "name each camera once")
+
+    def _check_physics(self, task: Task) -> None:
+        domain = self.recipe(task.name, 0).domain()
+        if self.only and not domain.rules:
+            varying = ", ".join(name for name in PROTOCOLS if name.startswith("phys"))
+            told = f"protocol {self.protocol!r} varies no physics; use {varying}"
+            raise BadValue("--only", ",".join(self.only), told)
+        domain.sample(0, self.only, self.overrides)
+
+    def _check_disk(self) -> None:
+        finding = check_disk("space for data", self.out)
+        if finding.status == "fail":
+            raise NoRoom(f"{self.out}: {finding.detail}; {finding.cure}")
+        place = self.out.absolute()
+        while not place.exists():
+            place = place.parent
+        needed = self.episodes * len(self.tasks) * len(self.cameras) * EPISODE_BYTES
+        free = shutil.disk_usage(place).free
+        if free < needed:
+            told = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
+            raise NoRoom(f"{self.out}: {told}; free some space, or ask for fewer episodes")
