@@ -31,7 +31,7 @@ class Bottle:
     waist: float = 1.0  # share of the radius at `grip`
     grip: float = 0.0  # height of the waist
     foot: float = 0.9  # share of the radius at the ground
-    top: str = "screw"  # screw, sport, cork, crown, wide, pump, flip
+    top: str = "screw"  # screw, sport, cork, crown, wide, jar, pump, flip
     filled: float = 0.0  # height of the contents' surface; 0 for opaque
 
 
@@ -87,6 +87,7 @@ _CAPS = {
     "cork": (1.06, 0.035),
     "crown": (1.15, 0.006),
     "wide": (1.10, 0.024),
+    "jar": (1.06, 0.030),
     "pump": (1.10, 0.045),
     "flip": (1.05, 0.026),
 }
@@ -131,9 +132,12 @@ def _spout(radius: float) -> Solid:
     return hull([*button.vertices, *tip])
 
 
-def with_handle(body: Body, path: Sequence[tuple[float, float, float]]) -> Body:
+def with_handle(
+    body: Body, path: Sequence[tuple[float, float, float]], finish: Finish | None = None
+) -> Body:
     """The same with a bar along `path`, of the first part's finish; each leg collides."""
     bar = tube(path, 0.006, 6)
     legs = [hull(tube(leg, 0.0055, 6).vertices) for leg in pairwise(path)]
-    looks = (*body.visual, Part(bar, body.visual[0].finish, body.visual[0].material))
+    first = body.visual[0]
+    looks = (*body.visual, Part(bar, finish or first.finish, first.material))
     return Body(looks, (*body.collision, *legs), body.mass_kg)
