@@ -119,10 +119,10 @@ class CollectPlan:
 
     def _check_physics(self, task: Task) -> None:
         domain = self.recipe(task.name, 0).domain()
-        if self.only and not domain.rules:
+        if set(self.only or ()) - self.overrides.keys() and not domain.rules:
             varying = ", ".join(name for name in PROTOCOLS if name.startswith("phys"))
             told = f"protocol {self.protocol!r} varies no physics; use {varying}"
-            raise BadValue("--only", ",".join(self.only), told)
+            raise BadValue("--only", ",".join(self.only or ()), told)
         domain.sample(0, self.only, self.overrides)
 
     def _check_disk(self) -> None:

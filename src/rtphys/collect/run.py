@@ -112,6 +112,8 @@ class _Order:
     def take(self, seed: int, event: Done[Result] | Lost) -> None:
         """Files a result; counts all that are committed with it."""
         self.under_way.discard(seed)
+        if self.tally.done or self.tally.stopped:  # it was begun to be on the safe side
+            return
         if isinstance(event, Done):
             result = event.result
         else:
