@@ -1,0 +1,127 @@
+"""099_fan: small table fans that blow to +z; held by the rim of the cage, across its depth."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from rtphys.assets.geometry import box, cone, cylinder, rounded_box, tube
+from rtphys.assets.material import Colour, metal, plastic
+from rtphys.assets.objects import Models
+from rtphys.assets.solid import Solid, hull, together
+from rtphys.assets.thing import Body, Part, Thing, contact
+
+SIDES = 16
+
+
+@dataclass(frozen=True)
+class Fan:
+    """Sizes [m] and mass [kg]; the foot is a box if `square`, otherwise round."""
+
+    radius: float  # of the cage
+    deep: float  # cage
+    axis_z: float  # middle of the cage, at which it is held
+    foot: tuple[float, float, float]  # x, y, z
+    square: bool
+    height: float
+    grip: float  # y
+    blades: int
+    mass: float
+
+
+def fan(size: Fan, body: Colour, blade: Colour, words: tuple[str, ...]) -> Thing:
+    """A fan: a weighted foot, a stem, a cage of bars with blades inside."""
+    r, z = size.radius, size.axis_z
+    y = size.height - r
+    coat = plastic(body, 0.6)
+    foot = _foot(size)
+    stem = _stem(size, y)
+    motor = cylinder(0.32 * r, 0.5 * size.deep, 16).turned("x", 90).at(0, y, z - 0.18 * size.deep)
+    rims = [_ring(r - 0.0025, 0.0025).at(0, y, z + s * (size.deep / 2 - 0.0025)) for s in (-1, 1)]
+    inner = [_ring(0.55 * r, 0.0012).at(0, y, z + s * (size.deep / 2 - 0.002)) for s in (-1, 1)]
+    band = _hoop(r, 0.3 * size.deep).at(0, y, z)
+    spokes = [
+        box(0.0018, 2 * (r - 0.002), 0.0018)
+        .turned("z", a)
+        .at(0, y, z + s * (size.deep / 2 - 0.002))
+        for s in (-1, 1)
+        for a in (0.0, 45.0, 90.0, 135.0)
+    ]
+    hub = cylinder(0.17 * r, 0.7 * size.deep, 12).turned("x", 90).at(0, y, z + 0.12 * size.deep)
+    wings = [
+        _blade(r, size.deep).turned("z", a).at(0, y, z)
+        for a in np.arange(size.blades) * 360 / size.blades
+    ]
+    looks = (
+        Part(together(foot, stem, motor), coat, "plastic"),
+        Part(together(*rims, *inner, *spokes), metal((0.86, 0.87, 0.89), 0.3), "aluminium", 50),
+        Part(band, coat, "plastic"),
+        Part(together(hub, *wings), plastic(blade, 0.6), "plastic"),
+        Part(
+            cylinder(0.006, 0.006, 10).at(0, size.foot[1], 0.36 * size.foot[2]), plastic(blade, 0.5)
+        ),
+    )
+    apothem = r / np.cos(np.pi / SIDES)
+    cage = cylinder(apothem, size.deep, SIDES).turned("y", 180 / SIDES).turned("x", 90).at(0, y, z)
+    grip = (0, size.grip, z)
+    return Thing(
+        body=Body(looks, (foot, stem, cage), size.mass),
+        material="plastic",
+        description=words,
+        contact_points=tuple(contact(grip, (0, 1, 0), (s, 0, 0)) for s in (1, -1)),
+        categories=("fan", "electronics"),
+    )
+
+
+def _foot(size: Fan) -> Solid:
+    x, y, z = size.foot
+    if size.square:
+        return rounded_box(x, y, z, 0.4 * y, 2).at(y=y / 2)
+    return cone(0.5, 0.42, y, 24).scaled(x, 1, z)
+
+
+def _stem(size: Fan, axis_y: float) -> Solid:
+    """From the foot to the back of the cage. Convex."""
+    low = box(0.024, 0.010, 0.028).at(0, size.foot[1] - 0.004, -0.10 * size.foot[2])
+    back = size.axis_z - size.deep / 2
+    high = box(0.018, 0.020, 0.010).at(0, axis_y, back)
+    return hull([*low.vertices, *high.vertices])
+
+
+def _ring(radius: float, wire: float) -> Solid:
+    angles = 2 * np.pi * (np.arange(SIDES) + 0.5) / SIDES
+    path = radius * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    return tube(path, wire, 4, closed=True)
+
+
+def _hoop(radius: float, deep: float) -> Solid:
+    """The band around the cage that is held."""
+    turned = cylinder(radius, deep, SIDES) - cylinder(0.95 * radius, 2 * deep, SIDES)
+    return turned.turned("y", 180 / SIDES).turned("x", 90)
+
+
+def _blade(radius: float, deep: float) -> Solid:
+    """One twisted blade along +y."""
+    root = box(0.16 * radius, 0.002, 0.0025).turned("y", 35).at(0, 0.16 * radius, 0)
+    tip = box(0.62 * radius, 0.002, 0.0025).turned("y", 28).at(0.10 * radius, 0.86 * radius, 0)
+    return hull([*root.vertices, *tip.vertices]).at(z=0.05 * deep)
+
+
+MODELS: Models = {
+    "099_fan": {
+        4: partial(
+            fan,
+            Fan(0.0550, 0.036, 0.0215, (0.096, 0.014, 0.083), True, 0.1545, 0.146, 4, 0.26),
+            (0.25, 0.62, 0.72),
+            (0.95, 0.95, 0.95),
+            ("blue desk fan", "small fan", "turquoise fan", "fan with a square foot"),
+        ),
+        5: partial(
+            fan,
+            Fan(0.0660, 0.042, 0.0260, (0.112, 0.018, 0.110), False, 0.1630, 0.154, 3, 0.34),
+            (0.93, 0.93, 0.92),
+            (0.90, 0.35, 0.20),
+            ("white desk fan", "table fan", "fan with orange blades", "round white fan"),
+        ),
+    }
+}
