@@ -6,13 +6,15 @@ the manifest, the rest is bytes.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
 
 from rtphys.data import files
-from rtphys.data.check_episode import EpisodeClaim, check_episode
+from rtphys.data.check_episode import Effort, EpisodeClaim, check_episode
 from rtphys.data.check_physics import PhysicsCheck
 from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
 from rtphys.data.layout import EpisodePaths
+from rtphys.data.verified import Verified
 from rtphys.errors import BadFile
 
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
@@ -56,13 +58,21 @@ class Report:
         return not self.problems
 
 
-def verify(out: Path, *, quick: bool = False, progress: Progress | None = None) -> Report:
+def verify(
+    out: Path,
+    effort: Effort = Effort.NORMAL,
+    *,
+    memory: Path | None = None,
+    progress: Progress | None = None,
+) -> Report:
     """Checks everything that needs no simulator.
 
     Args:
         out: the folder that holds `manifest.json`.
-        quick: trust the checksums for the pictures: look at their first and last bytes only.
-        progress: called as files are done.
+        effort: how much to look at; checksums, tables, labels and their physics always are.
+        memory: file of digests that were found sound before, such as `verified.default_path()`;
+            their content is not looked at again.
+        progress: called with (bytes done, bytes in all).
     """
     report, findings = Report(), Findings()
     try:
@@ -78,7 +88,7 @@ def verify(out: Path, *, quick: bool = False, progress: Progress | None = None) 
         if reason := _file_problem(listed):
             findings.problem(listed.path, reason)
         meter.add(sizes[listed.path])
-    for paths in _check_episodes(tree, findings, quick=quick):
+    for paths in _check_episodes(tree, findings, effort, Verified(memory)):
         report.episodes += 1
         meter.add(sum(sizes.get(path, 0) for path in paths.all()))
     report.problems = [Problem(path, text) for path, text in findings.problems]
@@ -106,19 +116,36 @@ def _episode_paths(tree: Tree) -> Iterator[EpisodePaths]:
         yield from (leaf.episode(number) for number in range(tree.episodes[name]))
 
 
-def _check_episodes(tree: Tree, findings: Findings, *, quick: bool) -> Iterator[EpisodePaths]:
+def _check_episodes(
+    tree: Tree, findings: Findings, effort: Effort, memory: Verified
+) -> Iterator[EpisodePaths]:
     """Yields an episode's paths once its content is checked."""
     damaged = {path for path, _ in findings.problems}
+    sound: list[str] = []
     for name, entry in tree.manifest.leaves.items():
-        leaf = tree.leaves[name]
         physics = PhysicsCheck(entry, tree.manifest.domains)
         for number in range(tree.episodes[name]):
-            paths = leaf.episode(number)
+            paths = tree.leaves[name].episode(number)
+            seed = entry.seeds[number] if number < len(entry.seeds) else None
+            claim = EpisodeClaim(entry, number, seed)
+            key = _key(tree, paths, claim, effort)
             # A file that is damaged was named already; what it holds is worth no second sentence.
-            if not damaged.intersection(paths.all()):
-                seed = entry.seeds[number] if number < len(entry.seeds) else None
-                claim = EpisodeClaim(entry, number, seed)
-                meta = check_episode(paths, claim, findings, decode=not quick)
+            if key not in memory and not damaged.intersection(paths.all()):
+                before = len(findings.problems)
+                meta = check_episode(paths, claim, findings, effort)
                 for text in physics.problems(meta) if meta else ():
                     findings.problem(paths.phys_meta, text)
+                sound += [key] if len(findings.problems) == before else []
             yield paths
+    memory.remember(sound)
+
+
+def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, effort: Effort) -> str:
+    """All that the verdict on an episode depends on."""
+    names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
+    digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
+    leaf = claim.leaf
+    asked = (leaf.task, leaf.config, leaf.layout, leaf.cameras, leaf.only, leaf.overrides)
+    return Verified.key(
+        version("rtphys"), effort.name, digests, claim.number, claim.seed, leaf.domain, asked
+    )

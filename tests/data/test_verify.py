@@ -9,6 +9,7 @@ import pytest
 from test_dataset_writer import collect
 
 from rtphys.data import hdf5_file
+from rtphys.data.check_episode import Effort
 from rtphys.data.files import facts_of
 from rtphys.data.hdf5_native import read_native
 from rtphys.data.journal import Journal
@@ -43,7 +44,7 @@ def test_sound_dataset(sound: Path) -> None:
     assert (report.problems, report.notes) == ([], [])
     assert (report.episodes, report.files) == (3, 15)
     assert seen[-1][0] == seen[-1][1] and seen == sorted(seen)
-    assert verify(sound, quick=True).sound
+    assert verify(sound, Effort.QUICK).sound
 
 
 @pytest.mark.parametrize("flips", [60, pytest.param(500, marks=pytest.mark.slow)])
@@ -56,7 +57,7 @@ def test_every_flipped_byte_is_reported_naming_the_file(copy: Path, flips: int) 
         data = path.read_bytes()
         place, bit = int(rng.integers(len(data))), 1 << int(rng.integers(8))
         path.write_bytes(data[:place] + bytes([data[place] ^ bit]) + data[place + 1 :])
-        report = verify(copy, quick=True)
+        report = verify(copy, Effort.QUICK)
         if path not in [problem.path for problem in report.problems]:
             unseen.append((path, place, words(report)))
         path.write_bytes(data)
@@ -188,3 +189,31 @@ def test_dataset_without_journal_is_checked_by_its_manifest(copy: Path) -> None:
     text = (copy / "manifest.json").read_text()
     (copy / "manifest.json").write_text(text.replace('"episodes": 3', '"episodes": 2'))
     assert "disagree" in words(verify(copy))
+
+
+def test_deep_looks_at_the_meaning(copy: Path) -> None:
+    """Synthetic joints are noise and cameras hang in the air: only a deep look notices."""
+    report = verify(copy, Effort.DEEP)
+    text = words(report)
+    assert "left_camera moves by" in text
+    assert "leaves its limits" in text
+    assert "extrinsic_cv and cam2world_gl disagree" not in text
+
+
+def test_what_was_sound_is_remembered_by_digest(copy: Path, tmp_path: Path) -> None:
+    memory = tmp_path / "cache" / "verified.txt"
+    assert verify(copy, memory=memory).sound
+    assert len(memory.read_text().split()) == 3
+    before = memory.read_text()
+    assert verify(copy, memory=memory).sound
+    assert memory.read_text() == before
+    forge(copy, edit_meta(lambda m: m["attributes"]["friction"].update(value=0.5)))
+    assert "attributes.friction is 0.5" in words(verify(copy, memory=memory))
+    path = copy / LEAF / "data/episode_0000002.hdf5"
+    path.write_bytes(path.read_bytes()[:-1] + b"!")
+    assert str(path) in words(verify(copy, memory=memory)), "a checksum is never remembered"
+
+
+def test_a_memory_that_cannot_be_written_only_costs_time(copy: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    assert verify(copy, memory=tmp_path / "file" / "verified.txt").sound

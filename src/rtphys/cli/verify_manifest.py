@@ -7,9 +7,10 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from rtphys.data.check_episode import Effort
+from rtphys.data.verified import default_path
+from rtphys.errors import BadValue
 from rtphys.verify import Report, verify
-
-HELP = "Check every file of a dataset, and derive its physics again from the seeds."
 
 
 def verify_manifest(
@@ -17,13 +18,22 @@ def verify_manifest(
     quick: Annotated[
         bool, typer.Option("--quick", help="Trust the checksums: do not decode the pictures.")
     ] = False,
+    deep: Annotated[
+        bool, typer.Option("--deep", help="Decode the videos too; does it make physical sense?")
+    ] = False,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Look again into what was found sound before.")
+    ] = False,
 ) -> None:
     """Check every file of a dataset, and derive its physics again from the seeds.
 
     Prints one line per problem. Exit code 0: sound, 1: not.
     """
+    if quick and deep:
+        raise BadValue("--quick", "--deep", "choose one of them")
     out = path.parent if path.name == "manifest.json" else path
-    report = _with_bar(out, quick=quick)
+    effort = Effort.QUICK if quick else Effort.DEEP if deep else Effort.NORMAL
+    report = _with_bar(out, effort, None if fresh else default_path())
     for problem in report.problems:
         typer.echo(_printable(str(problem)))
     for note in report.notes:
@@ -39,13 +49,14 @@ def _printable(text: str) -> str:
     return text.encode("utf-8", "backslashreplace").decode()
 
 
-def _with_bar(out: Path, *, quick: bool) -> Report:
+def _with_bar(out: Path, effort: Effort, memory: Path | None) -> Report:
     columns = (TextColumn("verifying"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     console = Console(stderr=True)
     with Progress(*columns, TimeRemainingColumn(), console=console, transient=True) as bar:
         row = bar.add_task("", total=None)
         return verify(
             out,
-            quick=quick,
+            effort,
+            memory=memory,
             progress=lambda done, total: bar.update(row, completed=done, total=total),
         )

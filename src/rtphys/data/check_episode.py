@@ -1,15 +1,26 @@
 """Whether the four files of an episode are sound and agree with each other and the manifest."""
 
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 
 from rtphys.data import files, schema, video
 from rtphys.data.check_hdf5 import Hdf5Facts, check_hdf5
+from rtphys.data.check_meaning import check_meaning, check_video
 from rtphys.data.check_tree import Findings
+from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import EpisodePaths
 from rtphys.data.schema import Instructions, LeafEntry, PhysMeta
 from rtphys.errors import BadFile
+
+
+class Effort(IntEnum):
+    """How much is looked at."""
+
+    QUICK = 0  # pictures by their first and last bytes
+    NORMAL = 1  # every picture decoded
+    DEEP = 2  # every video decoded too, and whether it all makes physical sense
 
 
 @dataclass(frozen=True)
@@ -22,10 +33,10 @@ class EpisodeClaim:
 
 
 def check_episode(
-    paths: EpisodePaths, claim: EpisodeClaim, findings: Findings, *, decode: bool
+    paths: EpisodePaths, claim: EpisodeClaim, findings: Findings, effort: Effort
 ) -> PhysMeta | None:
     """Adds what is wrong to `findings`; returns the label when it is readable."""
-    facts = check_hdf5(paths.hdf5, claim.leaf.layout, decode=decode)
+    facts = check_hdf5(paths.hdf5, claim.leaf.layout, decode=effort >= Effort.NORMAL)
     for text in facts.problems:
         findings.problem(paths.hdf5, text)
     _check_video(paths.video, facts, findings)
@@ -38,6 +49,11 @@ def check_episode(
     _check_meta(meta, paths.phys_meta, claim, findings)
     if facts.frames is not None and set(meta.cameras) - set(claim.leaf.cameras):
         findings.problem(paths.phys_meta, "names cameras that were not recorded")
+    if effort is Effort.DEEP and facts.frames is not None and not facts.problems:
+        for text in check_meaning(facts.frames, meta, claim.leaf.embodiment):
+            findings.problem(paths.hdf5, text)
+        for text in check_video(paths.video, len(facts.frames), facts.shapes[VIDEO_CAMERA]):
+            findings.problem(paths.video, text)
     return meta
 
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import h5py
@@ -27,6 +27,7 @@ class Hdf5Facts:
     problems: tuple[str, ...]
     frames: Frames | None = None
     seen: tuple[str, ...] = ()
+    shapes: Mapping[str, tuple[int, int, int]] = field(default_factory=dict)  # of pictures
 
 
 def check_hdf5(path: Path, layout: str, *, decode: bool) -> Hdf5Facts:
@@ -51,7 +52,7 @@ def check_hdf5(path: Path, layout: str, *, decode: bool) -> Hdf5Facts:
     except (OSError, RuntimeError, ValueError, KeyError, TypeError) as error:
         return Hdf5Facts((f"not a whole {layout} file ({error})",))  # what HDF5 itself raises
     found += _pictures(images, len(frames), decode=decode) + _motion(frames)
-    return Hdf5Facts(tuple(found), frames, tuple(seen))
+    return Hdf5Facts(tuple(found), frames, tuple(seen), images.shapes)
 
 
 def _same_arrays(file: h5py.File, expected: Mapping[str, np.ndarray]) -> list[str]:

@@ -110,7 +110,10 @@ def _compare(
             _alone(tree, entry, name, findings)
         elif _check_at(history.lines, entry.journal.entries) != entry.journal.check:
             complete = False
-            findings.problem(history.leaf.journal, "does not hold the lines the manifest counted")
+            # Either may be the changed one: the journal can have lost whole lines at its end.
+            findings.problem(tree.out / MANIFEST, f"does not agree with the journal of {name}")
+            if len(history.lines) < entry.journal.entries:
+                findings.problem(history.leaf.journal, "has fewer lines than the manifest counted")
         else:
             past.append(history.until(entry.journal.entries))
             _extend(tree, history, entry.journal.entries, findings)
