@@ -11,6 +11,9 @@ from rtphys.assets.geometry import Outline, lathe
 from rtphys.assets.solid import Solid, hull
 
 SIDES = 16  # a multiple of 4, at most 24: the engine has no rolling resistance, facets have
+# PhysX's cooking drops corners where a long facet bends a little; what lies on the rest of such a
+# facet rocks for ever. Facets longer than this [m] get a part of their own.
+LONG = 0.05
 
 Array = NDArray[np.float64]
 
@@ -44,7 +47,8 @@ def turned_parts(profile: Outline, sides: int = SIDES) -> tuple[Solid, ...]:
     pieces: list[list[tuple[float, float]]] = [[points[0]]]
     for point in points[1:]:
         piece = pieces[-1]
-        if len(piece) > 1 and _bends_inward(piece[-2], piece[-1], point):
+        alone = _long(piece[-1], point) or _long(piece[-2:][0], piece[-1])
+        if len(piece) > 1 and (alone or _bends_inward(piece[-2], piece[-1], point)):
             # Where it widens at once, the next part starts at this height.
             pieces.append([piece[-1], point])
         else:
@@ -67,6 +71,10 @@ def _piece(points: list[tuple[float, float]], sides: int) -> Solid:
     circle = np.stack([np.cos(angles), np.zeros(sides), np.sin(angles)], axis=1)
     rows = [r / np.cos(np.pi / sides) * circle + [0, y, 0] for r, y in points]
     return hull(np.vstack(rows))
+
+
+def _long(a: tuple[float, float], b: tuple[float, float]) -> bool:
+    return abs(b[1] - a[1]) > LONG
 
 
 def _bends_inward(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
