@@ -15,7 +15,7 @@ from rtphys import library
 from rtphys.errors import RtphysError, UnknownName
 
 if TYPE_CHECKING:
-    from rtphys.collect import Summary
+    from rtphys.collect import CollectPlan, Summary
 
 Tasks = Annotated[list[str], typer.Option("--task", help="A task or a pattern; repeatable.")]
 Held = Annotated[
@@ -60,9 +60,7 @@ def collect(
     """
     # Imported here: everything above this line should be refused before the simulator is loaded.
     names = expand(task)
-    from rtphys.cli.collect_progress import Lines, Live
     from rtphys.collect import CollectPlan
-    from rtphys.collect import collect as run
     from rtphys.physics.overrides import parse_overrides
 
     plan = CollectPlan(
@@ -80,14 +78,7 @@ def collect(
         resume=resume,
         most_attempts=max_attempts,
     )
-    signal.signal(signal.SIGTERM, _as_interrupt)
-    with Live() if sys.stderr.isatty() else Lines() as shown:
-        try:
-            summary = run(plan, shown)
-        except KeyboardInterrupt:
-            told = f"stopped; what is there is whole. To go on, repeat: {_same_command()}"
-            raise Interrupted(told) from None
-    _tell(summary)
+    _tell(_run(plan))
 
 
 def expand(patterns: list[str]) -> tuple[str, ...]:
@@ -114,6 +105,19 @@ def split(text: str) -> tuple[str, ...]:
 def cores() -> int:
     """CPU cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _run(plan: "CollectPlan") -> "Summary":
+    from rtphys.cli.collect_progress import Lines, Live
+    from rtphys.collect import collect as run
+
+    signal.signal(signal.SIGTERM, _as_interrupt)
+    with Live() if sys.stderr.isatty() else Lines() as shown:
+        try:
+            return run(plan, shown)
+        except KeyboardInterrupt:
+            told = f"stopped; what is there is whole. To go on, repeat: {_same_command()}"
+            raise Interrupted(told) from None
 
 
 def _as_interrupt(_: int, __: FrameType | None) -> None:

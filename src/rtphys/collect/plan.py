@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,17 +11,19 @@ from rtphys.assets.pack import STAMP, Pack
 from rtphys.data.conditions import Conditions
 from rtphys.data.layout import LAYOUTS
 from rtphys.doctor import PROBE, check_disk, check_renderer
-from rtphys.errors import BadValue, NoRenderer, RtphysError, UnknownName
+from rtphys.errors import BadValue, Infeasible, MissingAsset, NoRenderer, RtphysError, UnknownName
 from rtphys.physics.values import Value
 from rtphys.recipe import PROTOCOLS, Recipe
 from rtphys.runners.local import Limits
 from rtphys.sim.camera import SHORT, camera_specs
 from rtphys.sim.renderer import SHADERS
 from rtphys.task.instructions import check_templates
+from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import Task, load_task
 
 CAMERAS = ("head", "left", "right")
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
+DRAWN = 20  # of a task that are searched for models that the pack may lack
 BARREN = 200  # rejections in a row after which a task is given up
 
 
@@ -91,6 +94,17 @@ class CollectPlan:
             raise NoRenderer(f"no pictures can be drawn: {finding.detail}{cure}")
         return tasks
 
+    def check_assets(self, tasks: Mapping[str, Task], pack: Pack) -> None:
+        """Every model of each task's first layouts is in the pack.
+
+        Raises:
+            MissingAsset, UnknownName, BadFile: from the pack.
+        """
+        for task in tasks.values():
+            for seed in range(self.first_seed, self.first_seed + DRAWN):
+                with suppress(Infeasible):
+                    _check_models(task, seed, pack)
+
     def _check_numbers(self) -> None:
         least = {"episodes": 1, "workers": 1, "first_seed": 0, "most_attempts": 1}
         for key, bound in least.items():
@@ -137,3 +151,14 @@ class CollectPlan:
         if free < needed:
             told = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
             raise NoRoom(f"{self.out}: {told}; free some space, or ask for fewer episodes")
+
+
+def _check_models(task: Task, seed: int, pack: Pack) -> None:
+    for prop in task.props(seed):
+        try:
+            if isinstance(prop, Articulated):
+                pack.articulation(prop.category, prop.model)
+            elif isinstance(prop, Mesh):
+                pack.model(prop.category, prop.model)
+        except MissingAsset as error:
+            raise MissingAsset(error.what, error.where, task.name) from error

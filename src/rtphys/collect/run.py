@@ -151,6 +151,7 @@ def collect(plan: CollectPlan, listener: Listener | None = None) -> Summary:
     told = listener or Listener()
     tasks = plan.check()
     pack = default_pack(told.building)
+    plan.check_assets(tasks, pack)
     began = time.monotonic()
     desk = Desk(pack, plan.cameras, plan.layout, plan.shader)
     with DatasetWriter(plan.out, resume=plan.resume) as dataset:
