@@ -24,9 +24,10 @@ from rtphys.task import (
 
 LID = "link_1"
 EDGE, CARROT = 0, 1  # contact points: the lid's free edge, and 2-3 cm further open
-ENOUGH = 0.5  # share of the range to which the lid is swung
-PUSH = 12.0  # [N] on the edge that the hinge's damping may cost
-FINGER = np.array([0.14, 0.0, 0.034])  # [m] ee frame: where the edge lies on the closed fingers
+ENOUGH = 0.52  # share of the range to which the hand goes
+DONE = 0.43  # share of the range that is enough: success asks for 0.4
+PUSH = 9.0  # [N] on the edge that the hinge's damping may cost: the servos yield 2 mm per newton
+FINGER = np.array([0.143, 0.0, 0.012])  # [m] ee frame: where the edge lies on the closed fingers
 
 
 def layout(draw: Draw):
@@ -88,6 +89,10 @@ def push(robot: Robot, arm: Arm) -> None:
         for aside in (0.0, 0.04, -0.04)
     ]
     robot.do(arm.sweep(*ways, seconds=max(seconds, 1.5), prop="laptop"))
+    for _ in range(10):  # a stiff hinge follows the hand late
+        if share(scene) > DONE:
+            break
+        robot.do(arm.wait(0.24))
 
 
 def script(robot: Robot) -> None:
@@ -98,9 +103,8 @@ def script(robot: Robot) -> None:
         for arm in (first, robot.other(first)):
             if robot.tried(lambda arm=arm: push(robot, arm)):
                 break
-        if share(robot.scene) > 0.42:
+        if share(robot.scene) > DONE:
             return
-        robot.do(arm.retreat(0.06))
 
 
 task = Task(

@@ -14,13 +14,16 @@ HEAD = 0.0632  # [m] y of the head's axis
 FACE = 0.0550  # [m] z of the striking face; its functional point lies 3.7 mm inside, for a firm hit
 CLAW = -0.0763  # [m] z of the claw's tips
 BUTT = -0.0823  # [m] y of the handle's end
+MASS = 0.20  # [kg] a 7 oz tack hammer: 18 cm is short for a claw hammer
 TOP = 0.0961  # [m] y of the handle's other end, above the head
 
 
 def hammer(grip: Colour, words: tuple[str, ...]) -> Thing:
     """A claw hammer with a rubber grip."""
     neck = _bar("z", 0.011, 0.034, 8).at(0, HEAD, 0.012)
-    face = _bar("z", 0.0145, 0.026, 16).at(0, HEAD, FACE - 0.013)
+    # Square: the lying hammer stands on one edge of its face, and on a round one it would topple
+    # at a nudge.
+    face = rounded_box(0.029, 0.029, 0.026, 0.002, 1).at(0, HEAD, FACE - 0.013)
     eye = rounded_box(0.0312, 0.034, 0.032, 0.004, 1).at(0, HEAD, -0.012)
     claws = [_claw(side) for side in (-1, 1)]
     shaft = rounded_box(0.017, TOP - 0.02, 0.022, 0.005, 2).at(0, (TOP + 0.02) / 2, 0)
@@ -28,7 +31,7 @@ def hammer(grip: Colour, words: tuple[str, ...]) -> Thing:
     # The flared end is what the lying hammer rests on: it sets the tilt at which it is found.
     butt = hull([
         *rounded_box(0.026, 0.016, 0.030, 0.006, 1).at(0, BUTT + 0.008, 0).vertices,
-        *box(0.016, 0.006, 0.002).at(0, BUTT + 0.006, 0.023).vertices,
+        *box(0.026, 0.006, 0.002).at(0, BUTT + 0.006, 0.023).vertices,
     ])  # fmt: skip
     looks = (
         Part(together(neck, face, eye, *claws), metal((0.62, 0.63, 0.66)), "steel"),
@@ -37,7 +40,7 @@ def hammer(grip: Colour, words: tuple[str, ...]) -> Thing:
     )
     return Thing(
         body=Body(
-            looks, (hull([*neck.vertices, *face.vertices]), eye, *claws, shaft, handle, butt), 0.32
+            looks, (hull([*neck.vertices, *face.vertices]), eye, *claws, shaft, handle, butt), MASS
         ),
         material="rubber",
         description=words,
