@@ -1,0 +1,70 @@
+"""Open things with a rounded oblong plan: baskets, boxes, trays, bins."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rtphys.assets.geometry import rectangle, rounded
+from rtphys.assets.solid import Solid, hull
+from rtphys.assets.thing import Array
+
+
+@dataclass(frozen=True)
+class Tub:
+    """Sizes [m]; the outside is a tapering block that stands on y = 0."""
+
+    x: float  # at the rim
+    y: float  # height
+    z: float  # at the rim
+    base: float = 0.9  # size of the foot as a share of the rim's
+    wall: float = 0.003
+    floor: float = 0.004  # y of the inside's bottom
+    corner: float = 0.012  # radius; half of x = z makes it round
+    steps: int = 1  # facets a corner, of which each is a convex part
+
+    def outline(self, y: float, inset: float = 0.0) -> Array:
+        """(4 (steps + 1), 3) corners at a height, counter-clockwise seen from above."""
+        share = self.base + (1 - self.base) * y / self.y
+        x, z = share * self.x - 2 * inset, share * self.z - 2 * inset
+        flat = rounded(rectangle(x, z), max(share * self.corner - inset, 0.001), self.steps)
+        return np.stack([flat[:, 0], np.full(len(flat), y), -flat[:, 1]], axis=1)
+
+    def shell(self) -> Solid:
+        """All of it, hollow."""
+        whole = hull(np.vstack([self.outline(0), self.outline(self.y)]))
+        above = self.y + 0.01
+        return whole - hull(
+            np.vstack([self.outline(self.floor, self.wall), self.outline(above, self.wall)])
+        )
+
+    def rim(self, over: float = 0.004, height: float = 0.006) -> Solid:
+        """A bead around the upper edge that stands out by `over`."""
+        low, high = self.y - height, self.y + 0.0005
+        top = self.outline(self.y)
+        ring = [_moved(top, y, over) for y in (low, high)]
+        inner = [_moved(top, y, -self.wall) for y in (low - 0.01, high + 0.01)]
+        return hull(np.vstack(ring)) - hull(np.vstack(inner))
+
+    def liner(self, depth: float = 0.0012) -> Solid:
+        """A plate on the floor, for a mat or a sheet of paper."""
+        low, high = (self.outline(y, self.wall) for y in (self.floor, self.floor + depth))
+        return hull(np.vstack([low, high]))
+
+    def parts(self) -> tuple[Solid, ...]:
+        """Convex parts: the floor, then a wall for each side and corner facet."""
+        bottom = hull(np.vstack([self.outline(0), self.outline(self.floor)]))
+        low, high = self.outline(self.floor), self.outline(self.y)
+        low_in, high_in = (self.outline(y, self.wall) for y in (self.floor, self.y))
+        n = len(low)
+        walls = [
+            hull(np.array([r[k] for r in (low, high, low_in, high_in) for k in (i, (i + 1) % n)]))
+            for i in range(n)
+        ]
+        return (bottom, *walls)
+
+
+def _moved(outline: Array, y: float, out: float) -> Array:
+    """The outline at another height, its sides moved outward."""
+    extent = np.abs(outline).max(0)
+    factor = np.array([1 + out / extent[0], 1, 1 + out / extent[2]])
+    return outline * factor * [1, 0, 1] + [0, y, 0]
