@@ -3,6 +3,7 @@
 from rtphys.errors import Infeasible
 from rtphys.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
+from rtphys.task.blocks import Block, scattered
 from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
 from rtphys.task.orientation import DOWN, IDENTITY, UP_F, UP_S, UP_Y, UP_Z, yawed
 from rtphys.task.props import (
@@ -58,6 +59,7 @@ __all__ = [
     "Arm",
     "Articulated",
     "Ball",
+    "Block",
     "Box",
     "Condition",
     "Draw",
@@ -90,6 +92,7 @@ __all__ = [
     "pressed",
     "quat_multiply",
     "reachable",
+    "scattered",
     "task_names",
     "touching",
     "turned_to",
