@@ -72,7 +72,7 @@ class Task:
         """
         if self.phrases.seen:
             return self.phrases
-        path = self.source.with_suffix(".yaml")
+        path = self.source.parent / f"{self.source.stem}.yaml"
         if path.is_file():
             return _read_phrases(path)
         line = self.doc.partition("\n")[0].rstrip(".") or self.name.replace("_", " ")
