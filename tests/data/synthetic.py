@@ -90,7 +90,14 @@ def phys_meta(seed: int) -> dict[str, object]:
 
 def episode(seed: int, frames: int = 8) -> Episode:
     return Episode(
-        recipe={"task": "click_bell", "seed": seed},
+        recipe={
+            "task": "click_bell",
+            "seed": seed,
+            "protocol": "phys_random",
+            "only": None,
+            "overrides": {},
+            "embodiment": "aloha-agilex",
+        },
         frames=frames_of(seed, frames),
         phys_meta=phys_meta(seed),
         instructions={"seen": ["ring the bell", "läute die Glocke"], "unseen": ["press it"]},

@@ -143,3 +143,13 @@ def test_command_line(argument: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert result.exit_code == 1, result.output
     assert isinstance(result.exception, SystemExit)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.sim
+def test_replay_notices_a_hash_that_no_simulation_gives(dataset: Path) -> None:
+    """The synthetic episode was never simulated."""
+    app = Typer()
+    app.command()(verify_manifest)
+    result = CliRunner().invoke(app, [str(dataset), "--replay", "1"])
+    assert result.exit_code == 1, result.output
+    assert "simulated again it gives" in result.output

@@ -58,3 +58,17 @@ def test_synthetic_label_is_valid() -> None:
 def test_mistakes_are_named(changes: dict[str, object], place: str) -> None:
     with pytest.raises(schema.SchemaError, match=place):
         schema.check("phys_meta", label(**changes))
+
+
+def test_a_resolved_domain_is_valid() -> None:
+    schema.check("domain", synthetic.DOMAIN.to_json())
+
+
+@pytest.mark.parametrize("name", schema.MODELS)
+def test_schemas_are_json_schema(name: str) -> None:
+    """Every reference inside resolves, and the version stands in the identifier."""
+    document = schema.json_schema(name)
+    assert str(document["$id"]).endswith("-1.0.json")
+    text = json.dumps(document)
+    for reference in {part.split('"')[0] for part in text.split('"#/$defs/')[1:]}:
+        assert reference in document["$defs"]

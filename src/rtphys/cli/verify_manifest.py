@@ -1,16 +1,22 @@
 """`rtphys verify-manifest`: is a dataset what it claims to be?"""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from rtphys.data.check_episode import Effort
+from rtphys.data.episode import JSON
 from rtphys.data.verified import default_path
+from rtphys.dataset import Dataset
 from rtphys.errors import BadValue
-from rtphys.verify import Report, verify
+from rtphys.physics.values import plain_value
+from rtphys.recipe import Recipe
+from rtphys.verify import Problem, Report, verify
 
 
 def verify_manifest(
@@ -21,6 +27,9 @@ def verify_manifest(
     deep: Annotated[
         bool, typer.Option("--deep", help="Decode the videos too; does it make physical sense?")
     ] = False,
+    replay: Annotated[
+        int, typer.Option(help="Simulate so many episodes again and compare their state hashes.")
+    ] = 0,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Look again into what was found sound before.")
     ] = False,
@@ -34,11 +43,14 @@ def verify_manifest(
     out = path.parent if path.name == "manifest.json" else path
     effort = Effort.QUICK if quick else Effort.DEEP if deep else Effort.NORMAL
     report = _with_bar(out, effort, None if fresh else default_path())
+    if replay and report.sound:
+        report.problems += _replayed(Dataset(out), replay)
     for problem in report.problems:
         typer.echo(_printable(str(problem)))
     for note in report.notes:
         typer.echo(_printable(f"note: {note}"), err=True)
-    what = f"{report.episodes} episodes, {report.files} files, {report.bytes / 1e6:.1f} MB"
+    again = f", {replay} simulated again" if replay else ""
+    what = f"{report.episodes} episodes, {report.files} files, {report.bytes / 1e6:.1f} MB{again}"
     verdict = "sound" if report.sound else f"{len(report.problems)} problems"
     typer.echo(_printable(f"{out}: {verdict} ({what})"), err=not report.sound)
     raise typer.Exit(0 if report.sound else 1)
@@ -60,3 +72,42 @@ def _with_bar(out: Path, effort: Effort, memory: Path | None) -> Report:
             memory=memory,
             progress=lambda done, total: bar.update(row, completed=done, total=total),
         )
+
+
+def _replayed(dataset: Dataset, count: int) -> list[Problem]:
+    """Makes episodes anew from their recipes, spread evenly over the dataset."""
+    # Imported here: all other checks need no simulator.
+    from rtphys.assets.pack import default_pack
+    from rtphys.generate import attempt
+    from rtphys.task.spec import load_task
+
+    pack = default_pack()
+    picked = np.unique(np.linspace(0, len(dataset) - 1, min(count, len(dataset))).astype(int))
+    found = []
+    for episode in (dataset[int(n)] for n in picked):
+        meta = episode.meta
+        try:
+            recipe = _recipe(meta.recipe)
+        except (KeyError, ValueError) as error:
+            found.append(Problem(episode.paths.phys_meta, f"its recipe is not whole ({error})"))
+            continue
+        tried = attempt(recipe, load_task(recipe.task), pack)
+        told = tried.recording.hash if tried.accepted and tried.recording else tried.reason
+        if told != meta.state_hash:
+            made = next(leaf.assets for leaf in dataset.leaves if leaf.task == meta.task)
+            where = "" if made.get("digest") == pack.digest else ", with other assets than today's"
+            text = f"simulated again it gives {told}, not state_hash {meta.state_hash}{where}"
+            found.append(Problem(episode.paths.phys_meta, text))
+    return found
+
+
+def _recipe(stored: Mapping[str, JSON]) -> Recipe:
+    only, held = stored.get("only"), stored.get("overrides")
+    return Recipe(
+        task=str(stored["task"]),
+        seed=int(str(stored["seed"])),
+        protocol=str(stored["protocol"]),
+        only=tuple(map(str, only)) if isinstance(only, list) else None,
+        overrides={k: plain_value(v) for k, v in held.items()} if isinstance(held, dict) else {},
+        embodiment=str(stored["embodiment"]),
+    )

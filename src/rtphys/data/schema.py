@@ -170,6 +170,18 @@ class LeafEntry(Model):
     journal: JournalState
 
 
+class ResolvedDomain(Model):
+    """Which attributes vary and how, inheritance resolved."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, strict=True)
+
+    name: str
+    digest: str
+    why: str = ""
+    rules: dict[str, JsonValue] = Field(description="by attribute or auxiliary key")
+    sources: dict[str, str] = Field(default={}, description="key -> domain that wrote the rule")
+
+
 class Manifest(Model):
     """`manifest.json`: everything needed to check the dataset and to make it again."""
 
@@ -185,6 +197,7 @@ MODELS: dict[str, type[BaseModel]] = {
     "manifest": Manifest,
     "scene_info": SceneEntry,
     "instruction": Instructions,
+    "domain": ResolvedDomain,
 }
 
 

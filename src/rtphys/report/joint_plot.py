@@ -12,6 +12,7 @@ from rtphys.dataset import Episode
 
 WIDTH, HEIGHT, LEFT, TOP = 460, 92, 78, 40  # of one panel, and around them [px]
 TARGET, MEASURED = "#d1495b", "#1f7a8c"
+SMALLEST = 0.02  # [rad or m] that a panel spans
 BANDS = ("#eef2f6", "#ffffff")
 OPENING = (-0.01, 0.045)  # finger joint at commanded opening 0 and 1 [m], aloha-agilex
 
@@ -89,6 +90,8 @@ def _panel(panel: Panel, time: Floats, column: int, row: int) -> str:
     shown = [panel.target, *([panel.measured] if panel.measured is not None else [])]
     low = min(float(line.min()) for line in shown)
     high = max(float(line.max()) for line in shown)
+    if high - low < SMALLEST:  # a joint at rest is a flat line, not magnified noise
+        low, high = (low + high - SMALLEST) / 2, (low + high + SMALLEST) / 2
     top, left = TOP + row * HEIGHT, column * (WIDTH + LEFT)
     lines = [
         _line(line, time, (low, high), (column, top), colour)
