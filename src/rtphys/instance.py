@@ -58,6 +58,8 @@ def settle(instance: Instance) -> None:
         Infeasible: "unsettled".
     """
     world = instance.world
+    for thing in world.objects.values():
+        thing.roll_down()
     before = {name: thing.pose for name, thing in world.objects.items() if thing.bodies}
     world.settle()
     for name, start in before.items():

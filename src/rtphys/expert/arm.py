@@ -8,7 +8,7 @@ import numpy as np
 from rtphys.errors import Infeasible
 from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, candidates
 from rtphys.expert.place import Held, goals
-from rtphys.poses import Pose
+from rtphys.poses import Pose, axis_angle
 from rtphys.task.arm import Aim, Follow, Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
 from rtphys.task.props import TABLE_TOP
 
@@ -71,6 +71,7 @@ class ExpertArm:
         if not numbers:
             raise Infeasible("ungraspable", f"{prop} has no contact points")
         points = [(i, scene.contact(prop, i)) for i in numbers]
+        points += self._around(prop, points)
         first = None
         tried = 0
         for way in candidates(points, self.side, TABLE_TOP):
@@ -87,6 +88,15 @@ class ExpertArm:
         if first is None:
             raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
         return first
+
+    def _around(self, prop: str, points: list[tuple[int, Pose]]) -> list[tuple[int, Pose]]:
+        """Contact points between those at 45 deg of a round thing, which lies as it rolled."""
+        axis = self.robot.world.object(prop).prop.rolls_about
+        if axis is None:
+            return []
+        X_TP = self.robot.scene.pose(prop)
+        turn = Pose((0, 0, 0), axis_angle(np.eye(3)[axis], np.pi / 8))
+        return [(i, X_TP @ turn @ X_TP.inverse() @ point) for i, point in points]
 
     def _allows(self, prop: str, hand: Pose, aim: Aim) -> bool:
         """Whether a thing grasped at this hand pose can be placed as aimed."""
@@ -171,6 +181,11 @@ class ExpertArm:
                 steps = (Reach((path[0],), tuple(q.tolist())), Follow(tuple(path[1:]), seconds))
                 return self._motion(f"sweep {prop}".strip(), *steps)
         raise Infeasible("unreachable", f"no way for the {self.side} hand along {prop or 'a path'}")
+
+    def carry(self, prop: str, *paths: Sequence[Pose], seconds: float = 0.0) -> Motion:
+        X_PE = self.robot.scene.pose(prop).inverse() @ self.ee()
+        hands = [[pose @ X_PE for pose in path] for path in paths]
+        return self.sweep(*hands, seconds=seconds, prop=prop)
 
     def close(self, opening: float = 0.0, holds: str = "") -> Motion:
         return self._motion("close", Grip(opening, holds=holds))

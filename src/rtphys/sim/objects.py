@@ -25,6 +25,7 @@ from rtphys.sim.urdf import build_articulation, nominal_shape_size
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
 
 UNSTATED_DENSITY = 400.0  # [kg/m^3] for models whose pack states no mass (the official one)
+LEAST_OFFSET = 0.001  # [m] of a centre of mass from the axis, for it to decide how a thing lies
 SPAWN_GAP = 0.001  # [m] above the table
 
 
@@ -86,6 +87,20 @@ class SimObject:
     def measured_scale(self) -> float:
         """Size of the simulator's shapes over the nominal size."""
         return shape_size(self._sized) / self.nominal_size
+
+    def roll_down(self) -> None:
+        """Turn a round thing that lies until its centre of mass is underneath (`rolls_about`)."""
+        number, pose = self.prop.rolls_about, self.pose
+        if number is None:
+            return
+        axis = np.eye(3)[number]
+        across = np.eye(3) - np.outer(axis, axis)
+        centre = across @ np.asarray(self.root.cmass_local_pose.p, float)
+        down = across @ pose.R.T @ np.array([0.0, 0.0, -1.0])
+        if np.linalg.norm(centre) < LEAST_OFFSET:
+            return
+        angle = float(np.arctan2(np.cross(centre, down) @ axis, centre @ down))
+        self.root.entity.set_pose(to_sapien(pose @ Pose((0, 0, 0), axis_angle(axis, angle))))
 
     def points(self) -> Array:
         """Collision vertices of all links, world frame (n, 3) [m]."""

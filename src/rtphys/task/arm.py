@@ -203,6 +203,10 @@ class Arm(Protocol):
         """
         ...
 
+    def carry(self, prop: str, *paths: Sequence[Pose], seconds: float = 0.0) -> Motion:
+        """Sweep the held prop itself through poses of its frame; else as `sweep`."""
+        ...
+
     def close(self, opening: float = 0.0, holds: str = "") -> Motion:
         """Close the fingers; `holds` names what must then be between them."""
         ...

@@ -31,6 +31,8 @@ class Prop:
     fixed: bool = False  # static (or, articulated: fixed root)
     resting: bool = True  # the world sets z so that the lowest point is 1 mm above the table
     mass_kg: float | None = None  # None: what the asset says
+    rolls_about: int | None = None  # own axis (0 x, 1 y, 2 z) of a round thing that lies: it
+    # starts rolled so that its centre of mass is underneath, as a real one would come to lie
     phrase: str = ""  # how language names it; empty: the asset's own phrases
     label: str = ""  # placeholder value in scene_info; empty: "<category>/base<k>" or the phrase
 

@@ -38,6 +38,13 @@ class Condition:
         text = " and ".join(part.text for part in parts)
         return Condition(text, holds, parts, bool(eager))
 
+    def remember(self, scene: Scene) -> None:
+        """Show an instant to the conditions that remember, without asking the others."""
+        if self.remembers:
+            for part in self.parts or (self,):
+                if part.remembers:
+                    part.holds(scene)
+
     def __invert__(self) -> "Condition":
         return Condition(
             f"not ({self.text})", lambda scene: not self.holds(scene), (), self.remembers
@@ -70,6 +77,30 @@ def points_meet(prop: str, point: int, target: str, target_point: int, within: V
         return bool(np.all(np.abs(gap) < np.asarray(within, float)))
 
     return Condition(f"point {point} of {prop} at point {target_point} of {target}", holds)
+
+
+def in_row(*props: str, within: tuple[float, float] = (0.13, 0.03)) -> Condition:
+    """Props stand in the given order from left to right.
+
+    Args:
+        within: (dx, dy) [m] between neighbours, at most.
+    """
+
+    def holds(scene: Scene) -> bool:
+        places = np.array([scene.pose(prop).p for prop in props])
+        gaps = np.diff(places, axis=0)
+        ordered = np.all((gaps[:, 0] > 0) & (gaps[:, 0] < within[0]))
+        return bool(ordered and np.all(np.abs(gaps[:, 1]) < within[1]))
+
+    return Condition(f"{', '.join(props)} in a row", holds)
+
+
+def on_table(*props: str) -> Condition:
+    """Each prop's lowest point within 1 cm of the table's surface: neither held up nor stacked."""
+    return Condition(
+        f"{', '.join(props)} on the table",
+        lambda s: all(abs(s.lowest(prop) - 0.74) < 0.01 for prop in props),
+    )
 
 
 def above(prop: str, height: float) -> Condition:
@@ -168,6 +199,25 @@ def joint_beyond(prop: str, share: float, index: int = 0) -> Condition:
         return q >= low + share * (high - low)
 
     return Condition(f"{prop} joint {index} beyond {share:.0%}", holds)
+
+
+def shaken(prop: str, by: float, turns: int, during: Condition) -> Condition:
+    """The prop's height has turned round at least `turns` times, by at least `by` [m] each.
+
+    Only what happens while `during` holds counts.
+    """
+
+    def holds(scene: Scene) -> bool:
+        turn = 0
+        while scene.once(f"{prop} turned round {turn}", False):
+            turn += 1
+        if turn < turns and during.holds(scene):
+            height = float(scene.pose(prop).p[2]) * (-1) ** turn
+            fallen = scene.peak(f"{prop} height {turn}", height) - height
+            turn += scene.once(f"{prop} turned round {turn}", fallen > by)
+        return turn >= turns
+
+    return Condition(f"{prop} shaken {turns} times by {by} m", holds, remembers=True)
 
 
 def claim(text: str, holds: Callable[[Scene], bool], remembers: bool = False) -> Condition:
