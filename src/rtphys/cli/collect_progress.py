@@ -137,7 +137,10 @@ def totals(tallies: Sequence[Tally]) -> tuple[int, int, int]:
 
 def summary_table(tallies: Sequence[Tally]) -> Table:
     """One row a task."""
-    table = Table("task", "episodes", "attempts", "accepted", "rejected, by reason")
+    table = Table()
+    for column in ("task", "episodes", "attempts", "accepted"):
+        table.add_column(column, no_wrap=True)
+    table.add_column("rejected, by reason")
     for tally in tallies:
         tried = tally.new_attempts
         share = f"{100 * tally.new_episodes / tried:.0f} %" if tried else "-"
