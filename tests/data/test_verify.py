@@ -12,7 +12,7 @@ from rtphys.data import hdf5_file
 from rtphys.data.check_episode import Effort
 from rtphys.data.files import facts_of
 from rtphys.data.hdf5_native import read_native
-from rtphys.data.journal import Journal
+from rtphys.data.journal import Journal, read_journal
 from rtphys.data.json_text import pretty
 from rtphys.data.layout import Leaf
 from rtphys.data.manifest import LeafHistory, manifest_of
@@ -92,14 +92,14 @@ def forge(out: Path, change: Callable[[Leaf], None]) -> None:
     """Changes episode files, then makes journal and manifest agree with the change."""
     leaf = Leaf(out, "phys_random", "click_bell")
     change(leaf)
-    entries = [dict(line.entry) for line in Journal(leaf.journal).lines]
+    entries = [dict(entry) for entry in Journal(leaf.journal).entries()]
     leaf.journal.unlink()
     journal = Journal(leaf.journal)
     for entry in entries:
         if "files" in entry:
             entry["files"] = {n: facts_of(leaf.folder / n).to_json() for n in entry["files"]}
         journal.append(entry, durable=False)
-    history = LeafHistory(leaf, journal.lines)
+    history = LeafHistory(leaf, read_journal(leaf.journal).lines)
     (out / "manifest.json").write_bytes(manifest_of([history]))
 
 

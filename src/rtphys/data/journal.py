@@ -68,26 +68,30 @@ def _parse(text: bytes, previous: str, where: str) -> Line:
 
 
 class Journal:
-    """An open journal. Nothing is written, no torn line cut off, before the first append."""
+    """An open journal. Nothing is written, no torn line cut off, before the first append.
+
+    It remembers no entries: a long run would grow with every attempt.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.lines: list[Line] = []
+        self.count = 0
+        self.check = START  # of the last entry
         self._torn_at: int | None = None
         if path.exists():
             contents = read_journal(path)
-            self.lines = list(contents.lines)
+            self.count = len(contents.lines)
+            self.check = contents.lines[-1].check if contents.lines else START
             self._torn_at = contents.whole_bytes if contents.torn_bytes else None
 
-    @property
-    def check(self) -> str:
-        """The chain's check after the last entry."""
-        return self.lines[-1].check if self.lines else START
+    def entries(self) -> list[Mapping[str, JSON]]:
+        """Reads the file again. Raises `BadFile`."""
+        return [line.entry for line in read_journal(self.path).lines] if self.count else []
 
     def append(self, entry: Mapping[str, JSON], *, durable: bool) -> None:
         """Adds one line. Raises `CannotWrite`, and then the file is as it was."""
-        line = Line(entry, link(self.check, entry))
-        text = compact({"check": line.check, "entry": entry}) + b"\n"
+        check = link(self.check, entry)
+        text = compact({"check": check, "entry": entry}) + b"\n"
         with files.refusals(self.path):
             fresh = not self.path.exists()
             if self._torn_at is not None:
@@ -105,4 +109,5 @@ class Journal:
                     raise
         if fresh:
             files.sync_folder(self.path.parent)
-        self.lines.append(line)
+        self.count += 1
+        self.check = check

@@ -45,24 +45,26 @@ class TaskWriter:
         self.wanted = 0
         self._journal = Journal(leaf.journal)
         self._pending: dict[int, StagedEpisode | Rejection] = {}
-        self._accept_header(resume)
-        self.episodes = sum(e.entry["verdict"] == "accepted" for e in self._journal.lines[1:])
-        self._remove_leftovers()
+        self.episodes = 0
+        self._open(resume)
 
-    def _accept_header(self, resume: bool) -> None:
+    def _open(self, resume: bool) -> None:
         header = self.conditions.to_json()
-        if not self._journal.lines:
+        stored = self._journal.entries()
+        if not stored:
             if self._episode_files(0):  # somebody else's: they must not be taken for leftovers
                 raise DatasetMismatch(self.leaf.folder, ["its episodes have no journal"])
             files.make_folder(self.leaf.folder)
             self._journal.append(header, durable=True)
             return
-        stored = self._journal.lines[0].entry
-        if found := differences(stored, header):
+        if found := differences(stored[0], header):
             raise DatasetMismatch(self.leaf.folder, found)
-        if not resume and len(self._journal.lines) > 1:
-            accepted = sum(e.entry["verdict"] == "accepted" for e in self._journal.lines[1:])
-            raise DatasetExists(self.leaf.folder, accepted)
+        self.episodes = sum(entry["verdict"] == "accepted" for entry in stored[1:])
+        if not resume and len(stored) > 1:
+            raise DatasetExists(self.leaf.folder, self.episodes)
+        self._remove_leftovers()
+        for entry in stored[1:]:
+            self._check_present(entry)
 
     def _remove_leftovers(self) -> None:
         """Of a killed run: staged attempts, files of a commit that never reached the journal."""
@@ -72,8 +74,6 @@ class TaskWriter:
                 path.unlink()
         for path in self.leaf.folder.rglob(f".*{files.TEMPORARY}"):
             path.unlink(missing_ok=True)
-        for line in self._journal.lines[1:]:
-            self._check_present(line.entry)
 
     def _episode_files(self, first: int) -> list[Path]:
         """Files of episodes with that number or a higher one."""
@@ -92,7 +92,7 @@ class TaskWriter:
     @property
     def next_seed(self) -> int:
         """The lowest seed whose outcome is not known."""
-        seed = self.conditions.first_seed + len(self._journal.lines) - 1
+        seed = self.conditions.first_seed + self._journal.count - 1
         while seed in self._pending:
             seed += 1
         return seed
@@ -114,7 +114,7 @@ class TaskWriter:
         self._pending[outcome.seed] = outcome
         committed = []
         while not self.done:
-            seed = self.conditions.first_seed + len(self._journal.lines) - 1
+            seed = self.conditions.first_seed + self._journal.count - 1
             if seed not in self._pending:
                 break
             self._commit(self._pending[seed])
