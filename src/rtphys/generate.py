@@ -12,6 +12,8 @@ from rtphys.sim.recorder import Recording
 from rtphys.sim.rollout import Outcome, Rollout
 from rtphys.task.spec import Task
 
+POLL = 5  # [steps] a demonstration's first success is known to 20 ms
+
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
@@ -38,7 +40,7 @@ def attempt(recipe: Recipe, task: Task, pack: Pack) -> Attempt:
     try:
         instance = prepare(recipe, task, pack)
         settle(instance)
-        rollout = start(instance)
+        rollout = start(instance, POLL)
         task.script(ExpertRobot(rollout, stream(recipe.seed, "expert")))
         outcome = rollout.finish()
     except Infeasible as problem:
@@ -51,7 +53,8 @@ def attempt(recipe: Recipe, task: Task, pack: Pack) -> Attempt:
     return Attempt(recipe, reason, "; ".join(outcome.missing), instance, recording, outcome)
 
 
-def start(instance: Instance) -> Rollout:
+def start(instance: Instance, poll: int = 1) -> Rollout:
     """Begin the policy stage of a settled instance."""
-    condition = instance.task.condition(list(instance.props))
-    return Rollout(instance.world, instance.physics, condition, instance.task.step_limit)
+    task, world = instance.task, instance.world
+    condition = task.condition(list(instance.props))
+    return Rollout(world, instance.physics, condition, task.step_limit, poll)

@@ -18,9 +18,9 @@ from rtphys.poses import Array, Pose
 
 SIDES = ("left", "right")
 # The arm's real servos reach about 3 rad/s; accelerations keep finger loads near 1 g.
-VELOCITY = np.array([2.0, 2.0, 2.0, 2.6, 2.6, 3.0])  # [rad/s]
-ACCELERATION = np.array([7.0, 7.0, 7.0, 10.0, 10.0, 12.0])  # [rad/s^2]
-LINE_SPEED = 0.6  # straight lines end in contact: a share of the usual pace
+VELOCITY = np.array([2.5, 2.5, 2.5, 3.0, 3.0, 3.0])  # [rad/s]
+ACCELERATION = np.array([10.0, 10.0, 10.0, 12.0, 12.0, 14.0])  # [rad/s^2]
+LINE_SPEED = 0.7  # straight lines end in contact: a share of the usual pace
 
 
 @dataclass(frozen=True, eq=False)
