@@ -17,6 +17,7 @@ from queue import Queue
 from rtphys.assets.embodiments import EMBODIMENTS
 from rtphys.assets.objects import catalogue
 from rtphys.assets.pack import STAMP, Pack, Progress
+from rtphys.assets.textures import texture_names, write_texture
 from rtphys.assets.thing import Machine
 from rtphys.assets.write import write_machine, write_thing
 
@@ -29,7 +30,7 @@ FEW = 12  # jobs that are not worth starting processes for
 class Job:
     """One thing to write. Names only, so that it can be sent to another process."""
 
-    kind: str  # "embodiment" or "object"
+    kind: str  # "embodiment", "object" or "texture"
     name: str
     index: int = 0
 
@@ -38,10 +39,11 @@ class Job:
 
 
 def jobs(names: Iterable[str] = ()) -> list[Job]:
-    """Everything the pack holds, or only the objects and robots of these names."""
+    """Everything the pack holds, or only what has one of these names."""
     wanted = set(names)
     every = [Job("embodiment", name) for name in EMBODIMENTS]
     every += [Job("object", name, i) for name, makers in catalogue().items() for i in makers]
+    every += [Job("texture", name) for name in texture_names()]
     return [job for job in every if not wanted or job.name in wanted]
 
 
@@ -49,6 +51,9 @@ def write(root: Path, job: Job) -> Job:
     """Make and write one job's files under `root`."""
     if job.kind == "embodiment":
         EMBODIMENTS[job.name](root / "embodiments" / job.name)
+        return job
+    if job.kind == "texture":
+        write_texture(root / "textures", job.name)
         return job
     folder = root / "objects" / job.name
     made = catalogue()[job.name][job.index]()
@@ -70,7 +75,7 @@ def build(
     Args:
         out: folder to make. Nothing of it is touched before everything is written.
         progress: told (done, total, name) after each model.
-        names: only these objects and robots (for authors); all if empty.
+        names: only these objects, robots and textures (for authors); all if empty.
         workers: processes; by default one a core, and none for a handful of models.
     """
     out = Path(out).expanduser()

@@ -1,0 +1,34 @@
+"""Which table and wall pictures the builtin pack holds, and which of them policies never see."""
+
+from pathlib import Path
+
+from rtphys.assets.patterns import PATTERNS
+from rtphys.assets.pictures import to_picture
+from rtphys.assets.png import png_bytes
+from rtphys.errors import UnknownName
+from rtphys.seeds import stream
+
+EACH = 4  # pictures a pattern; the last is unseen
+HELD_OUT = ("hexagons", "parquet", "patches")  # patterns of which all are unseen
+
+
+def texture_names() -> tuple[str, ...]:
+    """`<split>/<pattern>_<number>` of every picture, sorted."""
+    names = []
+    for pattern in PATTERNS:
+        for k in range(EACH):
+            unseen = pattern in HELD_OUT or k == EACH - 1
+            names.append(f"{'unseen' if unseen else 'seen'}/{pattern}_{k}")
+    return tuple(sorted(names))
+
+
+def write_texture(folder: Path, name: str) -> None:
+    """Draw one picture to `<folder>/<name>.png`. Raises UnknownName."""
+    if name not in texture_names():
+        raise UnknownName("texture", name, texture_names())
+    own = name.split("/")[1]
+    pattern = own.rsplit("_", 1)[0]
+    picture = to_picture(PATTERNS[pattern](stream(0, "assets", "texture", own)))
+    path = folder / f"{name}.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(png_bytes(picture))
