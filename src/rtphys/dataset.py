@@ -103,7 +103,11 @@ class Episode:
 
     def images(self, camera: str) -> NDArray[np.uint8]:
         """All pictures of a camera (T, H, W, 3), RGB. Raises `UnknownName`."""
-        return np.stack([jpeg.decode(stream) for stream in self._file.streams(camera)])
+        return np.stack([*self.each_image(camera)])
+
+    def each_image(self, camera: str) -> Iterator[NDArray[np.uint8]]:
+        """The pictures of a camera one after the other, (H, W, 3) RGB. Raises `UnknownName`."""
+        return map(jpeg.decode, self._file.streams(camera))
 
     def poses(self, name: str, order: Order = "wxyz") -> NDArray[np.float64]:
         """(T, 7) xyz [m] + quaternion in the order asked for, world frame.

@@ -18,7 +18,7 @@ pq = pytest.importorskip("pyarrow.parquet", reason="the extra rtphys[lerobot] is
 
 from rtphys.export.lerobot import export_lerobot  # noqa: E402
 from rtphys.export.lerobot_plan import RATE  # noqa: E402
-from rtphys.export.statistics import PixelCounts, of_numbers  # noqa: E402
+from rtphys.export.statistics import STRIDE, PixelCounts, of_numbers  # noqa: E402
 
 R = FRAMES - 1
 VIDEOS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
@@ -112,9 +112,9 @@ def test_statistics(v3: Path, dataset: Dataset) -> None:
 
 def test_pixel_statistics_are_exact() -> None:
     rng = np.random.default_rng(0)
-    pictures = rng.integers(0, 256, (4, 20, 30, 3), dtype=np.uint8)
+    pictures = rng.integers(0, 256, (4, 120, 160, 3), dtype=np.uint8)
     stats = (PixelCounts.of(pictures[:1]) + PixelCounts.of(pictures[1:])).stats()
-    flat = pictures[:, ::2, ::2].reshape(-1, 3) / 255
+    flat = pictures[:, ::STRIDE, ::STRIDE].reshape(-1, 3) / 255
     truth = of_numbers(flat)
     for name in ("min", "max", "mean", "std"):
         np.testing.assert_allclose(stats[name].ravel(), truth[name], atol=1e-12)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -49,11 +50,14 @@ def encode(
     One thread a camera: decoding and encoding release the GIL.
     """
 
+    rows = len(episode) - 1
+
     def work(camera: str) -> PixelCounts:
-        pictures = episode.images(camera)[:-1]
-        for picture in pictures:
+        looked_at, kept = set(sampled(rows)), []
+        for t, picture in enumerate(islice(episode.each_image(camera), rows)):
             writers[camera].add(picture)
-        return PixelCounts.of([pictures[t] for t in sampled(len(pictures))])
+            kept += [picture] if t in looked_at else []
+        return PixelCounts.of(kept)
 
     with ThreadPoolExecutor(len(plan.cameras)) as pool:
         return dict(zip(plan.cameras, pool.map(work, plan.cameras), strict=True))

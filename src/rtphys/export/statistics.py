@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 SAMPLED_FRAMES = 16  # pictures of an episode that are looked at
-STRIDE = 2  # of every other row and column
+STRIDE = 4  # every fourth row and column of them
 
 Stats = dict[str, NDArray[np.float64]]
 
