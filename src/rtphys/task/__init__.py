@@ -3,7 +3,7 @@
 from rtphys.errors import Infeasible
 from rtphys.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
-from rtphys.task.blocks import Block, scattered
+from rtphys.task.blocks import Block, ranked, scattered
 from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
 from rtphys.task.orientation import DOWN, IDENTITY, UP_F, UP_S, UP_Y, UP_Z, yawed
 from rtphys.task.props import (
@@ -96,6 +96,7 @@ __all__ = [
     "points_meet",
     "pressed",
     "quat_multiply",
+    "ranked",
     "reachable",
     "scattered",
     "shaken",

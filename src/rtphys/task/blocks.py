@@ -1,5 +1,6 @@
 """The toy blocks of the stacking and ranking tasks, scattered in front of the robot."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -53,3 +54,9 @@ def scattered(draw: Draw, blocks: Sequence[Block], clear: float) -> list[Box]:
             )
         )
     return boxes
+
+
+def ranked(boxes: Sequence[Box]) -> bool:
+    """Whether the boxes nearly form a row from left to right: little would be left to do."""
+    gaps = [b.pose.p - a.pose.p for a, b in itertools.pairwise(boxes)]
+    return all(0 < gap[0] < 0.13 and abs(gap[1]) < 0.04 for gap in gaps)

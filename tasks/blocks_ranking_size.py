@@ -1,0 +1,72 @@
+"""Line up a large, a medium and a small block from left to right.
+
+Success: neighbours in that order within 13 cm sideways and 3 cm in depth, and both hands are open.
+Added to upstream's test: all three stand on the table, at rest.
+"""
+
+from rtphys.task import (
+    DOWN,
+    Aim,
+    Block,
+    Draw,
+    Infeasible,
+    Placing,
+    Pose,
+    Robot,
+    Task,
+    at_rest,
+    hands_open,
+    in_row,
+    on_table,
+    ranked,
+    scattered,
+)
+
+HALVES = {"large": (0.030, 0.033), "medium": (0.024, 0.027), "small": (0.018, 0.021)}  # [m]
+ROW = {"large": -0.105, "medium": 0.0, "small": 0.105}  # [m] x; open fingers fit between neighbours
+DEPTH = -0.19  # [m] y of the row
+LINE_UP = Placing(pre=0.05, gap=0.0, along="point")
+
+
+def layout(draw: Draw):
+    blocks = [Block(n, draw.uniform(f"half {n}", *HALVES[n]), colour(draw, n)) for n in ROW]
+    boxes = scattered(draw, blocks, clear=0.1)
+    if ranked(boxes):
+        raise Infeasible("layout", "the blocks are in order already")
+    yield from boxes
+
+
+def colour(draw: Draw, name: str) -> tuple[float, float, float]:
+    """Any colour: only size tells the blocks apart."""
+    r, g, b = (draw.uniform(f"{channel} of {name}", 0, 1) for channel in "rgb")
+    return r, g, b
+
+
+def script(robot: Robot) -> None:
+    last = None
+    for name, x in ROW.items():
+        arm, place = robot.nearest(name), Pose((x, DEPTH, 0.74), DOWN)
+        away = [last.home()] if last and last is not arm else []
+        robot.do(arm.grasp(name, pre=0.09, aim=Aim(place, 0, LINE_UP)), *away)
+        robot.do(arm.lift(0.07))
+        robot.do(arm.place(name, place, point=0, how=LINE_UP))
+        robot.do(arm.lift(0.07))
+        last = arm
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=in_row(*ROW)
+    & on_table(*ROW)
+    & at_rest("large")
+    & at_rest("medium")
+    & at_rest("small")
+    & hands_open(),
+    step_limit=1200,
+    mechanism="order",
+    info={
+        **{"A": "large", "B": "medium", "C": "small"},
+        **{"a": "arm:large", "b": "arm:medium", "c": "arm:small"},
+    },
+)
