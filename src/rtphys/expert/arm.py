@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rtphys.expert.robot import ExpertRobot
 
 Posture = tuple[float, ...]  # (6,) [rad]
+LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
 MOST_AIMED = 10  # graspable ways that are tested for what they allow later
 _PLACE_YAWS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.57, -1.57)  # [rad] tried where the yaw is free
 
@@ -117,6 +118,10 @@ class ExpertArm:
         steps: list[Step] = [Reach((before,), posture)]
         if how.pre != how.gap:
             steps.append(Line(after, until=how.until))
+        if how.until:
+            way = after.p - before.p
+            lean = LEAN * way / max(float(np.linalg.norm(way)), 1e-9)
+            steps += [Shift((float(lean[0]), float(lean[1]), float(lean[2]))), Wait(0.12)]
         if how.release:
             steps.append(Grip(1.0, releases=prop))
         return self._motion(f"place {prop}", *steps)
