@@ -23,7 +23,7 @@ from rtphys.task import (
 )
 
 HALVES = {"large": (0.030, 0.033), "medium": (0.024, 0.027), "small": (0.018, 0.021)}  # [m]
-ROW = {"large": -0.105, "medium": 0.0, "small": 0.105}  # [m] x; open fingers fit between neighbours
+ROW = {"large": -0.115, "medium": 0.0, "small": 0.105}  # [m] x; open fingers fit between neighbours
 DEPTH = -0.19  # [m] y of the row
 LINE_UP = Placing(pre=0.05, gap=0.0, along="point")
 

@@ -159,6 +159,16 @@ def upright(prop: str, axis: int, within: float) -> Condition:
     return Condition(f"{prop} upright within {within:.2f} rad", holds)
 
 
+def parallel(prop: str, axis: int, to: Vector, within: float) -> Condition:
+    """The prop's own axis (0 x, 1 y, 2 z) within an angle [rad] of a direction, either way."""
+    line = np.asarray(to, float) / np.linalg.norm(to)
+
+    def holds(scene: Scene) -> bool:
+        return bool(abs(scene.pose(prop).R[:, axis] @ line) > np.cos(within))
+
+    return Condition(f"{prop} along {tuple(np.round(line, 2))} within {within:.2f} rad", holds)
+
+
 def turned_to(prop: str, q: Vector, within: float) -> Condition:
     """Orientation within an angle [rad] of a task-frame quaternion wxyz."""
     goal = np.asarray(q, float) / np.linalg.norm(q)

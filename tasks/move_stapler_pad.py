@@ -1,0 +1,69 @@
+"""Put the stapler on the coloured pad, lengthwise.
+
+Success: the stapler lies on the pad's centre along its length, at rest, and both hands are open.
+"""
+
+from math import pi
+
+from rtphys.task import (
+    COLOURS,
+    SHORT_COLOURS,
+    UP_Y,
+    Aim,
+    Box,
+    Draw,
+    Mesh,
+    Placing,
+    Pose,
+    Robot,
+    Task,
+    at_rest,
+    clear_of,
+    hands_open,
+    near,
+    off_centre,
+    parallel,
+    upright,
+    yawed,
+)
+
+LENGTHWISE = Placing(mode="align", pre=0.1, gap=0.002, yaws=(0.0, pi))
+EXACT = 0.04  # [rad] what RoboTwin's bound of 0.02 between quaternion entries amounts to
+
+
+def layout(draw: Draw):
+    stapler = draw.spot(
+        "stapler", x=(-0.25, 0.25), y=(-0.2, 0.0), yaw=(-pi, pi), where=off_centre(0.05)
+    )
+    model = draw.choice("model", *range(7))
+    yield Mesh(name="stapler", category="048_stapler", model=model, pose=stapler.pose(UP_Y))
+    side = (0.05, 0.25) if stapler.x > 0 else (-0.25, -0.05)
+    pad = draw.spot("pad", x=side, y=(-0.2, 0.0), where=clear_of((stapler, 0.1)))
+    colour = draw.choice("colour", *SHORT_COLOURS)
+    yield Box(
+        name="pad", half_size=(0.055, 0.03, 0.0005), colour=COLOURS[colour], pose=pad.pose(),
+        fixed=True, phrase=f"{colour} pad",
+    )  # fmt: skip
+
+
+def script(robot: Robot) -> None:
+    arm = robot.nearest("stapler")
+    pad = Pose(robot.scene.functional("pad", 1).p, yawed((1, 0, 0, 0), pi / 2))
+    robot.do(arm.grasp("stapler", pre=0.1, aim=Aim(pad, None, LENGTHWISE)))
+    robot.do(arm.retreat(0.1))
+    robot.do(arm.place("stapler", pad, how=LENGTHWISE))
+    robot.do(arm.retreat(0.07))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=near("stapler", "pad", within=(0.02, 0.02, 0.01))
+    & parallel("stapler", 2, (1, 0, 0), within=EXACT)
+    & upright("stapler", 1, within=EXACT)
+    & at_rest("stapler")
+    & hands_open(),
+    step_limit=400,
+    mechanism="place: aligned",
+    info={"A": "stapler", "B": "pad", "a": "arm:stapler"},
+)

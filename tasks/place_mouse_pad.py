@@ -1,0 +1,67 @@
+"""Put the computer mouse on the coloured pad, lengthwise.
+
+Success: the mouse lies on the pad's centre along its length, at rest, and both hands are open.
+Added to upstream's test: height and rest.
+"""
+
+from math import pi
+
+from rtphys.task import (
+    COLOURS,
+    SHORT_COLOURS,
+    UP_Y,
+    Aim,
+    Box,
+    Draw,
+    Mesh,
+    Placing,
+    Pose,
+    Robot,
+    Task,
+    at_rest,
+    clear_of,
+    hands_open,
+    near,
+    off_centre,
+    parallel,
+    yawed,
+)
+
+LENGTHWISE = Placing(mode="align", pre=0.07, gap=0.003, yaws=(0.0, pi))
+
+
+def layout(draw: Draw):
+    mouse = draw.spot(
+        "mouse", x=(-0.25, 0.25), y=(-0.2, 0.0), yaw=(-pi, pi), where=off_centre(0.05)
+    )
+    model = draw.choice("model", 0, 1, 2)
+    yield Mesh(name="mouse", category="047_mouse", model=model, pose=mouse.pose(UP_Y))
+    side = (0.05, 0.25) if mouse.x > 0 else (-0.25, -0.05)
+    pad = draw.spot("pad", x=side, y=(-0.2, 0.0), where=clear_of((mouse, 0.1)))
+    colour = draw.choice("colour", *SHORT_COLOURS)
+    yield Box(
+        name="pad", half_size=(0.035, 0.065, 0.0005), colour=COLOURS[colour], pose=pad.pose(),
+        fixed=True, phrase=f"{colour} pad",
+    )  # fmt: skip
+
+
+def script(robot: Robot) -> None:
+    arm = robot.nearest("mouse")
+    pad = Pose(robot.scene.functional("pad", 1).p, yawed((1, 0, 0, 0), pi))
+    robot.do(arm.grasp("mouse", pre=0.1, aim=Aim(pad, None, LENGTHWISE)))
+    robot.do(arm.lift(0.1))
+    robot.do(arm.place("mouse", pad, how=LENGTHWISE))
+    robot.do(arm.retreat(0.07))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=near("mouse", "pad", within=(0.015, 0.012, 0.01))
+    & parallel("mouse", 2, (0, 1, 0), within=0.45)
+    & at_rest("mouse")
+    & hands_open(),
+    step_limit=400,
+    mechanism="place: aligned",
+    info={"A": "mouse", "B": "pad", "a": "arm:mouse"},
+)
