@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rtphys.assets.geometry import Outline, extrude
+from rtphys.assets.geometry import Outline, extrude, lathe
 from rtphys.assets.solid import Solid, hull
 
 Array = NDArray[np.float64]
@@ -26,6 +26,23 @@ def bevelled(outline: Outline, width: float, bevel: float) -> Solid:
     small = middle + (p - middle) * np.maximum(1 - bevel / np.maximum(half, 1e-9), 0.2)
     rows = [(p, width / 2 - bevel), (small, width / 2)]
     return hull([(s * x, y, z) for points, x in rows for s in (-1, 1) for z, y in points])
+
+
+def lying(profile: Outline, sides: int = 12, rest: float | None = None) -> Solid:
+    """A profile (N, 2) of (radius, z) turned about z, as it lies: a facet underneath.
+
+    `sides` is even; `rest` is the radius that touches the ground, by default the largest.
+    """
+    p = np.asarray(profile, float)
+    low = (p[:, 0].max() if rest is None else rest) * np.cos(np.pi / sides)
+    # Corners start on +x: a facet is underneath as it is, unless 4 divides the number of sides.
+    turn = 180 / sides if sides % 4 == 0 else 0.0
+    return lathe(p, sides).turned("y", turn).turned("x", 90).at(y=low)
+
+
+def rod(radius: float, start: float, end: float, sides: int = 12) -> Solid:
+    """A lying prism along z from `start` to `end`. Convex."""
+    return lying([(0, start), (radius, start), (radius, end), (0, end)], sides)
 
 
 def loft(rings: ArrayLike) -> Solid:
