@@ -101,7 +101,9 @@ class ExpertArm:
 
     def _allows(self, prop: str, hand: Pose, aim: Aim) -> bool:
         """Whether a thing grasped at this hand pose can be placed as aimed."""
-        return self._placement(self._held(prop, hand, aim.point), aim.target, aim.how) is not None
+        with self.robot.supposing(self.side):
+            held = self._held(prop, hand, aim.point)
+            return self._placement(held, aim.target, aim.how) is not None
 
     # ---- letting go ------------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """The robot that scripts command (`rtphys.task.arm.Robot`): plans steps and carries them out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -101,6 +102,17 @@ class ExpertRobot:
         if path is not None:
             self._intended[side] = path[-1]
         return None if path is None else q
+
+    @contextmanager
+    def supposing(self, side: str) -> Iterator[None]:
+        """Within: questions about this arm do not count as where it will go."""
+        said = self._intended.get(side)
+        try:
+            yield
+        finally:
+            self._intended.pop(side, None)
+            if said is not None:
+                self._intended[side] = said
 
     def clear_at(self, side: str, q: Array, prop: str) -> bool:
         """Nothing in the way at a posture, the prop aside."""
