@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, tint
 from rtphys.assets.pictures import to_picture
-from rtphys.assets.solid import Solid, hull
+from rtphys.assets.solid import Solid, hull, together
 from rtphys.seeds import stream
 
 FACETS = 10  # around a loaf's back
@@ -25,6 +26,14 @@ def loaf(
     share = 0.5 + 0.5 * np.cos(np.linspace(np.pi, 0, 7)) - 0.5  # -0.5 .. 0.5, closer at the ends
     rings = [_ring(width * s, height * t, length * z, flat) for z, s, t in _profile(share, blunt)]
     return hull(np.vstack(rings))
+
+
+def scored(body: Solid, width: float, height: float, length: float, count: int = 3) -> Solid:
+    """Slanting cuts across the back of a loaf of these sizes, a little proud of its crust."""
+    skin = body.scaled(1.02).at(y=-0.0002)
+    places = np.linspace(-0.26, 0.26, count) * length
+    blade = box(0.75 * width, 0.5 * height, 0.006).turned("y", 30)
+    return together(*(skin & blade.at(0, 0.9 * height, float(z)) for z in places))
 
 
 def crust(colour: Colour, name: str, contrast: float = 0.10) -> Picture:

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from rtphys.assets.geometry import box, extrude, lathe, rounded
-from rtphys.assets.loaf import crust, loaf
+from rtphys.assets.loaf import crust, loaf, scored
 from rtphys.assets.material import Colour, Finish, matt
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
@@ -71,12 +71,7 @@ def long_loaf(
     """A small baguette with slanting cuts; sizes [m] across, up, along."""
     wide, high, length = size
     body = loaf(wide, high, length, 0.25)
-    skin, turn = body.scaled(1.02).at(y=-0.0002), 90 if along == "x" else 0
-    cuts = [
-        skin & box(0.75 * wide, 0.5 * high, 0.006).turned("y", 30).at(0, 0.9 * high, z)
-        for z in (-0.26 * length, 0.0, 0.26 * length)
-    ]
-    scores = together(*cuts)
+    scores, turn = scored(body, wide, high, length), 90 if along == "x" else 0
     looks = (
         Part(body.turned("y", turn), _baked(colour, words[0]), "bread", 60),
         Part(scores.turned("y", turn), matt(CRUMB), "bread"),
@@ -134,6 +129,16 @@ def sliced(
     return _bread(looks, (hull(together(slab, crumb).vertices),), mass, grips, words)
 
 
+def baguette(width: float, height: float, length: float, mass: float, words: Words) -> Thing:
+    """A long loaf along z. Clutter, without contact points."""
+    body = loaf(width, height, length, 0.35)
+    looks = (
+        Part(body, _baked(GOLD, words[0]), "bread", 60),
+        Part(scored(body, width, height, length, 5), matt(CRUMB), "bread"),
+    )
+    return _bread(looks, (body,), mass, (), words)
+
+
 MODELS: Models = {
     "075_bread": {
         0: partial(
@@ -161,5 +166,13 @@ MODELS: Models = {
             sliced, 0.0670, 0.0630, 0.0255, True, 0.040,
             ("slice of bread", "pale", "a brown crust"),
         ),
-    }
+    },
+    "054_baguette": {
+        0: partial(
+            baguette, 0.062, 0.055, 0.270, 0.20, ("baguette", "golden", "five slanting cuts")
+        ),
+        1: partial(
+            baguette, 0.075, 0.060, 0.330, 0.28, ("big baguette", "long", "a cracked crust")
+        ),
+    },
 }  # fmt: skip
