@@ -1,7 +1,7 @@
 """The robot that scripts command (`rtphys.task.arm.Robot`): plans steps and carries them out."""
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import numpy as np
 
@@ -27,6 +27,7 @@ class ExpertRobot:
         self.planner = DualArmPlanner(self.world.robot.embodiment, rng)
         self.hands = Hands(rollout, self.planner)
         self._intended: dict[str, Array] = {}  # where verbs said since the last `do` will end
+        self._at: dict[str, str] = {}  # and around which prop
         self.left, self.right = ExpertArm(self, "left"), ExpertArm(self, "right")
         self.refresh()
 
@@ -51,6 +52,7 @@ class ExpertRobot:
         for motion in motions:
             queues[motion.side].extend(motion.steps)
         self._intended.clear()
+        self._at.clear()
         self.rollout.recorder.enter(" + ".join(dict.fromkeys(m.stage for m in motions)))
         for i in range(max((len(q) for q in queues.values()), default=0)):
             self._together({side: q[i] for side, q in queues.items() if i < len(q)})
@@ -90,7 +92,7 @@ class ExpertRobot:
         with self.hands.may_touch(side, prop):
             if not self._clear_with(side, line[-1]):
                 return None
-        self._intended[side] = line[-1]
+        self._intended[side], self._at[side] = line[-1], prop
         return q
 
     def path_posture(self, side: str, poses: Sequence[Pose]) -> Array | None:
@@ -131,7 +133,9 @@ class ExpertRobot:
             # Whether the other arm is in the way now does not matter: it can move first.
             postures[other] = self.world.robot.arm(other).limb.home
         postures[side] = q
-        return self.planner.clear(postures)
+        around = self._at.get(other, "")
+        with self.hands.may_touch(other, around) if around else nullcontext():
+            return self.planner.clear(postures)
 
     # ---- carrying out ----------------------------------------------------------------------------
 
@@ -198,7 +202,9 @@ class ExpertRobot:
                     return ArmGoal(q=q, speed=step.speed)
         raise Infeasible("unreachable", f"the {side} hand cannot move by {step.offset}")
 
-    def _run(self, trajectory, ramps: dict[str, Array], until: dict[str, str], wait: float) -> None:
+    def _run(
+        self, trajectory, ramps: dict[str, Array], until: dict[str, str], wait: float
+    ) -> set[str]:
         arms = {side: self.world.robot.arm(side) for side in SIDES}
         length = max(
             [len(trajectory) if trajectory is not None else 0]
