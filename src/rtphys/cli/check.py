@@ -101,13 +101,14 @@ def _run(plan) -> "list[Score]":
 
 
 def _show(scores: "Sequence[Score]") -> None:
-    from rich.console import Console
     from rich.table import Table
+
+    from rtphys.cli.collect_progress import wide_console
 
     table = Table()
     for column in ("task", "protocol", "accepted", "replay", "idle", "random", "CPU-s"):
         table.add_column(column, no_wrap=True)
-    table.add_column("rejected")
+    table.add_column("rejected", min_width=16)
     for score in scores:
         table.add_row(
             score.task,
@@ -117,7 +118,7 @@ def _show(scores: "Sequence[Score]") -> None:
             f"{sum(score.cpu) / len(score.cpu):.2f}",
             _reasons(score.rejected),
         )
-    Console().print(table)
+    wide_console().print(table)
     for score in scores:
         for seed, reason, detail in score.failures[:MOST_FAILURES]:
             typer.echo(f"{score.task}, {score.protocol}, seed {seed}: {reason}: {detail}")

@@ -129,11 +129,9 @@ def _same_command() -> str:
 
 
 def _tell(summary: "Summary") -> None:
-    from rich.console import Console
+    from rtphys.cli.collect_progress import summary_table, wide_console
 
-    from rtphys.cli.collect_progress import summary_table
-
-    Console().print(summary_table(summary.tallies))
+    wide_console().print(summary_table(summary.tallies))
     minutes = summary.seconds / 60
     new = sum(tally.new_episodes for tally in summary.tallies)
     typer.echo(f"{new} new episodes in {minutes:.1f} min, in {summary.out}")

@@ -1,5 +1,6 @@
 """How a running collection looks: a live table on a terminal, plain lines elsewhere."""
 
+import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
@@ -140,13 +141,18 @@ def summary_table(tallies: Sequence[Tally]) -> Table:
     table = Table()
     for column in ("task", "episodes", "attempts", "accepted"):
         table.add_column(column, no_wrap=True)
-    table.add_column("rejected, by reason")
+    table.add_column("rejected, by reason", min_width=16)
     for tally in tallies:
         tried = tally.new_attempts
         share = f"{100 * tally.new_episodes / tried:.0f} %" if tried else "-"
         episodes = f"{tally.episodes} / {tally.wanted}"
         table.add_row(tally.task, episodes, str(tried), share, reasons(tally.rejections))
     return table
+
+
+def wide_console() -> Console:
+    """For tables on standard output; a file or a pipe has no width of its own."""
+    return Console() if sys.stdout.isatty() else Console(width=140)
 
 
 def reasons(rejections: Counter[str]) -> str:
