@@ -42,10 +42,10 @@ def layout(draw: Draw):
 def script(robot: Robot) -> None:
     arm = robot.nearest("bottle")
     sign = -1 if arm.side == "left" else 1
-    aside = Pose((0.25 * sign, -0.12, 0.95), DOWN)
+    aside = Pose((0.24 * sign, -0.08, 1.01), DOWN)
     yaws = tuple(sign * yaw for yaw in INWARD)
     how = Placing(mode="free", pre=0.0, gap=0.0, release=False, yaws=yaws)
-    robot.do(arm.grasp("bottle", pre=0.1, aim=Aim(aside, 0, how)))
+    robot.do(arm.grasp("bottle", pre=0.075, aim=Aim(aside, 0, how)))
     robot.do(arm.lift(0.1))
     robot.do(arm.place("bottle", aside, point=0, how=how))
 
