@@ -1,4 +1,4 @@
-"""051_candlestick: candles on metal holders. The candelabrum is held below its arms."""
+"""135_candelabrum: candles on metal holders. Own category, for clutter. The candelabrum is held below its arms."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -69,17 +69,17 @@ BRASS, SILVER, IRON = (0.84, 0.66, 0.30), (0.76, 0.77, 0.80), (0.16, 0.16, 0.17)
 WHITE, RED, CREAM = (0.95, 0.94, 0.90), (0.75, 0.14, 0.14), (0.95, 0.88, 0.72)
 
 MODELS: Models = {
-    "051_candlestick": {
-        1: partial(
+    "135_candelabrum": {
+        0: partial(
             candlestick, Holder(0.032, 0.085, 0.016, 0.0105, 0.193, 0.0566), BRASS, WHITE,
             ("candlestick", "brass", "a white candle"),
         ),
-        2: partial(
+        1: partial(
             candlestick,
             Holder(0.034, 0.100, 0.015, 0.0100, 0.192, 0.0380, arms=0.070, mass=0.6),
             SILVER, CREAM, ("candelabrum", "silver", "three candles"),
         ),
-        3: partial(
+        2: partial(
             candlestick, Holder(0.060, 0.078, 0.028, 0.0200, 0.192, 0.0617, mass=0.55), IRON, RED,
             ("candlestick", "black", "a thick red candle"),
         ),
