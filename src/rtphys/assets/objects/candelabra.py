@@ -1,4 +1,7 @@
-"""135_candelabrum: candles on metal holders. Own category, for clutter. The candelabrum is held below its arms."""
+"""135_candelabrum: candles on metal holders. Own category, for clutter.
+
+The branched one is held below its arms.
+"""
 
 from dataclasses import dataclass
 from functools import partial
