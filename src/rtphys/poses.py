@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -128,7 +129,11 @@ class Pose:
         q = np.array([w, -x, -y, -z])
         return Pose([-c for c in _rotated(q, self.p)], q)
 
-    def __matmul__(self, other):  # -> Pose | Array, by the operand
+    @overload
+    def __matmul__(self, other: "Pose") -> "Pose": ...
+    @overload
+    def __matmul__(self, other: Array) -> Array: ...
+    def __matmul__(self, other: "Pose | Array") -> "Pose | Array":
         if isinstance(other, Pose):
             x, y, z = _rotated(self.q, other.p)
             a, b, c = self.p.tolist()

@@ -36,7 +36,8 @@ def shape_points(shape: physx.PhysxCollisionShape) -> Array:
     else:
         return np.empty((0, 3))
     local = shape.local_pose
-    return points @ np.asarray(local.to_transformation_matrix())[:3, :3].T + np.asarray(local.p)
+    X_BS = np.asarray(local.to_transformation_matrix(), float)
+    return points @ X_BS[:3, :3].T + X_BS[:3, 3]
 
 
 def _sphere_points(radius: float) -> Array:
@@ -50,7 +51,9 @@ def shape_size(shape: physx.PhysxCollisionShape) -> float:
         return float(np.linalg.norm(np.asarray(shape.scale, float)))
     if isinstance(shape, physx.PhysxCollisionShapeBox):
         return float(np.linalg.norm(np.asarray(shape.half_size, float)))
-    return float(shape.radius)
+    if isinstance(shape, physx.PhysxCollisionShapeSphere):
+        return float(shape.radius)
+    raise TypeError(f"no size for a {type(shape).__name__}")
 
 
 def body_points(component: AnyBody) -> Array:
@@ -104,7 +107,7 @@ class SimBody:
         self.component.set_mass(kg)
 
     def set_inertia(self, diagonal: ArrayLike) -> None:
-        self.component.set_inertia(np.asarray(diagonal, np.float32))
+        self.component.set_inertia(np.asarray(diagonal, float).tolist())
 
     def set_com(self, p: ArrayLike) -> None:
         # Keep the rotation: it is that of the principal axes, and replacing it turns the inertia.

@@ -21,7 +21,7 @@ def new_scene(visuals: bool) -> sapien.Scene:
     """
     # One call with every field: each call resets the fields it does not name, for all scenes.
     physx.set_scene_config(
-        gravity=np.array([0, 0, -GRAVITY], np.float32),
+        gravity=np.array([0, 0, -GRAVITY], np.float32),  # pyright: ignore[reportArgumentType]
         bounce_threshold=BOUNCE_THRESHOLD,
         enable_pcm=True,
         enable_tgs=True,

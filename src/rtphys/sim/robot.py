@@ -144,7 +144,8 @@ class SimRobot:
             )
         )
         art = self.articulation
-        return k * (q - np.asarray(art.qpos)) + d * (v - np.asarray(art.qvel))
+        measured = np.array(art.qpos, float), np.array(art.qvel, float)
+        return k * (q - measured[0]) + d * (v - measured[1])
 
     def link_owner(self) -> dict[str, str]:
         """Link name -> "left_gripper", "right_arm", ... or "robot", for contact queries."""

@@ -59,7 +59,7 @@ class Room:
         ground.add_plane_collision(up)
         if renders(scene):
             paint = sapien.render.RenderMaterial(base_color=[0.55, 0.55, 0.57, 1])
-            ground.add_plane_visual(up, [20, 20, 20], paint)
+            ground.add_plane_visual(up, (20, 20, 20), paint)
         ground.build_static("ground")
 
     def _build_table(self, scene: sapien.Scene) -> sapien.Entity:

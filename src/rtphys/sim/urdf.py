@@ -61,7 +61,7 @@ def build_articulation(
     builder.initial_pose = to_sapien(pose)
     # A mimic tag would add a tendon; both fingers are driven by servos of their own instead.
     articulation = builder.build(fix_root_link=fixed, build_mimic_joints=False)
-    builder.scene = None  # the cached builder must not keep a finished episode's scene alive
+    builder.scene = None  # pyright: ignore  # the cached builder must not keep a finished episode's scene alive
     return articulation
 
 

@@ -12,8 +12,9 @@ from rtphys.physics.handles import GRAVITY, Blueprint
 from rtphys.poses import Array, Pose
 from rtphys.sim.body import SimBody, SimJoint, SimServo, SimSurface
 from rtphys.sim.engine import RATE, new_scene
+from rtphys.sim.factory import ObjectFactory
 from rtphys.sim.head_camera import HeadCamera
-from rtphys.sim.objects import ObjectFactory, SimObject
+from rtphys.sim.objects import SimObject
 from rtphys.sim.robot import SimRobot
 from rtphys.sim.room import Room, TablePlan
 from rtphys.task.props import Prop
@@ -48,6 +49,7 @@ class World:
         factory = ObjectFactory(self.scene, plan.pack, self.X_WT, plan.blueprint.object_scale)
         self.objects: dict[str, SimObject] = {p.name: factory.build(p) for p in plan.props}
         table = self.room.table.find_component_by_type(sapien.physx.PhysxRigidStaticComponent)
+        assert isinstance(table, sapien.physx.PhysxRigidStaticComponent)
         self._table_surface = SimSurface("table", table.collision_shapes)
         self._bodies = [b for o in self.objects.values() for b in o.bodies]
         embodiment = self.robot.embodiment
@@ -148,10 +150,13 @@ class World:
         for thing in self.objects.values():
             for link in thing.links.values():
                 parts += [np.asarray(link.entity_pose.p), np.asarray(link.entity_pose.q)]
-        return np.concatenate(parts)
+        return np.concatenate(parts).astype(float)
 
 
 def _slow(body: SimBody) -> bool:
     c = body.component
-    v, w = c.linear_velocity, c.angular_velocity
-    return v @ v < REST_SPEED**2 and w @ w < REST_SPIN**2
+    vx, vy, vz = c.linear_velocity
+    wx, wy, wz = c.angular_velocity
+    return (
+        vx * vx + vy * vy + vz * vz < REST_SPEED**2 and wx * wx + wy * wy + wz * wz < REST_SPIN**2
+    )

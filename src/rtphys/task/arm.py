@@ -118,7 +118,10 @@ class Aim:
 class Arm(Protocol):
     """Verbs of one arm. Distances in metres, angles in radians, openings 0..1."""
 
-    side: str  # "left" or "right"
+    @property
+    def side(self) -> str:
+        """ "left" or "right"."""
+        ...
 
     def grasp(
         self,
@@ -231,9 +234,12 @@ class Arm(Protocol):
 class Robot(Protocol):
     """Both arms and what a script may know about the world (everything the scene shows)."""
 
-    left: Arm
-    right: Arm
-    scene: Scene
+    @property
+    def left(self) -> Arm: ...
+    @property
+    def right(self) -> Arm: ...
+    @property
+    def scene(self) -> Scene: ...
 
     def do(self, *motions: Motion) -> None:
         """Carry out motions: those of different arms together, those of one arm in order.

@@ -21,7 +21,7 @@ class Spot:
     y: float  # [m]
     yaw: float = 0.0  # [rad] about the table normal
 
-    def pose(self, upright: Sequence[float] | Array = IDENTITY, z: float = TABLE_TOP) -> Pose:
+    def pose(self, upright: tuple[float, ...] | Array = IDENTITY, z: float = TABLE_TOP) -> Pose:
         """Stand something here: `upright` turned by the spot's yaw, origin at height z [m]."""
         return Pose((self.x, self.y, z), yawed(upright, self.yaw))
 

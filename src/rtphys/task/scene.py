@@ -14,8 +14,15 @@ class Scene(Protocol):
     Surfaces that are no props: "table", "left_gripper", "right_gripper", "left_arm", "right_arm".
     """
 
-    physics: Physics
-    time: float  # [s] since the policy stage began
+    @property
+    def physics(self) -> Physics:
+        """The physics in force in this episode."""
+        ...
+
+    @property
+    def time(self) -> float:
+        """[s] since the policy stage began."""
+        ...
 
     def pose(self, prop: str, link: str = "") -> Pose:
         """Frame of a prop (or of a link of an articulated one), task frame."""

@@ -1,0 +1,206 @@
+"""Builds props into a scene: geometry, mass, annotations, resting height."""
+
+import numpy as np
+import sapien
+from sapien import physx
+from sapien.wrapper.actor_builder import ActorBuilder
+
+from rtphys.assets.model import Model
+from rtphys.assets.pack import Pack
+from rtphys.errors import BadFile
+from rtphys.poses import Array, Pose
+from rtphys.sim.body import SimBody, SimJoint, SimSurface
+from rtphys.sim.box_points import box_points
+from rtphys.sim.engine import renders, to_sapien
+from rtphys.sim.objects import Point, SimObject
+from rtphys.sim.urdf import build_articulation, nominal_shape_size
+from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
+
+UNSTATED_DENSITY = 400.0  # [kg/m^3] for models whose pack states no mass (the official one)
+SPAWN_GAP = 0.001  # [m] above the table
+
+
+class ObjectFactory:
+    """Builds props into a scene, `scale` times their nominal size, in a task frame."""
+
+    def __init__(self, scene: sapien.Scene, pack: Pack, X_WT: Pose, scale: float) -> None:
+        self.scene, self.pack, self.X_WT, self.scale = scene, pack, X_WT, scale
+
+    def build(self, prop: Prop) -> SimObject:
+        """Build one prop at its pose.
+
+        Raises:
+            MissingAsset, UnknownName, BadFile: from the pack.
+        """
+        thing = self._articulated(prop) if isinstance(prop, Articulated) else self._rigid(prop)
+        thing.surfaces = [
+            SimSurface(
+                f"{prop.name}/{name}" if len(thing.links) > 1 else prop.name, c.collision_shapes
+            )
+            for name, c in thing.links.items()
+            if c.collision_shapes
+        ]
+        if prop.resting and thing.surfaces:
+            self._stand(thing)
+        return thing
+
+    def _stand(self, thing: SimObject) -> None:
+        """Move the object along the table normal until its lowest vertex is 1 mm above."""
+        lowest = (self.X_WT.inverse() @ thing.points())[:, 2].min()
+        up = self.X_WT.R[:, 2] * (TABLE_TOP + SPAWN_GAP - lowest)
+        moved = to_sapien(thing.pose.moved(up))
+        if thing.articulation is not None:
+            thing.articulation.set_root_pose(moved)
+        else:
+            thing.root.entity.set_pose(moved)
+
+    # ---- rigid -----------------------------------------------------------------------------
+
+    def _rigid(self, prop: Prop) -> SimObject:
+        model = self.pack.model(prop.category, prop.model) if isinstance(prop, Mesh) else None
+        scale = 1.0 if isinstance(prop, Box) and prop.visual_only else self.scale
+        builder = self._shaped(prop, model, scale)
+        builder.initial_pose = to_sapien(self.X_WT @ prop.pose)
+        entity = builder.build_static(prop.name) if prop.fixed else builder.build(prop.name)
+        kind = physx.PhysxRigidStaticComponent if prop.fixed else physx.PhysxRigidDynamicComponent
+        component = entity.find_component_by_type(kind)
+        assert isinstance(component, kind)
+        if model is not None and not component.collision_shapes:
+            # SAPIEN's builder swallows meshes it cannot cook and goes on without them.
+            raise BadFile(model.collision, "PhysX could not cook any of its convex parts")
+        thing = SimObject(prop, component, {"": component})
+        thing.scaled = bool(component.collision_shapes)
+        thing.nominal_size = _nominal_size(prop, model)
+        self._annotate(thing, model, scale)
+        if isinstance(component, physx.PhysxRigidDynamicComponent):
+            mass = prop.mass_kg if prop.mass_kg is not None or model is None else model.mass_kg
+            _weigh(component, None if mass is None else mass * scale**3, model, scale)
+            # SAPIEN's default of 0.05 would slow every spin by 5 %/s.
+            component.set_angular_damping(0.0)
+            thing.bodies = [SimBody(prop.name, component)]
+        return thing
+
+    def _shaped(self, prop: Prop, model: Model | None, scale: float) -> ActorBuilder:
+        """A builder with the prop's shapes; visual ones only where the scene can draw."""
+        builder = self.scene.create_actor_builder()
+        visuals = renders(self.scene)
+        if isinstance(prop, Box):
+            x, y, z = (h * scale for h in prop.half_size)
+            if not prop.visual_only:
+                builder.add_box_collision(half_size=(x, y, z), density=prop.density)
+            if visuals:
+                builder.add_box_visual(half_size=(x, y, z), material=_paint(prop.colour))
+        elif isinstance(prop, Ball):
+            builder.add_sphere_collision(radius=prop.radius * scale, density=prop.density)
+            if visuals:
+                builder.add_sphere_visual(radius=prop.radius * scale, material=_paint(prop.colour))
+        elif model is not None:
+            size = (model.scale * scale).tolist()
+            density = model.density or UNSTATED_DENSITY
+            builder.add_multiple_convex_collisions_from_file(
+                str(model.collision), scale=size, density=density
+            )
+            if visuals:
+                builder.add_visual_from_file(str(model.visual), scale=size)
+        return builder
+
+    def _annotate(self, thing: SimObject, model: Model | None, scale: float) -> None:
+        prop, c = thing.prop, thing.root
+        if isinstance(prop, Box):
+            contacts, functional = box_points(prop, scale)
+        elif model is not None:
+            contacts = [_scaled(m, scale) for m in model.contact_points]
+            functional = [_scaled(m, scale) for m in model.functional_points]
+        else:
+            contacts, functional = [], []
+        thing.contact_points = [Point(c, X) for X in contacts]
+        thing.functional_points = [Point(c, X) for X in functional]
+
+    # ---- articulated -----------------------------------------------------------------------
+
+    def _articulated(self, prop: Articulated) -> SimObject:
+        asset = self.pack.articulation(prop.category, prop.model)
+        offset = Pose.from_matrix(asset.root_offset)
+        # The metadata's offset lifts the root so that the object stands on its origin's height.
+        pose = self.X_WT @ prop.pose.moved(offset.p * self.scale)
+        art = build_articulation(
+            self.scene, asset.urdf, pose, asset.scale * self.scale, fixed=prop.fixed
+        )
+        art.set_name(prop.name)
+        links = {link.name: link for link in art.links}
+        thing = SimObject(prop, art.root, dict(links), articulation=art)
+        thing.joints = [
+            SimJoint(f"{prop.name}/{j.name}", j, asset.joint_damping) for j in art.active_joints
+        ]
+        self._preset(art, prop, asset.init_qpos)
+        moving = [link for link in art.links if not (link.is_root and prop.fixed)]
+        for link in moving:
+            # SAPIEN's default link damping of 0.05 would add 5 %/s to every labelled decay.
+            link.set_linear_damping(0.0)
+            link.set_angular_damping(0.0)
+            # A spring carries it (a laptop's lid stays where it is put).
+            link.set_disable_gravity(link.name in asset.balanced_links)
+        thing.bodies = [SimBody(f"{prop.name}/{link.name}", link) for link in moving]
+        thing.contact_points = [
+            Point(links[p.link], _scaled(p.matrix, self.scale)) for p in asset.contact_points
+        ]
+        thing.functional_points = [
+            Point(links[p.link], _scaled(p.matrix, self.scale)) for p in asset.functional_points
+        ]
+        thing.nominal_size = nominal_shape_size(asset.urdf, asset.scale)
+        return thing
+
+    @staticmethod
+    def _preset(art: physx.PhysxArticulation, prop: Articulated, initial: Array) -> None:
+        qpos = np.array(art.qpos, float)
+        if len(initial) == len(qpos):
+            qpos[:] = initial
+        if len(qpos) and prop.opening:
+            low, high = art.qlimits[0]
+            qpos[0] = low + prop.opening * (high - low)
+        art.set_qpos(qpos.astype(np.float32))
+
+
+def _paint(colour: tuple[float, float, float]) -> sapien.render.RenderMaterial:
+    paint = sapien.render.RenderMaterial(base_color=[*colour, 1])
+    paint.roughness = 0.6
+    return paint
+
+
+def _nominal_size(prop: Prop, model: Model | None) -> float:
+    """`shape_size` of the first shape, from the prop or the asset alone."""
+    if isinstance(prop, Box):
+        return float(np.linalg.norm(prop.half_size))
+    if isinstance(prop, Ball):
+        return prop.radius
+    return float(np.linalg.norm(model.scale)) if model is not None else 1.0
+
+
+def _scaled(matrix: Array, scale: float) -> Pose:
+    X = Pose.from_matrix(matrix)
+    return Pose(X.p * scale, X.q)
+
+
+def _weigh(
+    component: physx.PhysxRigidDynamicComponent,
+    mass: float | None,
+    model: Model | None,
+    scale: float,
+) -> None:
+    """Give a body its stated mass; the model's own centre and inertia where it states them.
+
+    Inertia from convex parts of one density is off by up to a factor of two for things whose
+    parts differ (a hammer's head and handle).
+    """
+    if mass is None:
+        return
+    if model is not None and model.inertia is not None and model.center_of_mass is not None:
+        moments, axes = np.linalg.eigh(model.inertia)
+        axes[:, 2] *= np.sign(np.linalg.det(axes))
+        centre = Pose(model.center_of_mass * scale, Pose.from_matrix(axes).q)
+        component.set_cmass_local_pose(to_sapien(centre))
+        inertia = moments * (mass * scale**2 / (model.mass_kg or mass))
+    else:
+        inertia = np.array(component.inertia) * (mass / component.mass)
+    component.set_mass(mass)  # leaves the inertia as it was, and ends auto-computation
+    component.set_inertia(inertia.tolist())
