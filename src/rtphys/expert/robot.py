@@ -12,7 +12,7 @@ from rtphys.expert.planner import SIDES, ArmGoal, DualArmPlanner
 from rtphys.expert.surroundings import obstacles_of
 from rtphys.poses import Array, Pose
 from rtphys.sim.rollout import Rollout
-from rtphys.task.arm import Follow, Grip, Home, Line, Motion, Reach, Shift, Step, Wait
+from rtphys.task.arm import Arm, Follow, Grip, Home, Line, Motion, Reach, Shift, Step, Wait
 
 PLANNING = frozenset({"unreachable", "no_path", "retime_failed", "ungraspable"})
 SETTLED = 0.003  # [rad] largest tracking error before the fingers act
@@ -44,7 +44,7 @@ class ExpertRobot:
     def nearest(self, prop: str) -> ExpertArm:
         return self.arm("left" if self.scene.pose(prop).p[0] < 0 else "right")
 
-    def other(self, arm: ExpertArm) -> ExpertArm:
+    def other(self, arm: Arm) -> ExpertArm:
         return self.right if arm.side == "left" else self.left
 
     def do(self, *motions: Motion) -> None:
