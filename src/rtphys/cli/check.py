@@ -1,6 +1,7 @@
 """`rtphys check`: what an author runs on a task."""
 
 import json
+import os
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -10,9 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtphys.cli.collect import cores, expand, split
+from rtphys.errors import BadFile, NoRenderer
 
 if TYPE_CHECKING:
-    from rtphys.check import Score
+    from rtphys.check import CheckPlan, Score
 
 Tasks = Annotated[list[str], typer.Argument(help="Tasks or patterns.")]
 Protocols = Annotated[str, typer.Option(help="clean, phys_random; several with commas.")]
@@ -48,6 +50,7 @@ def check(
     workers = cores() if workers is None else workers
     plan = CheckPlan(names, split(protocol), seeds, first_seed, robots, workers)
     plan.check()
+    _check_outputs(json_file, sheet)
     scores = _run(plan)
     _show(scores)
     if json_file is not None:
@@ -58,6 +61,16 @@ def check(
     if wrong := complaints(scores):
         typer.echo("\n".join(wrong), err=True)
         raise typer.Exit(1)
+
+
+def _check_outputs(json_file: Path | None, sheet: Path | None) -> None:
+    """Minutes of work must not end at a folder that cannot be written, or without a renderer."""
+    from rtphys.doctor import check_renderer
+
+    if json_file is not None and not os.access(json_file.absolute().parent, os.W_OK):
+        raise BadFile(json_file, "its folder cannot be written, or does not exist")
+    if sheet is not None and (finding := check_renderer()).status == "fail":
+        raise NoRenderer(f"no pictures can be drawn: {finding.detail}; cure: {finding.cure}")
 
 
 def complaints(scores: "Sequence[Score]") -> list[str]:
@@ -75,7 +88,7 @@ def complaints(scores: "Sequence[Score]") -> list[str]:
     return found
 
 
-def _run(plan) -> "list[Score]":
+def _run(plan: "CheckPlan") -> "list[Score]":
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -134,7 +147,7 @@ def _reasons(rejected: Counter[str]) -> str:
     return ", ".join(f"{reason} {count}" for reason, count in rejected.most_common())
 
 
-def _draw(plan, scores: "Sequence[Score]", out: Path) -> None:
+def _draw(plan: "CheckPlan", scores: "Sequence[Score]", out: Path) -> None:
     from rtphys.assets.pack import default_pack
     from rtphys.check import sheet
     from rtphys.data.files import make_folder, replace_file
