@@ -31,35 +31,18 @@ class Fan:
 
 def fan(size: Fan, body: Colour, blade: Colour, words: tuple[str, ...]) -> Thing:
     """A fan: a weighted foot, a stem, a cage of bars with blades inside."""
-    r, z = size.radius, size.axis_z
-    y = size.height - r
+    r, z, y = size.radius, size.axis_z, size.height - size.radius
     coat = plastic(body, 0.6)
-    foot = _foot(size)
-    stem = _stem(size, y)
+    foot, stem = _foot(size), _stem(size, y)
     motor = cylinder(0.32 * r, 0.5 * size.deep, 16).turned("x", 90).at(0, y, z - 0.18 * size.deep)
-    rims = [_ring(r - 0.0025, 0.0025).at(0, y, z + s * (size.deep / 2 - 0.0025)) for s in (-1, 1)]
-    inner = [_ring(0.55 * r, 0.0012).at(0, y, z + s * (size.deep / 2 - 0.002)) for s in (-1, 1)]
+    button = cylinder(0.006, 0.006, 10).at(0, size.foot[1], 0.36 * size.foot[2])
     band = _hoop(r, 0.3 * size.deep).at(0, y, z)
-    spokes = [
-        box(0.0018, 2 * (r - 0.002), 0.0018)
-        .turned("z", a)
-        .at(0, y, z + s * (size.deep / 2 - 0.002))
-        for s in (-1, 1)
-        for a in (0.0, 45.0, 90.0, 135.0)
-    ]
-    hub = cylinder(0.17 * r, 0.7 * size.deep, 12).turned("x", 90).at(0, y, z + 0.12 * size.deep)
-    wings = [
-        _blade(r, size.deep).turned("z", a).at(0, y, z)
-        for a in np.arange(size.blades) * 360 / size.blades
-    ]
+    bars = metal((0.86, 0.87, 0.89), 0.3)
     looks = (
         Part(together(foot, stem, motor), coat, "plastic"),
-        Part(together(*rims, *inner, *spokes), metal((0.86, 0.87, 0.89), 0.3), "aluminium", 50),
+        Part(_bars(size).at(0, y, z), bars, "aluminium", 50),
         Part(band, coat, "plastic"),
-        Part(together(hub, *wings), plastic(blade, 0.6), "plastic"),
-        Part(
-            cylinder(0.006, 0.006, 10).at(0, size.foot[1], 0.36 * size.foot[2]), plastic(blade, 0.5)
-        ),
+        Part(_rotor(size).at(0, y, z) + button, plastic(blade, 0.6), "plastic"),
     )
     apothem = r / np.cos(np.pi / SIDES)
     cage = cylinder(apothem, size.deep, SIDES).turned("y", 180 / SIDES).turned("x", 90).at(0, y, z)
@@ -71,6 +54,24 @@ def fan(size: Fan, body: Colour, blade: Colour, words: tuple[str, ...]) -> Thing
         contact_points=tuple(contact(grip, (0, 1, 0), (s, 0, 0)) for s in (1, -1)),
         categories=("fan", "electronics"),
     )
+
+
+def _bars(size: Fan) -> Solid:
+    """Rims, inner rings and spokes, in front and behind, about the cage's middle."""
+    r, half = size.radius, size.deep / 2
+    spoke = box(0.0018, 2 * (r - 0.002), 0.0018)
+    spokes = together(*(spoke.turned("z", a) for a in (0.0, 45.0, 90.0, 135.0)))
+    rim, ring = _ring(r - 0.0025, 0.0025), _ring(0.55 * r, 0.0012)
+    side = together(rim.at(z=half - 0.0025), ring.at(z=half - 0.002), spokes.at(z=half - 0.002))
+    return side + side.scaled(1, 1, -1)
+
+
+def _rotor(size: Fan) -> Solid:
+    """Hub and blades about the cage's middle."""
+    r, deep = size.radius, size.deep
+    hub = cylinder(0.17 * r, 0.7 * deep, 12).turned("x", 90).at(z=0.12 * deep)
+    turns = [float(k * 360 / size.blades) for k in range(size.blades)]
+    return together(hub, *(_blade(r, deep).turned("z", a) for a in turns))
 
 
 def _foot(size: Fan) -> Solid:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, plastic, tint
@@ -17,6 +18,7 @@ from rtphys.assets.solid import Solid, hull
 from rtphys.assets.swept import bevelled
 from rtphys.assets.thing import Body, Part, Thing, contact, functional
 
+Array = NDArray[np.float64]
 WINDOW = 0.034  # [m] length of the window
 
 
@@ -39,74 +41,79 @@ def scanner(size: Scanner, body: Colour, cover: Colour, words: tuple[str, ...]) 
     a = np.radians(size.beam_deg)
     along, out = np.array([np.cos(a), np.sin(a)]), np.array([np.sin(a), -np.cos(a)])  # (z, y)
     middle = np.array([size.nose, WINDOW / 2 * np.sin(a)])
-    rear, front = middle - along * WINDOW / 2, middle + along * WINDOW / 2
-    top = size.top
-    brow = front - out * 0.016 + [0.002, 0]
-    head = np.array([brow, (front[0] - 0.008, 0.80 * top), (0.030, top), (0.010, 0.92 * top),
-                     (rear[0] - 0.020, 0.045), rear - out * 0.012])  # fmt: skip
-    nose = np.array([rear, front, brow, rear - out * 0.016])
-    back = [(0.034, top), (-0.030, 0.94 * top), (-0.034, 0.045), (0.0, 0.038), (0.030, 0.040)]
-    tail = size.tail
-    handle = [(-0.022, 0.94 * top), (-0.010, 0.042), (tail + 0.024, 0.0), (tail + 0.002, 0.0)]
-    handle += [(tail, 0.012), (tail + 0.014, 0.048)]
+    nose = _nose(middle, along, out)
+    pieces = _pieces(size, nose, out)
     rim = bevelled(nose + (nose - nose.mean(0)) * 0.05, 1.03 * size.head, 0.003)
-    pieces = [
-        _flared(head, 0.74 * size.head, nose, size.head),
-        bevelled(back, size.grip + 0.004, 0.006),
-        bevelled(handle, size.grip, 0.006),
-    ]
-    inset = along * 0.003
-    pane = [rear + inset, front - inset, front - inset - out * 0.002, rear + inset - out * 0.002]
-    glass = bevelled(np.array(pane), 0.72 * size.head, 0.0004)
-    glass = glass.at(0, out[1] * 0.0006, out[0] * 0.0006)
     trigger = hull([
         *box(0.012, 0.004, 0.020).at(0, 0.040, 0.010).vertices,
         *box(0.012, 0.004, 0.010).at(0, 0.031, 0.014).vertices,
     ])  # fmt: skip
-    lid = bevelled(
-        [
-            (0.028, top - 0.006),
-            (0.028, top + 0.001),
-            (-0.026, 0.94 * top + 0.001),
-            (-0.026, 0.9 * top),
-        ],
-        0.72 * size.grip,
-        0.001,
-    )
+    plug = box(0.012, 0.010, 0.008).at(0, 0.014, size.tail + 0.001)
     code = plastic((1, 1, 1), 0.4).with_picture(_bars(), "y")
-    plug = box(0.012, 0.010, 0.008).at(0, 0.014, tail + 0.001)
     looks = (
         Part(pieces[0] + pieces[1] + pieces[2], plastic(body, 0.5), "plastic"),
         Part(rim, plastic(cover, 0.6), "rubber"),
-        Part(lid, code, "paper"),
+        Part(_lid(size), code, "paper"),
         Part(_ray(size, middle, out), plastic((1.0, 0.15, 0.15), 0.9), "plastic"),
-        Part(glass, plastic((0.85, 0.08, 0.10), 0.9), "plastic"),
+        Part(_glass(size, nose, along, out), plastic((0.85, 0.08, 0.10), 0.9), "plastic"),
         Part(trigger + plug, plastic(tint(cover, 0.8), 0.4), "plastic"),
     )
     y, z = size.hold
-    beam = (0, out[1], out[0])
+    beam, up = (0, out[1], out[0]), (0, -along[1], -along[0])
     ahead = functional((0, 0.050, 0.0498), (0, 0, 1), (1, 0, 0))
     return Thing(
         body=Body(looks, (*pieces, rim, trigger), size.mass),
         material="plastic",
         description=words,
         contact_points=(contact((0, y, z), (0, 1, 0), (0, 0, 1)),),
-        functional_points=(
-            functional((0, middle[1], middle[0]), beam, (0, -along[1], -along[0])),
-            ahead,
-        ),
+        functional_points=(functional((0, middle[1], middle[0]), beam, up), ahead),
         categories=("scanner", "shop"),
     )
 
 
-def _flared(upper: np.ndarray, narrow: float, nose: np.ndarray, wide: float) -> Solid:
+def _nose(middle: Array, along: Array, out: Array) -> Array:
+    """Outline (z, y) about the window: its rear and front edge, and the two above them."""
+    rear, front = middle - along * WINDOW / 2, middle + along * WINDOW / 2
+    return np.array([rear, front, front - out * 0.016 + [0.002, 0], rear - out * 0.016])
+
+
+def _pieces(size: Scanner, nose: Array, out: Array) -> tuple[Solid, Solid, Solid]:
+    """Head, back and handle. Convex."""
+    top, tail = size.top, size.tail
+    rear, front, brow, _ = nose
+    head = np.array([brow, (front[0] - 0.008, 0.80 * top), (0.030, top), (0.010, 0.92 * top),
+                     (rear[0] - 0.020, 0.045), rear - out * 0.012])  # fmt: skip
+    back = [(0.034, top), (-0.030, 0.94 * top), (-0.034, 0.045), (0.0, 0.038), (0.030, 0.040)]
+    handle = [(-0.022, 0.94 * top), (-0.010, 0.042), (tail + 0.024, 0.0), (tail + 0.002, 0.0)]
+    handle += [(tail, 0.012), (tail + 0.014, 0.048)]
+    return (
+        _flared(head, 0.74 * size.head, nose, size.head),
+        bevelled(back, size.grip + 0.004, 0.006),
+        bevelled(handle, size.grip, 0.006),
+    )
+
+
+def _glass(size: Scanner, nose: Array, along: Array, out: Array) -> Solid:
+    rear, front = nose[0] + along * 0.003, nose[1] - along * 0.003
+    pane = np.array([rear, front, front - out * 0.002, rear - out * 0.002]) + out * 0.0006
+    return bevelled(pane, 0.72 * size.head, 0.0004)
+
+
+def _lid(size: Scanner) -> Solid:
+    """A plate on the back that carries the bar code."""
+    high, low = size.top + 0.001, 0.94 * size.top + 0.001
+    side = [(0.028, high - 0.007), (0.028, high), (-0.026, low), (-0.026, low - 0.005)]
+    return bevelled(side, 0.72 * size.grip, 0.001)
+
+
+def _flared(upper: Array, narrow: float, nose: Array, wide: float) -> Solid:
     """The head: `upper` (z, y) narrow and bevelled, widening to the nose. Convex."""
     top = bevelled(upper, narrow, 0.006)
     low = bevelled(nose, 0.98 * wide, 0.004)
     return hull([*top.vertices, *low.vertices])
 
 
-def _ray(size: Scanner, middle: np.ndarray, out: np.ndarray) -> Solid:
+def _ray(size: Scanner, middle: Array, out: Array) -> Solid:
     """A red lens across the brow, so that the front is known from above."""
     lens = box(0.62 * size.head, 0.010, 0.006)
     z, y = middle + np.array([np.cos(np.radians(size.beam_deg)), 0]) * WINDOW / 2 - out * 0.010
