@@ -40,9 +40,13 @@ class ObjectFactory:
             for name, c in thing.links.items()
             if c.collision_shapes
         ]
-        if prop.resting and thing.surfaces:
+        if prop.resting and prop.on_table and thing.surfaces:
             self._stand(thing)
         return thing
+
+    def _pose(self, prop: Prop) -> Pose:
+        """World pose, before it is set down."""
+        return self.X_WT @ prop.pose if prop.on_table else prop.pose
 
     def _stand(self, thing: SimObject) -> None:
         """Move the object along the table normal until its lowest vertex is 1 mm above."""
@@ -60,7 +64,7 @@ class ObjectFactory:
         model = self.pack.model(prop.category, prop.model) if isinstance(prop, Mesh) else None
         scale = 1.0 if isinstance(prop, Box) and prop.visual_only else self.scale
         builder = self._shaped(prop, model, scale)
-        builder.initial_pose = to_sapien(self.X_WT @ prop.pose)
+        builder.initial_pose = to_sapien(self._pose(prop))
         entity = builder.build_static(prop.name) if prop.fixed else builder.build(prop.name)
         kind = physx.PhysxRigidStaticComponent if prop.fixed else physx.PhysxRigidDynamicComponent
         component = entity.find_component_by_type(kind)
@@ -122,7 +126,7 @@ class ObjectFactory:
         asset = self.pack.articulation(prop.category, prop.model)
         offset = Pose.from_matrix(asset.root_offset)
         # The metadata's offset lifts the root so that the object stands on its origin's height.
-        pose = self.X_WT @ prop.pose.moved(offset.p * self.scale)
+        pose = self._pose(prop).moved(offset.p * self.scale)
         art = build_articulation(
             self.scene, asset.urdf, pose, asset.scale * self.scale, fixed=prop.fixed
         )

@@ -30,6 +30,7 @@ class Prop:
     pose: Pose  # task frame, for the nominal scale
     fixed: bool = False  # static (or, articulated: fixed root)
     resting: bool = True  # the world sets z so that the lowest point is 1 mm above the table
+    on_table: bool = True  # false: it stands on the ground, and `pose` is a world pose
     mass_kg: float | None = None  # None: what the asset says
     rolls_about: int | None = None  # own axis (0 x, 1 y, 2 z) of a round thing that lies: it
     # starts rolled so that its centre of mass is underneath, as a real one would come to lie

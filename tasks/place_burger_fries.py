@@ -1,0 +1,76 @@
+"""Serve a burger and fries: the left hand puts the burger on a tray, the right hand the fries.
+
+Success: both lie on their halves of the tray, at rest, and both hands are open. Upstream does not
+look at the height.
+"""
+
+from rtphys.task import (
+    IDENTITY,
+    UP_Y,
+    UP_Z,
+    Aim,
+    Draw,
+    Mesh,
+    Placing,
+    Robot,
+    Scene,
+    Spot,
+    Task,
+    at_rest,
+    claim,
+    hands_open,
+    touching,
+)
+
+MEAL = {"burger": 0, "fries": 1}  # and their functional points of the tray
+ONTO = Placing(mode="free", pre=0.08, gap=0.005, along="point")
+
+
+def layout(draw: Draw):
+    tray = Spot(0.0, draw.uniform("tray", -0.15, -0.1), -0.0824).pose(UP_Z)
+    model = draw.choice("tray model", *range(4))
+    yield Mesh(name="tray", category="008_tray", model=model, pose=tray, fixed=True)
+    spot = draw.spot("burger", x=(-0.3, -0.25), y=(-0.15, -0.07))
+    model = draw.choice("burger model", *range(6))
+    yield Mesh(name="burger", category="006_hamburg", model=model, pose=spot.pose(UP_Y))
+    spot = draw.spot("fries", x=(0.2, 0.3), y=(-0.15, -0.07))
+    model = draw.choice("fries model", 0, 1)
+    yield Mesh(name="fries", category="005_french-fries", model=model, pose=spot.pose(IDENTITY))
+
+
+def served(scene: Scene) -> bool:
+    for food, place in MEAL.items():
+        gap = scene.functional(food, 0).p - scene.functional("tray", place).p
+        if (gap[:2] ** 2).sum() ** 0.5 > 0.08 or abs(gap[2]) > 0.03:
+            return False
+    return True
+
+
+def script(robot: Robot) -> None:
+    left, right, scene = robot.left, robot.right, robot.scene
+    places = {food: scene.functional("tray", point) for food, point in MEAL.items()}
+    robot.do(
+        left.grasp("burger", aim=Aim(places["burger"], 0, ONTO)),
+        right.grasp("fries", aim=Aim(places["fries"], 0, ONTO)),
+    )
+    robot.do(left.lift(0.1), right.lift(0.1))
+    robot.do(left.place("burger", places["burger"], point=0, how=ONTO))
+    robot.do(left.lift(0.08))
+    robot.do(left.home(), right.place("fries", places["fries"], point=0, how=ONTO))
+    robot.do(right.lift(0.08))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=claim("burger and fries are on their halves of the tray", served)
+    & touching("burger", "tray")
+    & touching("fries", "tray")
+    & at_rest("burger")
+    & at_rest("fries")
+    & hands_open(),
+    step_limit=500,
+    arms="dual",
+    mechanism="place two",
+    info={"A": "burger", "B": "tray", "C": "fries"},
+)
