@@ -11,14 +11,15 @@ import numpy as np
 from rtphys.assets.pack import Pack
 from rtphys.control import PolicyControl
 from rtphys.data.jpeg import encode_png
-from rtphys.errors import BadValue, Infeasible, UnknownName
+from rtphys.errors import BadValue, Infeasible
 from rtphys.generate import Attempt, attempt, start
 from rtphys.instance import prepare, settle
 from rtphys.photograph import photograph
 from rtphys.policies import BlindPolicy
 from rtphys.policies.idle import Idle
 from rtphys.policies.random import RandomWalk
-from rtphys.recipe import PROTOCOLS, Recipe
+from rtphys.protocol import load_protocol
+from rtphys.recipe import Recipe
 from rtphys.replay import actions_of, replay
 from rtphys.runners.local import Crew, Limits, Lost
 from rtphys.sim import renderer
@@ -48,8 +49,7 @@ class CheckPlan:
         for name in self.tasks:
             load_task(name)
         for name in self.protocols:
-            if name not in PROTOCOLS:
-                raise UnknownName("protocol", name, PROTOCOLS)
+            load_protocol(name)
         least = {"seeds": 1, "first_seed": 0, "robots": 0, "workers": 1}
         for key, bound in least.items():
             if getattr(self, key) < bound:

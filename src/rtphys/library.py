@@ -12,7 +12,13 @@ import yaml
 
 from rtphys.errors import BadFile, RtphysError, UnknownName
 
-KINDS = {"tasks": ".py", "domains": ".yaml", "manifests": ".yaml", "attributes": ".py"}
+KINDS = {
+    "tasks": ".py",
+    "domains": ".yaml",
+    "manifests": ".yaml",
+    "attributes": ".py",
+    "protocols": ".yaml",
+}
 
 
 class AmbiguousName(RtphysError):

@@ -23,6 +23,7 @@ COMMANDS = {
     "report": "Show a dataset on one HTML page.",
     "tasks": "List the tasks and what they need.",
     "domains": "Show and check the ranges of the physical attributes.",
+    "protocols": "Show what may differ between episodes.",
     "physics": "Draw physical attributes and prove their laws.",
     "assets": "Build, inspect or link the asset packs.",
     "doctor": "Find out what keeps this machine from working, and the cure.",

@@ -110,4 +110,5 @@ def _recipe(stored: Mapping[str, JSON]) -> Recipe:
         only=tuple(map(str, only)) if isinstance(only, list) else None,
         overrides={k: plain_value(v) for k, v in held.items()} if isinstance(held, dict) else {},
         embodiment=str(stored["embodiment"]),
+        split=str(stored.get("split", "seen")),
     )

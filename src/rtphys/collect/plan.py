@@ -13,7 +13,8 @@ from rtphys.data.layout import LAYOUTS
 from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.errors import BadValue, Infeasible, MissingAsset, NoRenderer, RtphysError, UnknownName
 from rtphys.physics.values import Value
-from rtphys.recipe import PROTOCOLS, Recipe
+from rtphys.protocol import load_protocol, protocols
+from rtphys.recipe import Recipe
 from rtphys.runners.local import Limits
 from rtphys.sim.camera import SHORT, camera_specs
 from rtphys.sim.renderer import SHADERS
@@ -115,8 +116,8 @@ class CollectPlan:
             raise BadValue("--task", None, "name at least one task; `rtphys tasks` lists them")
 
     def _check_names(self) -> None:
+        load_protocol(self.protocol)
         named = {
-            "protocol": ((self.protocol,), PROTOCOLS),
             "layout": ((self.layout,), LAYOUTS),
             "shader": ((self.shader,), SHADERS),
             "camera": (self.cameras, {**SHORT, **{v: v for v in SHORT.values()}}),
@@ -134,7 +135,7 @@ class CollectPlan:
     def _check_physics(self, task: Task) -> None:
         domain = self.recipe(task.name, 0).domain()
         if set(self.only or ()) - self.overrides.keys() and not domain.rules:
-            varying = ", ".join(name for name in PROTOCOLS if name.startswith("phys"))
+            varying = ", ".join(row.name for row in protocols().values() if row.physics)
             told = f"protocol {self.protocol!r} varies no physics; use {varying}"
             raise BadValue("--only", ",".join(self.only or ()), told)
         domain.sample(0, self.only, self.overrides)

@@ -1,0 +1,39 @@
+"""`rtphys protocols`: what may differ between episodes, one row a protocol."""
+
+import json
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from rtphys.protocol import Protocol, VisualRules
+from rtphys.protocol import protocols as known
+
+
+def protocols(
+    as_json: Annotated[bool, typer.Option("--json", help="Plain JSON instead of a table.")] = False,
+) -> None:
+    """What may differ between episodes, beside the layout. Libraries may add rows of their own."""
+    rows = known().values()
+    if as_json:
+        typer.echo(json.dumps([_plain(row) for row in rows], indent=2))
+        return
+    table = Table(box=None)
+    for column in ("protocol", "physics", "look", "what"):
+        table.add_column(column, no_wrap=column == "protocol")
+    for row in rows:
+        physics = "the task's domain" if row.physics else "nominal"
+        table.add_row(row.name, physics, _look(row.visual), row.what)
+    Console().print(table)
+
+
+def _plain(row: Protocol) -> dict[str, object]:
+    visual = row.visual.to_json() if row.visual else None
+    return {"name": row.name, "physics": row.physics, "visual": visual, "what": row.what}
+
+
+def _look(rules: VisualRules | None) -> str:
+    varied = rules.to_json() if rules else {}
+    told = [key if value is True else f"{key} {value:g}" for key, value in varied.items() if value]
+    return ", ".join(told) or "as in clean"
