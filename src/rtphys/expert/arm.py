@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Posture = tuple[float, ...]  # (6,) [rad]
 LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
-MOST_AIMED = 10  # graspable ways that are tested for what they allow later
+MOST_AIMED = 30  # graspable ways that are tested for what they allow later
 _PLACE_YAWS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.57, -1.57)  # [rad] tried where the yaw is free
 
 

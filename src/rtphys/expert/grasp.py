@@ -117,4 +117,16 @@ def candidates(
                 nearer, farther = tilted(ee, contact.p, tilt)
                 found.append(Grasp(number, raised_clear(nearer, table_top), cost))
                 found.append(Grasp(number, raised_clear(farther, table_top), cost + 0.15))
-    yield from sorted(found, key=lambda g: g.cost)
+    seen: set[tuple[float, ...]] = set()
+    for way in sorted(found, key=lambda g: g.cost):
+        if _new_way(way, seen):
+            yield way
+
+
+def _new_way(way: Grasp, seen: set[tuple[float, ...]]) -> bool:
+    """Opposite contact points and both flips of the hand describe most poses twice."""
+    key = tuple(np.round(np.concatenate([way.ee.p, way.ee.R[:, :2].ravel()]), 4) + 0.0)
+    if key in seen:
+        return False
+    seen.add(key)
+    return True

@@ -14,7 +14,9 @@ from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Grip
 
 STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
-GRIP_LIMIT = 100  # [steps] for the fingers to stop on what they hold
+GRIP_LIMIT = (
+    400  # [steps] for the fingers to stop on what they hold: damped ones creep over thin things
+)
 STOPPED = 0.003  # [m/s] a finger slower than this has stopped
 CALM = 0.1  # [rad/s] a load that turns slower hangs still
 CALM_LIMIT = 125  # [steps]
