@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import LIMITS
+from b1_arms import LIMITS
 
 from rtphys.errors import BadFile, BadValue, UnknownName
 from rtphys.plan.collision import CollisionChecker, Obstacle

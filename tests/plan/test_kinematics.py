@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from conftest import BASES, JOINTS, LIMITS
+from b1_arms import BASES, JOINTS, LIMITS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
