@@ -10,12 +10,25 @@ class RtphysError(Exception):
 
     exit_code = 2
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # Errors cross processes; by default unpickling calls the constructor with the sentence.
+        return _revive, (type(self), self.args, self.__dict__)
+
+
+def _revive(
+    kind: type[RtphysError], args: tuple[object, ...], state: dict[str, object]
+) -> RtphysError:
+    error = kind.__new__(kind, *args)
+    error.args = args
+    error.__dict__.update(state)
+    return error
+
 
 class UnknownName(RtphysError):
     """A name that is not in a known set; the message names the nearest match."""
 
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str | Path = "") -> None:
-        self.kind, self.name, self.known = kind, name, sorted(known)
+        self.kind, self.name, self.known = kind, name, sorted(set(known))
         near = get_close_matches(name, self.known, n=1, cutoff=0.4)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         place = f"{where}: " if where else ""
