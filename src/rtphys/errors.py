@@ -30,7 +30,7 @@ class UnknownName(RtphysError):
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str | Path = "") -> None:
         self.kind, self.name, self.known = kind, name, sorted(set(known))
         near = get_close_matches(name, self.known, n=1, cutoff=0.4)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = f"; did you mean {near[0]!r}?" if near else "."
         place = f"{where}: " if where else ""
         super().__init__(
             f"{place}unknown {kind} {name!r}{hint} Known: {', '.join(self.known) or 'none'}"
