@@ -56,10 +56,11 @@ def _profile(share: np.ndarray, blunt: float) -> list[tuple[float, float, float]
 
 
 def _ring(width: float, height: float, z: float, flat: float) -> np.ndarray:
-    """Half an ellipse over a flat underside."""
+    """Half an ellipse over upright flanks (what fingers close on) and a flat underside."""
     angles = np.linspace(0, np.pi, FACETS + 1)
-    low = 0.3 * height
+    low = 0.5 * height
     back = np.stack([0.5 * width * np.cos(angles), low + (height - low) * np.sin(angles)], axis=1)
+    sides = np.array([(-0.5 * width, 0.2 * height), (0.5 * width, 0.2 * height)])
     foot = np.array([(-0.5 * flat * width, 0.0), (0.5 * flat * width, 0.0)])
-    points = np.vstack([back, foot])
+    points = np.vstack([back, sides, foot])
     return np.column_stack([points, np.full(len(points), z)])

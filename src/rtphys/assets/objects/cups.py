@@ -128,7 +128,7 @@ ROWS: tuple[tuple[Cup, Look, tuple[str, str, str]], ...] = (
         ("tumbler", "orange", "a wide mouth"),
     ),
     (
-        Cup(0.0260, 0.0330, 0.0594, 0.0560, 0.10, reach=0.0530, belly=0.032),
+        Cup(0.0310, 0.0370, 0.0600, 0.0600, 0.10, reach=0.0520, belly=0.0360),
         Look(PINK, WHITE, "ceramic", label(PINK, WHITE, RED, "fruit")),
         ("teacup", "pink", "a round handle"),
     ),
