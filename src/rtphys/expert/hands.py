@@ -14,9 +14,7 @@ from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Grip
 
 STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
-GRIP_LIMIT = (
-    400  # [steps] for the fingers to stop on what they hold: damped ones creep over thin things
-)
+GRIP_LIMIT = 400  # [steps] for the fingers to stop: damped ones creep over thin things
 STOPPED = 0.003  # [m/s] a finger slower than this has stopped
 CALM = 0.1  # [rad/s] a load that turns slower hangs still
 CALM_LIMIT = 125  # [steps]
@@ -49,8 +47,9 @@ class Hands:
         held = self.holding.get(side)
         if held and (grip.releases == held or grip.opening > 0.5):
             self._let_go(side)
-        if grip.holds:
+        if grip.holds or grip.opening < 0.5:
             self._wait_for_grip(side)
+        if grip.holds:
             if not self.presses(side, grip.holds):
                 raise Infeasible("grasp_missed", f"{grip.holds} is not between the fingers")
             self._take(side, grip.holds)

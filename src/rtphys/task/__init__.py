@@ -5,6 +5,7 @@ from rtphys.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
 from rtphys.task.blocks import Block, ranked, scattered
 from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
+from rtphys.task.everyday import everyday, pair
 from rtphys.task.orientation import DOWN, IDENTITY, UP_F, UP_S, UP_Y, UP_Z, yawed
 from rtphys.task.props import (
     BLUE,
@@ -25,6 +26,7 @@ from rtphys.task.success import (
     Condition,
     above,
     at_rest,
+    beside,
     claim,
     free_of,
     hands_open,
@@ -81,8 +83,10 @@ __all__ = [
     "above",
     "at_rest",
     "axis_angle",
+    "beside",
     "claim",
     "clear_of",
+    "everyday",
     "free_of",
     "hands_open",
     "held_by",
@@ -94,6 +98,7 @@ __all__ = [
     "off_centre",
     "on_table",
     "opened",
+    "pair",
     "parallel",
     "points_meet",
     "pressed",

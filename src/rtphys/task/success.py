@@ -95,6 +95,18 @@ def in_row(*props: str, within: tuple[float, float] = (0.13, 0.03)) -> Condition
     return Condition(f"{', '.join(props)} in a row", holds)
 
 
+def beside(prop: str, other: str, side: str) -> Condition:
+    """Directly to the left or right of another: 8 to 20 cm away, less than 5 cm in depth."""
+    sign = -1.0 if side == LEFT else 1.0
+
+    def holds(scene: Scene) -> bool:
+        gap = scene.pose(prop).p - scene.pose(other).p
+        distance = float(np.hypot(gap[0], gap[1]))
+        return bool(0.08 < distance < 0.2 and sign * gap[0] > 0 and abs(gap[1]) < 0.05)
+
+    return Condition(f"{prop} {side} of {other}", holds)
+
+
 def on_table(*props: str) -> Condition:
     """Each prop's lowest point within 1 cm of the table's surface: neither held up nor stacked."""
     return Condition(
