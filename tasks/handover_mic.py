@@ -1,0 +1,121 @@
+"""The hand near the microphone lifts it and gives it in the air, tail first, to the other.
+
+Success: the other hand alone holds it, above the middle of the table and on its own side. Upstream
+the receiver takes the upper handle beside the giver; these hands are as wide as most handles, so
+here it takes the tail's end, along the microphone.
+"""
+
+import numpy as np
+
+from rtphys.task import (
+    UP_Z,
+    Arm,
+    Condition,
+    Draw,
+    Infeasible,
+    Mesh,
+    Pose,
+    Prop,
+    Robot,
+    Scene,
+    Task,
+    axis_angle,
+    claim,
+    free_of,
+    held_by,
+    opened,
+    quat_multiply,
+)
+
+CROSSWISE = 4  # the model whose head keeps it from rolling
+UPPER = (0, *range(2, 9))
+TIP = 0.1556  # [m] ee to fingertips
+HALF_PAD = 0.0305  # [m] of the giver's fingers, along the microphone
+UPWARD = 0.2  # [rad] of the offered tail: hands that point up at the middle are out of reach
+GRIP = 0.034  # [m] of the tail that the receiver takes, where the giver leaves as much
+
+
+def layout(draw: Draw):
+    spot = draw.spot("microphone", x=[(-0.2, -0.15), (0.15, 0.2)], y=(-0.05, 0.0))
+    model = draw.choice("model", 0, 4, 5)
+    yield Mesh(
+        name="microphone", category="018_microphone", model=model, pose=spot.pose(UP_Z),
+        rolls_about=None if model == CROSSWISE else 2,
+    )  # fmt: skip
+
+
+def offers(scene: Scene, taker: Arm) -> list[list[Pose]]:
+    """Microphone poses over the table's middle whose tail points at the receiver."""
+    here, tail = scene.pose("microphone"), scene.functional("microphone", 0)
+    side = -1.0 if taker.side == "left" else 1.0
+    found = []
+    for aside, height in ((0.10, 0.95), (0.07, 0.97), (0.12, 0.98)):
+        for roll in (1.0, 0.6, -1.0, -0.6, 1.4, -1.4):
+            for yaw in (0.0, 0.4, -0.4, 0.8):
+                towards = np.array([side * np.cos(yaw), -np.sin(yaw), 0.0])
+                flat = tail.R[:, 2] * (1, 1, 0)
+                angle = np.arctan2(np.cross(flat, towards)[2], flat @ towards)
+                q = quat_multiply(axis_angle((0, 0, 1), angle), here.q)
+                rise = UPWARD - np.arcsin(tail.R[2, 2])
+                q = quat_multiply(axis_angle(np.cross(towards, (0, 0, 1)), rise), q)
+                q = quat_multiply(axis_angle(towards, roll), q)
+                found.append([Pose((-aside * side, -0.12, height), q)])
+    return found
+
+
+def takes(scene: Scene, giver: Arm) -> list[list[Pose]]:
+    """Ways along the microphone onto its tail, with the hand turned about it."""
+    tail = scene.functional("microphone", 0)
+    into = -tail.R[:, 2]
+    free = float((scene.tcp(giver.side).p - tail.p) @ into) - HALF_PAD - 0.002
+    depth = min(GRIP, free)
+    found = []
+    for roll in (1.57, -1.57, 1.2, -1.2, 0.8, -0.8, 0.4, -0.4, 0.0):
+        up = np.array([0, 0, 1.0]) - into[2] * into
+        up = Pose((0, 0, 0), axis_angle(into, roll)).R @ (up / np.linalg.norm(up))
+        q = Pose.from_matrix(np.column_stack([into, np.cross(up, into), up])).q
+        at = Pose(tail.p + (depth - TIP) * into, q)
+        found.append([at.moved(-0.08 * into), at])
+    return found
+
+
+def script(robot: Robot) -> None:
+    giver = robot.nearest("microphone")
+    taker = robot.other(giver)
+    robot.do(giver.grasp("microphone", UPPER, pre=0.1))
+    robot.do(giver.lift(0.12))
+    robot.do(giver.carry("microphone", *offers(robot.scene, taker)))
+    robot.do(taker.sweep(*takes(robot.scene, giver), prop="microphone"))
+    robot.do(taker.close(holds="microphone"))
+    robot.do(giver.open())
+    robot.do(giver.retreat(0.07))
+    aside = 0.08 if taker.side == "right" else -0.08
+    robot.do(taker.shift(x=aside), giver.home())
+    if not over_there(robot.scene, taker.side):
+        raise Infeasible("slipped", "the microphone hangs too low")
+
+
+def over_there(scene: Scene, side: str) -> bool:
+    tail = scene.functional("microphone", 0).p
+    return bool(tail[2] > 0.92 and (tail[0] > 0 if side == "right" else tail[0] < 0))
+
+
+def success(props: list[Prop]) -> Condition:
+    giver, taker = ("left", "right") if props[0].pose.p[0] < 0 else ("right", "left")
+    return (
+        claim(f"the microphone is in the air on the {taker} side", lambda s: over_there(s, taker))
+        & held_by("microphone", taker)
+        & free_of("microphone", f"{giver}_gripper", "table")
+        & opened(giver)
+    )
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=success,
+    step_limit=600,
+    arms="dual, in sequence",
+    mechanism="handover",
+    info={"A": "microphone", "a": "arm:microphone"},
+)

@@ -1,0 +1,81 @@
+"""Put a pair of shoes side by side into the shoe box, toes to the left.
+
+Success: each shoe stands in its half of the box, turned as it should be, and both hands are open.
+"""
+
+from rtphys.task import (
+    UP_S,
+    UP_Z,
+    Aim,
+    Draw,
+    Mesh,
+    Placing,
+    Pose,
+    Robot,
+    Scene,
+    Spot,
+    Task,
+    at_rest,
+    claim,
+    clear_of,
+    hands_open,
+    near,
+    reachable,
+    turned_to,
+)
+
+BOX = Pose((0.0, -0.13, 0.74), UP_S)
+INTO = Placing(mode="align", pre=0.12, gap=0.01, along="point")
+TURN = 0.17  # [rad] officially 0.07 in each component of the quaternion
+
+
+def room(spot: Spot) -> bool:
+    return clear_of(((0.0, 0.0), 0.15))(spot) and reachable(spot)
+
+
+def layout(draw: Draw):
+    yield Mesh(name="box", category="007_shoe-box", model=0, pose=BOX, fixed=True)
+    model = draw.choice("model", *range(10))
+    for side, x in (("left", (-0.3, -0.225)), ("right", (0.225, 0.3))):
+        spot = draw.spot(side, x=x, y=(-0.1, 0.05), yaw=(-3.14, 3.14), where=room)
+        pose = spot.pose(UP_Z)
+        yield Mesh(name=f"{side}_shoe", category="041_shoe", model=model, pose=pose)
+
+
+def on_the_floor(scene: Scene) -> bool:
+    """Both soles on the floor of the box."""
+    floor = scene.pose("box").p[2]
+    return all(-0.01 < scene.lowest(f"{side}_shoe") - floor < 0.03 for side in ("left", "right"))
+
+
+def script(robot: Robot) -> None:
+    left, right, scene = robot.left, robot.right, robot.scene
+    places = scene.functional("box", 0), scene.functional("box", 1)
+    robot.do(
+        left.grasp("left_shoe", pre=0.1, aim=Aim(places[0], 0, INTO)),
+        right.grasp("right_shoe", pre=0.1, aim=Aim(places[1], 0, INTO)),
+    )
+    robot.do(left.lift(0.15), right.lift(0.15))
+    robot.do(left.place("left_shoe", places[0], point=0, how=INTO))
+    robot.do(left.lift(0.15))
+    robot.do(left.home(), right.place("right_shoe", places[1], point=0, how=INTO))
+    robot.do(right.lift(0.1))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=near("left_shoe", (0.0, -0.17, 0.75), within=(0.05, 0.05, 0.03))
+    & near("right_shoe", (0.0, -0.09, 0.75), within=(0.05, 0.05, 0.03))
+    & turned_to("left_shoe", UP_S, TURN)
+    & turned_to("right_shoe", UP_S, TURN)
+    & claim("both shoes on the floor of the box", on_the_floor)
+    & at_rest("left_shoe")
+    & at_rest("right_shoe")
+    & hands_open(),
+    step_limit=600,
+    arms="dual, in sequence",
+    mechanism="place two",
+    table_drop=0.1,
+    info={"A": "left_shoe", "B": "box"},
+)
