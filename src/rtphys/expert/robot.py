@@ -26,6 +26,7 @@ class ExpertRobot:
         self.rollout, self.scene, self.world = rollout, rollout.scene, rollout.world
         self.planner = DualArmPlanner(self.world.robot.embodiment, rng)
         self.hands = Hands(rollout, self.planner)
+        self._moving: set[str] = set()  # arms of the step being carried out
         self._intended: dict[str, Array] = {}  # where verbs said since the last `do` will end
         self._at: dict[str, str] = {}  # and around which prop
         self.left, self.right = ExpertArm(self, "left"), ExpertArm(self, "right")
@@ -155,6 +156,7 @@ class ExpertRobot:
             self._settle()
         ramps = {side: self.hands.ramp(side, grip.opening) for side, grip in grips.items()}
         trajectory = self._plan(goals) if goals else None
+        self._moving = set(goals)
         touched = self._run(trajectory, ramps, until, max(waits, default=0.0))
         for side, step in steps.items():
             if isinstance(step, Shift) and step.must and side not in touched:
@@ -212,6 +214,8 @@ class ExpertRobot:
             + [round(wait * 250)]
         )
         stopped: set[str] = set()
+        # The motion may end early once every arm that moves has met what it should stop at.
+        moving = self._moving
         for k in range(length):
             for j, (side, arm) in enumerate(arms.items()):
                 if trajectory is not None and side not in stopped:
@@ -225,7 +229,7 @@ class ExpertRobot:
                 if side not in stopped and self.hands.presses(side, prop):
                     stopped.add(side)
                     arms[side].command(arms[side].target, np.zeros(6))
-            if until and len(stopped) == len(until):
+            if until and not ramps and stopped == moving:
                 break
         for arm in arms.values():
             arm.command(arm.target, np.zeros(6))
