@@ -128,7 +128,7 @@ ROWS: tuple[tuple[Cup, Look, tuple[str, str, str]], ...] = (
         ("tumbler", "orange", "a wide mouth"),
     ),
     (
-        Cup(0.0310, 0.0370, 0.0600, 0.0600, 0.10, reach=0.0520, belly=0.0360),
+        Cup(0.0330, 0.0375, 0.0610, 0.0580, 0.10, reach=0.0515),
         Look(PINK, WHITE, "ceramic", label(PINK, WHITE, RED, "fruit")),
         ("teacup", "pink", "a round handle"),
     ),
