@@ -92,11 +92,11 @@ class ExpertArm:
 
     def _around(self, prop: str, points: list[tuple[int, Pose]]) -> list[tuple[int, Pose]]:
         """Contact points between those at 45 deg of a round thing, which lies as it rolled."""
-        axis = self.robot.world.object(prop).prop.rolls_about
+        axis = self.robot.world.object(prop).prop.rolling_axis
         if axis is None:
             return []
         X_TP = self.robot.scene.pose(prop)
-        turn = Pose((0, 0, 0), axis_angle(np.eye(3)[axis], np.pi / 8))
+        turn = Pose((0, 0, 0), axis_angle(axis, np.pi / 8))
         return [(i, X_TP @ turn @ X_TP.inverse() @ point) for i, point in points]
 
     def _allows(self, prop: str, hand: Pose, aim: Aim) -> bool:

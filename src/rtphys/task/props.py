@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from rtphys.poses import Pose
+import numpy as np
+
+from rtphys.poses import Array, Pose
 
 TABLE_TOP = 0.74  # [m] task-frame height of the table's surface (RoboTwin)
 PINE = 450.0  # [kg/m^3] what wooden toy blocks are made of
@@ -32,10 +34,20 @@ class Prop:
     resting: bool = True  # the world sets z so that the lowest point is 1 mm above the table
     on_table: bool = True  # false: it stands on the ground, and `pose` is a world pose
     mass_kg: float | None = None  # None: what the asset says
-    rolls_about: int | None = None  # own axis (0 x, 1 y, 2 z) of a round thing that lies: it
-    # starts rolled so that its centre of mass is underneath, as a real one would come to lie
+    # Own axis (0 x, 1 y, 2 z, or any direction) of a round thing that lies: it starts rolled so
+    # that its centre of mass is underneath, as a real one would come to lie.
+    rolls_about: int | tuple[float, float, float] | None = None
     phrase: str = ""  # how language names it; empty: the asset's own phrases
     label: str = ""  # placeholder value in scene_info; empty: "<category>/base<k>" or the phrase
+
+    @property
+    def rolling_axis(self) -> Array | None:
+        """`rolls_about` as a unit vector (3,), own frame."""
+        if self.rolls_about is None:
+            return None
+        if isinstance(self.rolls_about, int):
+            return np.eye(3)[self.rolls_about]
+        return np.asarray(self.rolls_about) / np.linalg.norm(self.rolls_about)
 
     def at(self, pose: Pose) -> "Prop":
         """The same prop elsewhere."""
