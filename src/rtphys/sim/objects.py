@@ -83,10 +83,9 @@ class SimObject:
 
     def roll_down(self) -> None:
         """Turn a round thing that lies until its centre of mass is underneath (`rolls_about`)."""
-        number, pose = self.prop.rolls_about, self.pose
-        if number is None or isinstance(self.root, physx.PhysxRigidStaticComponent):
+        axis, pose = self.prop.rolling_axis, self.pose
+        if axis is None or isinstance(self.root, physx.PhysxRigidStaticComponent):
             return
-        axis = np.eye(3)[number]
         across = np.eye(3) - np.outer(axis, axis)
         centre = across @ np.asarray(self.root.cmass_local_pose.p, float)
         down = across @ pose.R.T @ np.array([0.0, 0.0, -1.0])
