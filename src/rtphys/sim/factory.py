@@ -144,7 +144,8 @@ class ObjectFactory:
             link.set_angular_damping(0.0)
             # A spring carries it (a laptop's lid stays where it is put).
             link.set_disable_gravity(link.name in asset.balanced_links)
-        thing.bodies = [SimBody(f"{prop.name}/{link.name}", link) for link in moving]
+        solid = [link for link in moving if link.collision_shapes]  # a root may be a mere frame
+        thing.bodies = [SimBody(f"{prop.name}/{link.name}", link) for link in solid]
         thing.contact_points = [
             Point(links[p.link], _scaled(p.matrix, self.scale)) for p in asset.contact_points
         ]
