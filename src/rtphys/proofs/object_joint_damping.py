@@ -16,6 +16,8 @@ OPENING = 0.4  # preset of the joint, a share of its range: room to coast both w
 COAST = 0.02  # [rad or m] that the law gives a heavily damped joint, unless that needs more than
 FASTEST = 20.0  # [rad/s or m/s], well below the simulator's own limit on joint speeds
 SPEED = 0.3  # [rad/s or m/s] of a lightly damped one
+STEPS = 50  # that are watched
+ROOM = 0.8  # of the way to the stop
 CLEAR_DECAY = 0.05  # d dt / I: above it, a step is too coarse to watch the decay
 
 
@@ -51,14 +53,18 @@ def _coast(world: World, index: int, value: Value) -> Trial:
     damping = float(value) if isinstance(value, int | float) else joint.nominal_damping
     inertia = inertia_about(joint.joint)
     slow = damping * world.scene.timestep / inertia < CLEAR_DECAY
-    speed = SPEED if slow else min(COAST * damping / inertia, FASTEST)
     art = thing.articulation
     assert art is not None
+    # A pot's lid travels millimetres: what hits its stop says nothing about damping.
+    room = ROOM * float(art.qlimits[index][1] - art.qpos[index])
+    seconds = STEPS * world.scene.timestep
+    heavy = min(COAST, room) * damping / inertia
+    speed = min(SPEED, room / seconds) if slow else min(heavy, FASTEST)
     qvel = np.zeros(art.dof)
     qvel[index] = speed
     art.set_qvel(qvel.astype(np.float32))
     start = float(art.qpos[index])
-    t, seen = record(world, 50, lambda: (art.qpos[index] - start, art.qvel[index]))
+    t, seen = record(world, STEPS, lambda: (art.qpos[index] - start, art.qvel[index]))
     if slow:
         return _decay(joint, t, seen, (speed, damping / inertia))
     law = speed * inertia / damping * (1 - np.exp(-damping / inertia * t))
