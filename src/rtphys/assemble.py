@@ -21,6 +21,7 @@ from rtphys.sim.rollout import Outcome
 from rtphys.task.instructions import instructions, scene_info
 from rtphys.task.props import Articulated, Mesh, Prop
 from rtphys.task.spec import Task
+from rtphys.visual import disturbed
 
 # Whatever can change a bit of an episode. The renderer's driver is not among them: states are.
 SHAPING = ("rtphys", "sapien", "numpy", "scipy", "pin", "coal", "toppra", "ruckig")
@@ -51,12 +52,12 @@ def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
         phys_meta={
             **_label(instance),
             "cameras": {name: _camera(X) for name, X in photographs.first_poses.items()},
-            "verdict": _verdict(recording, outcome),
+            "verdict": {**_verdict(recording, outcome), **_clutter(instance, recording)},
             "versions": dict(versions(task)),
             "state_hash": recording.hash,
         },
         instructions=instructions(task, seed, describer(pack)),
-        scene_info={"info": scene_info(task, seed)},
+        scene_info={**instance.look.scene_info(), "info": scene_info(task, seed)},
         images=photographs.images,
     )
 
@@ -75,7 +76,18 @@ def _label(instance: Instance) -> dict[str, object]:
         },
         "draws": {key: physics[key] for key in physics if key not in known},
         "readback": readback(instance.world),
+        **({} if recipe.visual() is None else {"visual": instance.look.to_json()}),
     }
+
+
+def _clutter(instance: Instance, recording: Recording) -> dict[str, object]:
+    """Which pieces of clutter the expert disturbed; nothing where there were none."""
+    names = [piece.name for piece in instance.look.clutter]
+    if not names:
+        return {}
+    tracks = {n: np.array([row.objects[n] for row in recording.rows]) for n in names}
+    touched = disturbed(tracks)
+    return {"clutter_disturbed": bool(touched), "disturbed": list(touched)}
 
 
 def _camera(X_WC: Pose) -> dict[str, list[float]]:

@@ -15,6 +15,7 @@ from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
 from rtphys.task.props import Prop
 from rtphys.task.spec import Task
+from rtphys.visual import CLEAN, Look, draw_look, texture_file
 
 MOST_SLIDE = 0.05  # [m] and
 MOST_TURN = 0.26  # [rad], 15 deg: a thing that settled further away has fallen or run off
@@ -30,6 +31,7 @@ class Instance:
     props: tuple[Prop, ...]
     physics: Physics
     world: World
+    look: Look = CLEAN
 
 
 def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> Instance:
@@ -42,13 +44,31 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
     drawn = domain.sample(recipe.seed, recipe.only, recipe.overrides)
     blueprint = Blueprint()
     enforce(blueprint, drawn)
-    table = TablePlan(task.table_shift, task.table_drop)
-    world = World(WorldPlan(pack, props, blueprint, table, recipe.embodiment, visuals))
+    look = draw_look(recipe.visual(), recipe.seed, (task, props), pack, recipe.split)
+    plan = WorldPlan(
+        pack,
+        props,
+        blueprint,
+        _table(task, look, pack, visuals),
+        recipe.embodiment,
+        clutter=look.clutter,
+        head_jitter=look.backdrop.camera,
+        visuals=visuals,
+    )
+    world = World(plan)
     # The centre of mass may only be drawn once the bodies it must lie in are known.
     solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
     physics = domain.sample(recipe.seed, recipe.only, recipe.overrides, inside(solids))
     enforce(world, physics)
-    return Instance(recipe, task, domain, props, physics, world)
+    return Instance(recipe, task, domain, props, physics, world, look)
+
+
+def _table(task: Task, look: Look, pack: Pack, visuals: bool) -> TablePlan:
+    names = (look.table_texture, look.wall_texture) if visuals else (None, None)
+    table, wall = (None if name is None else texture_file(pack, name) for name in names)
+    # The look lowers the table beside physics: `table_height` keeps meaning what physics drew.
+    drop = task.table_drop - look.backdrop.table_height
+    return TablePlan(task.table_shift, drop, texture=table, wall_texture=wall)
 
 
 def settle(instance: Instance) -> None:
@@ -60,10 +80,10 @@ def settle(instance: Instance) -> None:
     world = instance.world
     for thing in world.objects.values():
         thing.roll_down()
-    before = {name: thing.pose for name, thing in world.objects.items() if thing.bodies}
+    before = {name: thing.pose for name, thing in world.things.items() if thing.bodies}
     world.settle()
     for name, start in before.items():
-        _check_stayed(name, start, world.object(name).pose)
+        _check_stayed(name, start, world.things[name].pose)
 
 
 def _check_stayed(name: str, start: Pose, now: Pose) -> None:

@@ -12,9 +12,13 @@ from rtphys.instance import prepare
 from rtphys.poses import Pose
 from rtphys.recipe import Recipe
 from rtphys.sim import renderer
-from rtphys.sim.recorder import Recording, Row
+from rtphys.sim.engine import TIME_STEP
+from rtphys.sim.recorder import FRAME_STEPS, Recording, Row
 from rtphys.sim.studio import Studio, matrices
 from rtphys.task.spec import Task
+from rtphys.visual import Backdrop
+
+FRAME_TIME = FRAME_STEPS * TIME_STEP  # [s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +48,8 @@ def photograph(
     if not renderer.pictures_ready():
         raise NoRenderer("renderer.configure must run before the first world with visuals")
     renderer.hold_anchor()
-    studio = Studio(prepare(recipe, task, pack, visuals=True).world, cameras)
+    instance = prepare(recipe, task, pack, visuals=True)
+    studio = Studio(instance.world, cameras)
     poses: dict[str, list[Pose]] = {spec.name: [] for spec in studio.specs}
     for row in recording.rows:
         studio.show(row.packed)
@@ -52,11 +57,12 @@ def photograph(
             poses[name].append(pose)
     frames = {spec.name: _frames(studio, spec.name, poses[spec.name]) for spec in studio.specs}
     first = {name: track[0] for name, track in poses.items()}
-    return Photographs(frames, first, _draw(studio, recording.rows))
+    return Photographs(frames, first, _draw(studio, recording.rows, instance.look.backdrop))
 
 
-def _draw(studio: Studio, rows: Sequence[Row]) -> Iterator[Images]:
+def _draw(studio: Studio, rows: Sequence[Row], backdrop: Backdrop) -> Iterator[Images]:
     for row in rows:
+        studio.light(backdrop.lights_at(round(row.time / FRAME_TIME)))
         studio.show(row.packed)
         yield studio.pictures()
 

@@ -145,7 +145,8 @@ def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, effort: Effort) -
     names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
     digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
     leaf = claim.leaf
-    asked = (leaf.task, leaf.config, leaf.layout, leaf.cameras, leaf.only, leaf.overrides)
+    drawn = (leaf.only, leaf.overrides, leaf.visual, leaf.split)
+    asked = (leaf.task, leaf.config, leaf.layout, leaf.cameras, drawn)
     return Verified.key(
         version("rtphys"), effort.name, digests, claim.number, claim.seed, leaf.domain, asked
     )

@@ -45,6 +45,7 @@ class CollectPlan:
     overrides: Mapping[str, Value] = field(default_factory=dict)
     cameras: tuple[str, ...] = CAMERAS  # short or official names
     layout: str = "native"
+    split: str = "seen"  # of the pictures on table and wall
     shader: str = "slim"
     workers: int = 1
     resume: bool = True
@@ -52,7 +53,8 @@ class CollectPlan:
     limits: Limits = field(default_factory=Limits)
 
     def recipe(self, task: str, seed: int) -> Recipe:
-        return Recipe(task, seed, self.protocol, self.only, self.overrides)
+        held = self.overrides
+        return Recipe(task, seed, self.protocol, self.only, held, split=self.split)
 
     def conditions(self, task: Task, pack: Pack) -> Conditions:
         """What makes two runs continue each other."""
@@ -73,6 +75,8 @@ class CollectPlan:
             only=self.only,
             overrides=self.overrides,
             layout=self.layout,
+            visual=None if (rules := recipe.visual()) is None else rules.to_json(),
+            split=None if rules is None else recipe.split,
         )
 
     def check(self) -> dict[str, Task]:

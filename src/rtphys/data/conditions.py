@@ -28,6 +28,8 @@ class Conditions:
     overrides: Mapping[str, object] = field(default_factory=dict)
     embodiment: str = EMBODIMENT
     layout: str = "native"
+    visual: Mapping[str, object] | None = None  # rules of the look, resolved
+    split: str | None = None  # of its pictures; None where nothing is drawn
 
     def __post_init__(self) -> None:
         if self.layout not in LAYOUTS:

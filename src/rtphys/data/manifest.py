@@ -68,6 +68,7 @@ class LeafHistory:
         copied += ("cameras", "assets", "versions")
         return {
             **{key: header[key] for key in copied},
+            **{key: header[key] for key in ("visual", "split") if header.get(key) is not None},
             "config": header["protocol"],
             "domain": {"name": header["domain_name"], "digest": header["domain_digest"]},
             "episodes": len(accepted),

@@ -79,12 +79,29 @@ class CameraPose(Model):
     quaternion_wxyz: Quaternion
 
 
+class VisualLabel(Model):
+    """How the episode looks: what its protocol's visual rules drew."""
+
+    split: Literal["seen", "unseen"]
+    table_texture: str | None = Field(description="such as seen/planks_0; null: plain")
+    wall_texture: str | None
+    table_height: FiniteFloat = Field(description="m, on top of the attribute of that name")
+    lights: dict[str, JsonValue] = Field(description="RGB; null: as in clean")
+    flickers: bool = Field(description="light colours are drawn anew for every picture")
+    camera_shift: Vector3 = Field(description="m, head camera, on top of physics, its own frame")
+    camera_turn: Vector3 = Field(description="rad, rotation vector, likewise")
+    clutter: list[dict[str, JsonValue]] = Field(description="name, category, model")
+
+
 class Verdict(Model):
     """Why the episode counts."""
 
     model_config = ConfigDict(extra="allow", frozen=True, strict=True)
 
     accepted: bool
+    clutter_disturbed: bool | None = Field(
+        default=None, description="a piece moved by more than 2 cm or tipped; null: no clutter"
+    )
     first_success_time: FiniteFloat | None = Field(default=None, description="s")
     held: bool | None = Field(default=None, description="success still held at the end")
     stages: list[JsonValue] = []
@@ -102,6 +119,7 @@ class PhysMeta(Model):
     attributes: Annotated[dict[str, AttributeLabel], Field(min_length=1)]
     draws: dict[str, JsonValue] = Field(default={}, description="camera_mode, redraws, ...")
     readback: Readback
+    visual: VisualLabel | None = Field(default=None, description="null: as in clean")
     cameras: dict[str, CameraPose]
     verdict: Verdict
     recipe: dict[str, JsonValue]
@@ -164,6 +182,10 @@ class LeafEntry(Model):
     domain: DomainName
     only: list[str] | None
     overrides: dict[str, JsonValue]
+    visual: dict[str, JsonValue] | None = Field(
+        default=None, description="rules of the look, resolved; null: as in clean"
+    )
+    split: Literal["seen", "unseen"] = "seen"
     cameras: list[str]
     assets: dict[str, str]
     versions: dict[str, str]

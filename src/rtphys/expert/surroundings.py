@@ -12,12 +12,12 @@ _WALL = Obstacle("wall", np.array([3.0, 0.6, 1.5]), Pose((0, 1.0, 1.5)))
 
 
 def obstacles_of(world: World, without: set[str]) -> list[Obstacle]:
-    """The table, the wall and every task object but those named, where they are now."""
+    """Table, wall, every task object but those named, and all clutter, where they are now."""
     x, y = world.plan.table.shift
     half = np.array(TOP_HALF)
     table = Obstacle(TABLE, half, world.X_WT @ Pose((x, y, TOP - half[2])))
     found = [table, _WALL]
-    for name, thing in world.objects.items():
+    for name, thing in world.things.items():
         if name in without:
             continue
         for link, parts in thing.parts.items():

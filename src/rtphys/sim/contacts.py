@@ -26,7 +26,7 @@ class Contacts:
         owners = world.robot.link_owner()
         for link in world.robot.articulation.links:
             self._owner[link.entity.per_scene_id] = owners[link.name]
-        for thing in world.objects.values():
+        for thing in world.things.values():
             for component in thing.links.values():
                 self._owner[component.entity.per_scene_id] = thing.name
 

@@ -74,8 +74,8 @@ class Recorder:
             qpos=np.array(art.qpos, float),
             qvel=np.array(art.qvel, float),
             effort=robot.effort(),
-            objects={o.name: flat(o.pose) for o in world.objects.values()},
-            touched={o.name: self._touched(o.name) for o in world.objects.values()},
+            objects={o.name: flat(o.pose) for o in world.things.values()},
+            touched={o.name: self._touched(o.name) for o in world.things.values()},
             packed=world.scene.pack_poses(),
         )
         self.recording.rows.append(row)

@@ -49,11 +49,25 @@ class Lights:
     shadow_map: int = 1024  # [px]
 
 
-def add_lights(scene: sapien.Scene, lights: Lights | None = None) -> None:
+class Lamps:
+    """The lights of a scene, whose colours may change from picture to picture."""
+
+    def __init__(self, scene: sapien.Scene, directional, points) -> None:
+        self._scene, self._directional, self._points = scene, directional, points
+
+    def recolour(self, lights: Lights) -> None:
+        """Colours alone; places, directions and shadows stay as they were added."""
+        self._scene.set_ambient_light(lights.ambient)
+        self._directional.set_color(lights.directional)
+        for lamp, colour in zip(self._points, lights.point_colours, strict=True):
+            lamp.set_color(colour)
+
+
+def add_lights(scene: sapien.Scene, lights: Lights | None = None) -> Lamps:
     """Light a scene; `lights` defaults to the official ones."""
     wanted = lights or Lights()
     scene.set_ambient_light(wanted.ambient)
-    scene.add_directional_light(
+    directional = scene.add_directional_light(
         wanted.direction,
         wanted.directional,
         shadow=True,
@@ -62,8 +76,11 @@ def add_lights(scene: sapien.Scene, lights: Lights | None = None) -> None:
         shadow_far=wanted.shadow_reach,
         shadow_map_size=wanted.shadow_map,
     )
-    for position, colour in zip(wanted.points, wanted.point_colours, strict=True):
+    points = [
         scene.add_point_light(position, colour, shadow=False)
+        for position, colour in zip(wanted.points, wanted.point_colours, strict=True)
+    ]
+    return Lamps(scene, directional, points)
 
 
 def configure(shader: str = "slim") -> None:

@@ -1,6 +1,7 @@
 """Ground, table and wall: RoboTwin's room, with a table that may be lowered and tilted."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import sapien
@@ -23,6 +24,8 @@ class TablePlan:
     drop: float = 0.0  # [m] below the usual height
     colour: tuple[float, float, float] = (0.93, 0.92, 0.90)
     wall_colour: tuple[float, float, float] = (1.0, 0.9, 0.9)
+    texture: Path | None = None  # pictures instead of the colours, stretched over a box's faces
+    wall_texture: Path | None = None
 
 
 def task_frame(plan: TablePlan, blueprint: Blueprint) -> Pose:
@@ -71,24 +74,41 @@ class Room:
             for sy in (-1, 1):
                 at = (sx * (half_x - 0.075), sy * (half_y - 0.075), -2 * half_z - leg_half)
                 parts.append((np.array(at), np.array([LEG_HALF, LEG_HALF, leg_half])))
-        for centre, half in parts:
-            self._add_box(scene, builder, (centre, half), self.plan.colour)
+        top, *legs = parts
+        self._add_box(scene, builder, top, _paint(scene, self.plan.colour, self.plan.texture))
+        for leg in legs:
+            self._add_box(scene, builder, leg, _paint(scene, self.plan.colour))
         builder.initial_pose = to_sapien(self.X_WT @ Pose((*self.plan.shift, TOP)))
         return builder.build_static("table")
 
     def _build_wall(self, scene: sapien.Scene) -> None:
         builder = scene.create_actor_builder()
         half = np.array([3, 0.6, 1.5])
-        self._add_box(scene, builder, (np.zeros(3), half), self.plan.wall_colour)
+        paint = _paint(scene, self.plan.wall_colour, self.plan.wall_texture)
+        self._add_box(scene, builder, (np.zeros(3), half), paint)
         builder.initial_pose = sapien.Pose([0, WALL_Y, 1.5])
         builder.build_static("wall")
 
     @staticmethod
-    def _add_box(scene: sapien.Scene, builder, box, colour: tuple[float, float, float]) -> None:
+    def _add_box(
+        scene: sapien.Scene, builder, box, paint: "sapien.render.RenderMaterial | None"
+    ) -> None:
         centre, half = box
         pose = sapien.Pose(centre.tolist())
         builder.add_box_collision(pose, half.tolist())
-        if renders(scene):
-            paint = sapien.render.RenderMaterial(base_color=[*colour, 1])
-            paint.roughness = 0.8
+        if paint is not None:
             builder.add_box_visual(pose, half.tolist(), paint)
+
+
+def _paint(
+    scene: sapien.Scene, colour: tuple[float, float, float], picture: Path | None = None
+) -> "sapien.render.RenderMaterial | None":
+    """None where the scene cannot draw."""
+    if not renders(scene):
+        return None
+    paint = sapien.render.RenderMaterial(base_color=[*colour, 1])
+    paint.roughness = 0.8
+    if picture is not None:
+        paint.base_color = [1, 1, 1, 1]
+        paint.base_color_texture = sapien.render.RenderTexture2D(str(picture))
+    return paint

@@ -1,6 +1,7 @@
 """Pictures of recorded states: a world built again with visuals, lights and cameras."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from rtphys.poses import Pose
 from rtphys.sim import renderer
 from rtphys.sim.camera import CameraSpec, SimCamera, cam2world_gl, camera_specs, extrinsic_cv
 from rtphys.sim.world import World
+from rtphys.visual import LightColours
 
 
 class Studio:
@@ -21,18 +23,29 @@ class Studio:
 
     def __init__(self, world: World, cameras: Sequence[str]) -> None:
         self.world = world
-        renderer.add_lights(world.scene)
+        self._lamps = renderer.add_lights(world.scene)
         # Last, and never before: pack_poses goes by the order in which entities were added.
         specs = camera_specs(world.robot.embodiment, cameras)
         self.cameras = [SimCamera(world.scene, s, world.robot.articulation) for s in specs]
         for camera in self.cameras:
             if camera.spec.name == world.head_camera.name:
-                camera.set_pose(world.head_camera.pose)
+                camera.set_pose(world.head_camera.in_force)
         self._full = world.scene.pack_poses()
 
     @property
     def specs(self) -> list[CameraSpec]:
         return [camera.spec for camera in self.cameras]
+
+    def light(self, colours: LightColours) -> None:
+        """Change the colours of the lights; None among them: the official colour."""
+        plain = renderer.Lights(ambient=colours.ambient)
+        self._lamps.recolour(
+            replace(
+                plain,
+                directional=colours.directional or plain.directional,
+                point_colours=colours.points or plain.point_colours,
+            )
+        )
 
     def show(self, packed: bytes) -> None:
         """Put every body where it was when `scene.pack_poses` was taken."""

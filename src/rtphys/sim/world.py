@@ -34,6 +34,8 @@ class WorldPlan:
     blueprint: Blueprint = field(default_factory=Blueprint)
     table: TablePlan = field(default_factory=TablePlan)
     embodiment: str = "aloha-agilex"
+    clutter: tuple[Prop, ...] = ()  # physical, but not the task's: only friction and tilt reach it
+    head_jitter: Pose | None = None  # head camera, in the frame where physics has it
     visuals: bool = False  # needs a Vulkan device; physics is the same without
 
 
@@ -48,15 +50,24 @@ class World:
         self.robot = SimRobot(self.scene, plan.pack.embodiment(plan.embodiment))
         factory = ObjectFactory(self.scene, plan.pack, self.X_WT, plan.blueprint.object_scale)
         self.objects: dict[str, SimObject] = {p.name: factory.build(p) for p in plan.props}
+        # After the task's own, so that these are built alike with clutter and without.
+        plain = ObjectFactory(self.scene, plan.pack, self.X_WT, 1.0)
+        self.clutter: dict[str, SimObject] = {p.name: plain.build(p) for p in plan.clutter}
         table = self.room.table.find_component_by_type(sapien.physx.PhysxRigidStaticComponent)
         assert isinstance(table, sapien.physx.PhysxRigidStaticComponent)
         self._table_surface = SimSurface("table", table.collision_shapes)
         self._bodies = [b for o in self.objects.values() for b in o.bodies]
         embodiment = self.robot.embodiment
         self._head_camera = HeadCamera(embodiment)
+        self._head_camera.jitter = plan.head_jitter
         self.external_force = 0.0
         self.steps = 0  # since the world was built
         self.policy_stage = False  # the external force acts only when true
+
+    @property
+    def things(self) -> dict[str, SimObject]:
+        """Task objects, then clutter."""
+        return {**self.objects, **self.clutter}
 
     # ---- what physics may touch ----------------------------------------------------------------
 
@@ -66,7 +77,7 @@ class World:
 
     @property
     def surfaces(self) -> Sequence[SimSurface]:
-        objects = [s for o in self.objects.values() for s in o.surfaces]
+        objects = [s for o in self.things.values() for s in o.surfaces]
         return [*objects, self._table_surface, *self.robot.pads]
 
     @property
@@ -107,24 +118,22 @@ class World:
         self.steps += 1
 
     def settle(self) -> None:
-        """Step until every task body is at rest.
+        """Step until every task body, and all clutter, is at rest.
 
         Raises:
             Infeasible: "unsettled", when one still moves after 3 s.
         """
-        if not self._bodies:
+        loose = [b for o in self.things.values() for b in o.bodies]
+        if not loose:
             return
         quiet = 0
         for _ in range(SETTLE_LIMIT):
             self.step()
-            quiet = quiet + 1 if self._at_rest() else 0
+            quiet = quiet + 1 if all(_slow(body) for body in loose) else 0
             if quiet >= REST_STEPS:
                 return
-        moving = [b.name for b in self._bodies if not _slow(b)]
+        moving = [b.name for b in loose if not _slow(b)]
         raise Infeasible("unsettled", f"{', '.join(moving)} still moved after 3 s")
-
-    def _at_rest(self) -> bool:
-        return all(_slow(body) for body in self._bodies)
 
     # ---- lookup --------------------------------------------------------------------------------
 
@@ -147,7 +156,7 @@ class World:
         """Joint positions, velocities and task body poses as one vector, for hashing."""
         art = self.robot.articulation
         parts = [np.asarray(art.qpos), np.asarray(art.qvel)]
-        for thing in self.objects.values():
+        for thing in self.things.values():
             for link in thing.links.values():
                 parts += [np.asarray(link.entity_pose.p), np.asarray(link.entity_pose.q)]
         return np.concatenate(parts).astype(float)

@@ -33,6 +33,8 @@ class Task:
         step_limit: policy actions of an evaluation episode (RoboTwin's own limit).
         info: placeholder values by placeholder letter: a prop name for `A`.., "arm:<prop>" or
             "left"/"right" for `a`.. (the side of the table on which that prop starts).
+        keep_clear: rectangles ((x0, x1), (y0, y1)) [m] of the table where no clutter may stand,
+            beside the props' own places: where things are carried to.
         table_shift: (x, y) [m] of the table's centre; table_drop: [m] below the usual height.
     """
 
@@ -46,6 +48,7 @@ class Task:
     mechanism: str = ""
     table_shift: tuple[float, float] = (0.0, 0.0)
     table_drop: float = 0.0
+    keep_clear: tuple[tuple[tuple[float, float], tuple[float, float]], ...] = ()
     name: str = ""
     doc: str = ""
     source: Path = Path()

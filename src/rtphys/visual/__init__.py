@@ -1,0 +1,26 @@
+"""How an episode looks, drawn from its seed alone: never from its physics."""
+
+from rtphys.visual.clutter import Area, scatter
+from rtphys.visual.disturbed import disturbed
+from rtphys.visual.look import (
+    CLEAN,
+    Backdrop,
+    LightColours,
+    Look,
+    backdrop,
+    draw_look,
+    texture_file,
+)
+
+__all__ = [
+    "CLEAN",
+    "Area",
+    "Backdrop",
+    "LightColours",
+    "Look",
+    "backdrop",
+    "disturbed",
+    "draw_look",
+    "scatter",
+    "texture_file",
+]

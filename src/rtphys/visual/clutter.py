@@ -1,0 +1,141 @@
+"""Clutter: things that a task does not need, put where its own things and areas are not."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import hypot, pi
+
+import numpy as np
+
+from rtphys.assets.pack import Pack
+from rtphys.poses import Pose
+from rtphys.seeds import stream
+from rtphys.task.draw import Spot
+from rtphys.task.orientation import UP_Z
+from rtphys.task.props import Articulated, Ball, Box, Mesh, Prop
+from rtphys.task.spec import Task
+from rtphys.visual.look_alikes import ROUND, alike
+
+HALF_X, HALF_Y = 0.60, 0.34  # [m] clutter stays inside, about the table's centre (RoboTwin)
+GAP = 0.005  # [m] each, between pieces of clutter (RoboTwin)
+ROOM = 0.08  # [m] around what the task needs: a hand comes down beside it
+LOW = 0.05  # [m] what is higher stands in the far half only (RoboTwin)
+FAILURES = 50  # misplaced pieces after which the table is full (RoboTwin)
+WIDEST = 0.16  # [m] radius of the largest piece; wider models are furniture
+REACH = 0.25  # [m] radius kept free around a thing with joints: its door or lid swings
+
+
+@dataclass(frozen=True)
+class Area:
+    """A rectangle on the table, task frame [m]."""
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+
+    def distance(self, x: float, y: float) -> float:
+        """From a point to the rectangle; 0 inside."""
+        dx = max(self.x[0] - x, 0.0, x - self.x[1])
+        dy = max(self.y[0] - y, 0.0, y - self.y[1])
+        return hypot(dx, dy)
+
+    def grown(self, by: float) -> "Area":
+        return Area((self.x[0] - by, self.x[1] + by), (self.y[0] - by, self.y[1] + by))
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A model that may be clutter: it rests upright by itself, its own y axis up."""
+
+    category: str
+    model: int
+    radius: float  # [m] of the cylinder about the upright axis that holds it
+    height: float  # [m]
+
+
+@lru_cache(maxsize=4)
+def pieces(pack: Pack) -> tuple[Piece, ...]:
+    """Every model of a pack that may be clutter, in a fixed order."""
+    found = []
+    for name in pack.names:
+        if name in ROUND or pack.is_articulated(name):
+            continue
+        for index in pack.indices(name):
+            model = pack.model(name, index)
+            low, high = (model.center + s * model.extents / 2 for s in (-1, 1))
+            radius = max(hypot(x, z) for x in (low[0], high[0]) for z in (low[2], high[2]))
+            if model.stable and radius <= WIDEST:
+                found.append(Piece(name, index, radius, float(model.extents[1])))
+    return tuple(found)
+
+
+def footprint(prop: Prop, pack: Pack) -> Area:
+    """Bounding rectangle of a prop at its nominal size, whatever the physics does to it."""
+    x, y = (float(v) for v in prop.pose.p[:2])
+    if isinstance(prop, Articulated):
+        return Area((x - REACH, x + REACH), (y - REACH, y + REACH))
+    if isinstance(prop, Ball):
+        low, high = -np.full(3, prop.radius), np.full(3, prop.radius)
+    elif isinstance(prop, Box):
+        low, high = -np.array(prop.half_size), np.array(prop.half_size)
+    elif isinstance(prop, Mesh):
+        model = pack.model(prop.category, prop.model)
+        low, high = (model.center + s * model.extents / 2 for s in (-1, 1))
+    else:
+        low = high = np.zeros(3)
+    corners = np.array(
+        [[a[0], b[1], c[2]] for a in (low, high) for b in (low, high) for c in (low, high)]
+    )
+    shadow = prop.pose @ corners
+    (x0, y0), (x1, y1) = shadow[:, :2].min(axis=0), shadow[:, :2].max(axis=0)
+    return Area((float(x0), float(x1)), (float(y0), float(y1)))
+
+
+def scatter(
+    seed: int, most: int, task: Task, props: Sequence[Prop], pack: Pack
+) -> tuple[Mesh, ...]:
+    """Up to `most` pieces, clear of the task's things, of its `keep_clear` and of each other."""
+    if not most:
+        return ()
+    taken = [footprint(prop, pack).grown(ROOM) for prop in props]
+    taken += [Area(x, y) for x, y in task.keep_clear]
+    named = {p.category for p in props if isinstance(p, Mesh | Articulated)}
+    blocks = any(isinstance(p, Box) and not p.visual_only for p in props)
+    choice = [p for p in pieces(pack) if not alike(p.category, named, blocks)]
+    # Categories first: else bottles, of which there are twenty, would stand everywhere.
+    categories = sorted({piece.category for piece in choice})
+    source = stream(seed, "visual", "clutter")
+    found: list[tuple[Piece, Spot]] = []
+    failures = 0
+    while choice and len(found) < most and failures < FAILURES:
+        category = categories[int(source.integers(len(categories)))]
+        models = [piece for piece in choice if piece.category == category]
+        piece = models[int(source.integers(len(models)))]
+        x, y, yaw = (float(source.uniform(-h, h)) for h in (HALF_X, HALF_Y, pi))
+        spot = Spot(x + task.table_shift[0], y + task.table_shift[1], yaw)
+        if _fits(piece, spot, task) and _is_clear(piece, spot, taken, found):
+            found.append((piece, spot))
+        else:
+            failures += 1
+    return tuple(_mesh(n, piece, spot) for n, (piece, spot) in enumerate(found))
+
+
+def _fits(piece: Piece, spot: Spot, task: Task) -> bool:
+    """Whole on the table, and no tall thing in the near half, where the arms work."""
+    x, y = spot.x - task.table_shift[0], spot.y - task.table_shift[1]
+    r = piece.radius
+    inside = abs(x) + r <= HALF_X and abs(y) + r <= HALF_Y
+    return inside and (piece.height <= LOW or y - r >= 0)
+
+
+def _is_clear(
+    piece: Piece, spot: Spot, taken: Sequence[Area], found: Sequence[tuple[Piece, Spot]]
+) -> bool:
+    r = piece.radius
+    return all(area.distance(spot.x, spot.y) >= r for area in taken) and all(
+        spot.distance(at) >= r + other.radius + 2 * GAP for other, at in found
+    )
+
+
+def _mesh(number: int, piece: Piece, spot: Spot) -> Mesh:
+    pose: Pose = spot.pose(UP_Z)
+    return Mesh(name=f"clutter{number}", pose=pose, category=piece.category, model=piece.model)
