@@ -1,7 +1,8 @@
 """Take hold of a pack of cards and slide it outward, off to its own side.
 
 Success: the pack lies more than 23 cm to the side on which it began, on the table and at rest, and
-both hands are open. Upstream accepts either side and any height.
+both hands are open. Upstream accepts either side and any height, and
+also spawns where a hand cannot turn to every yaw (y > 0).
 """
 
 from math import pi
@@ -17,6 +18,7 @@ from rtphys.task import (
     claim,
     hands_open,
     on_table,
+    reachable,
 )
 
 AWAY = 0.23  # [m] |x| that is far enough
@@ -25,7 +27,7 @@ GOAL = 0.3  # [m] |x| to which the pack is slid
 
 def layout(draw: Draw):
     sides = [(-0.1, -0.05), (0.05, 0.1)]
-    spot = draw.spot("cards", x=sides, y=(-0.2, 0.05), yaw=(-pi, pi))
+    spot = draw.spot("cards", x=sides, y=(-0.2, 0.05), yaw=(-pi, pi), where=reachable)
     model = draw.choice("model", 0, 1, 2)
     yield Mesh(name="cards", category="081_playingcards", model=model, pose=spot.pose(UP_Y))
 

@@ -4,6 +4,7 @@ Success: the phone's foot is in the cradle, its back along the rest, nothing mov
 are open. Upstream tests the foot alone.
 """
 
+from dataclasses import replace
 from math import cos
 
 from rtphys.task import (
@@ -26,6 +27,7 @@ from rtphys.task import (
 
 FLAT = {0: UP_Z, 1: UP_Y, 2: UP_S, 4: (0.5, -0.5, 0.5, -0.5)}  # face up, foot to the robot
 LEAN = Placing(mode="align", pre=-0.06, gap=-0.002, along="point")  # down along the rest
+ABOVE = replace(LEAN, pre=-0.1, gap=-0.06, release=False)
 
 
 def layout(draw: Draw):
@@ -49,6 +51,9 @@ def script(robot: Robot) -> None:
     arm, cradle = robot.nearest("phone"), robot.scene.functional("stand")
     robot.do(arm.grasp("phone", pre=0.08, aim=Aim(cradle, 0, LEAN)))
     robot.do(arm.lift(0.08))
+    # A phone whose weight is off the middle turns in the hand: aim anew from above the cradle.
+    raised = cradle.moved(0.015 * cradle.R[:, 0])
+    robot.tried(lambda: robot.do(arm.place("phone", raised, point=0, how=ABOVE)))
     robot.do(arm.place("phone", cradle, point=0, how=LEAN))
     robot.do(arm.retreat(0.06))
 
