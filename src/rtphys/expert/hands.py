@@ -9,7 +9,7 @@ from rtphys.errors import Infeasible, UnknownName
 from rtphys.expert.pace import hold_margin, pace_of
 from rtphys.expert.planner import SIDES, DualArmPlanner
 from rtphys.plan.online import gripper_ramp
-from rtphys.poses import Array
+from rtphys.poses import Array, Pose
 from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Grip
 
@@ -18,6 +18,7 @@ GRIP_LIMIT = 400  # [steps] for the fingers to stop: damped ones creep over thin
 STOPPED = 0.003  # [m/s] a finger slower than this has stopped
 CALM = 0.1  # [rad/s] a load that turns slower hangs still
 CALM_LIMIT = 125  # [steps]
+SAGGED, SHIFTED = 0.1, 0.01  # [rad], [m] of a load in its hand that planning must know of
 FEEL_STEPS = 12  # contact may flicker for a few steps
 
 
@@ -28,6 +29,7 @@ class Hands:
         self.rollout, self.planner = rollout, planner
         self.world, self.scene = rollout.world, rollout.scene
         self.holding: dict[str, str] = {}
+        self._grips: dict[str, Pose] = {}  # where loads were when the planner was last told
 
     # ---- fingers ---------------------------------------------------------------------------------
 
@@ -72,6 +74,7 @@ class Hands:
 
     def _attach(self, side: str, prop: str) -> None:
         thing = self.world.object(prop)
+        self._grips[side] = self._in_hand(side, prop)
         ee = self.planner.kinematics[side].ee_pose(self.world.robot.arm(side).target)
         for link, parts in thing.parts.items():
             X_EL = ee.inverse() @ thing.link_pose(link)
@@ -80,6 +83,7 @@ class Hands:
 
     def _let_go(self, side: str) -> None:
         prop = self.holding.pop(side)
+        self._grips.pop(side, None)
         self.planner.checker.detach(side)
         other = "right" if side == "left" else "left"
         if self.holding.get(other) == prop:
@@ -110,6 +114,23 @@ class Hands:
                 raise Infeasible("slipped", f"{prop} left the {side} hand")
         for prop in set(self.holding.values()):
             self._wait_for_calm(prop)
+        self._follow_sag()
+
+    def _follow_sag(self) -> None:
+        """Show the planner a load that turned in its hand as it hangs there now."""
+        for side, prop in self.holding.items():
+            if side not in self._grips:
+                continue
+            now, then = self._in_hand(side, prop), self._grips[side]
+            turn = 2 * float(np.arccos(np.clip(abs(now.q @ then.q), 0.0, 1.0)))
+            if turn > SAGGED or np.linalg.norm(now.p - then.p) > SHIFTED:
+                self.planner.checker.detach(side)
+                self._attach(side, prop)
+
+    def _in_hand(self, side: str, prop: str) -> Pose:
+        """Frame of the load in the commanded ee's."""
+        ee = self.planner.kinematics[side].ee_pose(self.world.robot.arm(side).target)
+        return ee.inverse() @ self.world.object(prop).pose
 
     def _wait_for_calm(self, prop: str) -> None:
         bodies = [body.component for body in self.world.object(prop).bodies]
