@@ -1,0 +1,122 @@
+"""Throw three bottles into the bin beside the table, which only the left hand reaches.
+
+Bottles of the right half are first set down on the left. Success: all three rest in the bin, and
+no hand touches them.
+"""
+
+from rtphys.task import (
+    DOWN,
+    UP_Y,
+    UP_Z,
+    Aim,
+    Draw,
+    Infeasible,
+    Mesh,
+    Placing,
+    Pose,
+    Robot,
+    Scene,
+    Task,
+    at_rest,
+    claim,
+    clear_of,
+    free_of,
+    off_centre,
+)
+
+BOTTLES = ("bottle1", "bottle2", "bottle3")  # and their models 1, 2, 3
+BIN = Pose((-0.45, 0.0, 0.0), UP_Y)  # on the ground, whatever the table does
+YAWS = tuple(0.4 * k for k in range(16))
+OVER = Placing(mode="free", pre=0.0, gap=0.0, yaws=YAWS)
+STAND = Placing(mode="free", pre=0.05, gap=0.0, along="point", yaws=YAWS)
+HALFWAY = [(x, y) for x in (-0.05, -0.1, 0.0) for y in (0.0, 0.05, -0.08, 0.12)]
+
+
+def layout(draw: Draw):
+    yield Mesh(
+        name="dustbin", category="011_dustbin", model=0, pose=BIN, fixed=True, on_table=False
+    )
+    taken = []
+    for model, name in enumerate(BOTTLES, start=1):
+        free = clear_of(*taken)
+        spot = draw.spot(
+            name,
+            x=(-0.25, 0.3),
+            y=(0.03, 0.23),
+            where=lambda s, free=free: off_centre(0.05)(s) and free(s),
+        )
+        taken.append((spot, 0.13))
+        yield Mesh(name=name, category="114_bottle", model=model, pose=spot.pose(UP_Z))
+
+
+def all_in_bin(scene: Scene) -> bool:
+    """Every bottle's origin 20 to 70 cm above the ground between the bin's walls."""
+    X_BT = scene.pose("dustbin").inverse()
+    for name in BOTTLES:
+        along, height, across = (X_BT @ scene.pose(name)).p
+        if not (abs(along) < 0.325 and abs(across) < 0.221 and 0.2 < height < 0.7):
+            return False
+    return True
+
+
+def throw(robot: Robot, name: str) -> None:
+    """Hold it over the bin and let go. The foot well above rim and table, lower where it must."""
+    arm, scene = robot.left, robot.scene
+    rim = max(0.74, (scene.pose("dustbin") @ Pose((0.0, 0.74, 0.0))).p[2])
+    goals = [
+        Pose((x, y, rim + gap), DOWN)
+        for gap in (0.06, 0.03)
+        for x, y in ((-0.4, -0.1), (-0.36, -0.1), (-0.4, 0.0), (-0.36, -0.05))
+    ]
+    robot.do(arm.grasp(name, pre=0.1, aim=Aim(goals[0], 0, OVER)))
+    robot.do(arm.lift(0.1))
+    for goal in goals:
+        if robot.tried(lambda goal=goal: robot.do(arm.place(name, goal, point=0, how=OVER))):
+            robot.do(arm.home())
+            return
+    raise Infeasible("unreachable", f"{name} cannot be held over the bin")
+
+
+def pass_on(robot: Robot, name: str) -> None:
+    """The right hand stands the bottle where the left can take it."""
+    arm, scene = robot.right, robot.scene
+    standing = [scene.pose(other).p[:2] for other in BOTTLES if other != name]
+    goals = [
+        Pose((x, y, 0.741), DOWN)
+        for x, y in HALFWAY
+        if all(((p - (x, y)) ** 2).sum() > 0.13**2 for p in standing)
+    ]
+    robot.do(arm.grasp(name, pre=0.1, aim=Aim(goals[0], 0, STAND)))
+    robot.do(arm.lift(0.1))
+    for goal in goals:
+        if robot.tried(lambda goal=goal: robot.do(arm.place(name, goal, point=0, how=STAND))):
+            robot.do(arm.retreat(0.1))
+            robot.do(arm.home())
+            return
+    raise Infeasible("unreachable", f"{name} cannot be passed on")
+
+
+def script(robot: Robot) -> None:
+    start = {name: robot.scene.pose(name).p for name in BOTTLES}
+    for name in sorted(BOTTLES, key=lambda n: (start[n][0] > 0, start[n][1])):
+        if start[name][0] > 0:
+            pass_on(robot, name)
+        throw(robot, name)
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=claim("the bottles are in the bin", all_in_bin)
+    & at_rest("bottle1")
+    & at_rest("bottle2")
+    & at_rest("bottle3")
+    & free_of("bottle1", "left_gripper", "right_gripper")
+    & free_of("bottle2", "left_gripper", "right_gripper")
+    & free_of("bottle3", "left_gripper", "right_gripper"),
+    step_limit=1700,
+    arms="dual, in sequence",
+    mechanism="pass on, throw away",
+    table_shift=(0.3, 0.0),
+    info={"A": "bottle1", "B": "bottle2", "C": "bottle3", "D": "dustbin"},
+)
