@@ -135,7 +135,7 @@ ROWS: tuple[tuple[Pot, Colour, Colour, Colour, tuple[str, str, str]], ...] = (
         STEEL, STEEL, BLACK, ("kitchen pot", "silver", "slanting handles"),
     ),
     (
-        Pot(0.0546, 0.0790, 0.082, 0.0636, 0.1204, 0, 0.0072, 0.85),
+        Pot(0.0546, 0.0790, 0.082, 0.0636, 0.1204, 30, 0.0072, 0.85),
         RED, RED, BLACK, ("kitchen pot", "red", "black handles"),
     ),
     (
