@@ -10,21 +10,25 @@ from pathlib import Path
 
 from rtphys import library
 from rtphys.physics import attributes, load_domain
+from rtphys.task.rates import rates
 from rtphys.task.spec import load_task
 
+PROTOCOLS = ("clean", "phys_random")  # whose measured success rates are shown
 README = Path(__file__).resolve().parents[1] / "README.md"
 
 
 def tasks() -> str:
     """Every bundled task, with the file's own first sentence."""
-    domains = library.names("domains")
+    domains, measured = library.names("domains"), rates()
     rows = []
     for name in sorted(library.names("tasks")):
         task = load_task(name)
         what = task.doc.strip().partition("\n\n")[0].replace("\n", " ")
         domain = f"`{name}`" if name in domains else "`global`"
-        rows.append((f"`{name}`", what, task.mechanism, task.arms, domain))
-    return _table(("task", "what", "mechanism", "arms", "domain"), rows)
+        found = measured.get(name, {})
+        shown = [str(found.get(protocol, "")) for protocol in PROTOCOLS]
+        rows.append((f"`{name}`", what, task.mechanism, task.arms, domain, *shown))
+    return _table(("task", "what", "mechanism", "arms", "domain", *PROTOCOLS), rows)
 
 
 def physics() -> str:

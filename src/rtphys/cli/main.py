@@ -22,6 +22,7 @@ COMMANDS = {
     "show": "Show one episode in the terminal or as a picture.",
     "report": "Show a dataset on one HTML page.",
     "tasks": "List the tasks and what they need.",
+    "new-task": "Write a task file to start from.",
     "domains": "Show and check the ranges of the physical attributes.",
     "protocols": "Show what may differ between episodes.",
     "physics": "Draw physical attributes and prove their laws.",

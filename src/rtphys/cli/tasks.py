@@ -1,0 +1,69 @@
+"""`rtphys tasks`: what there is to do, with what, and how often the expert manages."""
+
+import json
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from rtphys import library
+from rtphys.errors import RtphysError
+from rtphys.task.props import Articulated, Mesh, Prop
+from rtphys.task.rates import rates
+from rtphys.task.spec import Task, load_task
+
+PROTOCOLS = ("clean", "phys_random")
+
+
+def tasks(
+    pattern: Annotated[str, typer.Argument(help="Only names that match, such as 'stack_*'.")] = "*",
+    as_json: Annotated[bool, typer.Option("--json", help="Plain JSON, one row a task.")] = False,
+) -> None:
+    """List the tasks: arms, mechanism, objects, step limit, domain, measured rates.
+
+    Examples:
+
+        rtphys tasks
+
+        rtphys tasks 'place_*' --json
+    """
+    from rtphys.cli.collect import expand
+
+    rows = [_row(name) for name in expand([pattern])]
+    if as_json:
+        typer.echo(json.dumps(rows, indent=2))
+        return
+    table = Table("task", "arms", "mechanism", "objects", "limit", "domain", *PROTOCOLS)
+    for row in rows:
+        table.add_row(*(str(row.get(key, "")) for key in _KEYS))
+    Console().print(table)
+
+
+_KEYS = ("task", "arms", "mechanism", "objects", "step_limit", "domain", *PROTOCOLS)
+
+
+def _row(name: str) -> dict[str, object]:
+    measured = {key: str(rate) for key, rate in rates().get(name, {}).items()}
+    try:
+        task = load_task(name)
+    except RtphysError as problem:  # one broken file must not hide the others
+        return {"task": name, "mechanism": f"broken: {problem}"}
+    return {
+        "task": name,
+        "arms": task.arms,
+        "mechanism": task.mechanism,
+        "objects": ", ".join(_objects(task)),
+        "step_limit": task.step_limit,
+        "domain": name if name in library.names("domains") else "global",
+        **measured,
+    }
+
+
+def _objects(task: Task) -> list[str]:
+    """What one layout puts on the table."""
+    return list(dict.fromkeys(_kind(prop) for prop in task.props(0)))
+
+
+def _kind(prop: Prop) -> str:
+    return prop.category if isinstance(prop, Mesh | Articulated) else prop.phrase or prop.name

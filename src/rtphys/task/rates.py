@@ -1,0 +1,46 @@
+"""How often the expert succeeds at each task: measured by `rtphys check`, kept with the library."""
+
+from dataclasses import dataclass
+
+from rtphys import library
+from rtphys.errors import BadFile
+
+FILE = "rates"  # manifests/rates.yaml, written by scripts/rates.py from `rtphys check --json`
+
+
+@dataclass(frozen=True)
+class Rate:
+    """One task under one protocol."""
+
+    seeds: int
+    accepted: int
+    replay: float | None = None  # share of accepted episodes whose actions alone succeed
+
+    def __str__(self) -> str:
+        return f"{100 * self.accepted / self.seeds:.0f} % of {self.seeds}"
+
+
+def rates() -> dict[str, dict[str, Rate]]:
+    """Task -> protocol -> rate; empty where nothing was measured.
+
+    Raises:
+        BadFile: the file is not what scripts/rates.py writes.
+    """
+    path = library.names("manifests").get(FILE)
+    if path is None:
+        return {}
+    content = library.read_yaml(path)
+    try:
+        return {task: _protocols(rows) for task, rows in content.items()}
+    except (TypeError, ValueError, AttributeError) as problem:
+        raise BadFile(path, f"not a table of rates ({problem})") from problem
+
+
+def _protocols(rows: object) -> dict[str, Rate]:
+    if not isinstance(rows, dict):
+        raise TypeError(f"{rows!r} is no mapping")
+    found = {}
+    for protocol, (seeds, accepted, replay) in rows.items():
+        share = None if replay is None else float(replay)
+        found[str(protocol)] = Rate(int(seeds), int(accepted), share)
+    return found
