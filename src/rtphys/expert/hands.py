@@ -15,6 +15,8 @@ from rtphys.task.arm import Grip
 
 STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
 GRIP_LIMIT = 400  # [steps] for the fingers to stop: damped ones creep over thin things
+OPEN_LIMIT = 250  # [steps] for them to open: thrice the damping makes them lag by 0.6 s
+OPENED = 0.05  # of the stroke that may be missing
 STOPPED = 0.003  # [m/s] a finger slower than this has stopped
 CALM = 0.1  # [rad/s] a load that turns slower hangs still
 CALM_LIMIT = 125  # [steps]
@@ -51,6 +53,8 @@ class Hands:
             self._let_go(side)
         if grip.holds or grip.opening < 0.5:
             self._wait_for_grip(side)
+        else:
+            self._wait_for_opening(side, grip.opening)
         if grip.holds:
             if not self.presses(side, grip.holds):
                 raise Infeasible("grasp_missed", f"{grip.holds} is not between the fingers")
@@ -64,6 +68,13 @@ class Hands:
             speeds = np.asarray(self.world.robot.articulation.qvel)[arm.finger_index]
             if np.abs(speeds).max() < STOPPED:
                 return
+
+    def _wait_for_opening(self, side: str, opening: float) -> None:
+        arm = self.world.robot.arm(side)
+        for _ in range(OPEN_LIMIT):
+            if arm.opening() > opening - OPENED:
+                return
+            self.rollout.tick()
 
     def _take(self, side: str, prop: str) -> None:
         other = "right" if side == "left" else "left"
