@@ -1,0 +1,119 @@
+"""One hand holds a skillet up before the robot, the other lays the bread into its pan.
+
+Success: the bread lies in the pan, the pan is in a hand and off the table, the bread in none.
+"""
+
+import numpy as np
+
+from rtphys.task import (
+    DOWN,
+    UP_F,
+    UP_Z,
+    Arm,
+    Draw,
+    Infeasible,
+    Mesh,
+    Placing,
+    Pose,
+    Robot,
+    Scene,
+    Task,
+    axis_angle,
+    claim,
+    free_of,
+    quat_multiply,
+    touching,
+    yawed,
+)
+
+INTO = Placing(mode="free", pre=0.08, gap=0.012, along="point")
+SAG = 0.06  # [rad] of the pan that is corrected
+HEIGHT = 0.86  # [m] of the pan's floor
+PAN_KG = 0.05  # [kg] a toy pan: by its handle a hand can hardly keep a heavier one level
+
+
+def layout(draw: Draw):
+    side = draw.choice("side", -1, 1)  # of the bread
+    x = (0.2, 0.28) if side > 0 else (-0.28, -0.2)
+    bread = draw.spot("bread", x=x, y=(-0.2, 0.05), yaw=(-0.785, 0.785))
+    model = draw.choice("bread model", 0, 1, 3, 5, 6)
+    yield Mesh(name="bread", category="075_bread", model=model, pose=bread.pose(UP_Z))
+    x = (-0.25, -0.15) if side > 0 else (0.15, 0.25)
+    pan = draw.spot("skillet", x=x, y=(-0.2, 0.05), yaw=(-0.524, 0.524))
+    model = draw.choice("skillet model", *range(4))
+    yield Mesh(
+        name="skillet",
+        category="106_skillet",
+        model=model,
+        pose=pan.pose(UP_F),
+        mass_kg=PAN_KG,
+    )
+
+
+def in_pan(scene: Scene) -> bool:
+    gap = scene.pose("bread").p - scene.functional("skillet", 0).p
+    return bool(abs(gap[0]) < 0.035 and abs(gap[1]) < 0.035 and -0.02 < gap[2] < 0.05)
+
+
+def held_up(scene: Scene) -> bool:
+    hand = any(scene.touching(f"{side}_gripper", "skillet") for side in ("left", "right"))
+    up = scene.functional("skillet", 0).p[2] > 0.76 and scene.pose("bread").p[2] > 0.76
+    return bool(hand and up and not scene.touching("skillet", "table"))
+
+
+def level(scene: Scene, x: float, y: float, yaw: float) -> Pose:
+    """Frame of the skillet whose pan is level at (x, y), turned by `yaw` from the spawn pose."""
+    X_SF = scene.pose("skillet").inverse() @ scene.functional("skillet", 0)
+    q = yawed(UP_F, yaw)
+    return Pose(np.array([x, y, HEIGHT]) - Pose((0, 0, 0), q).R @ X_SF.p, q)
+
+
+def lay(robot: Robot, arm: Arm) -> bool:
+    """Put the bread into the pan with a hand that leans forward as little as it can."""
+    floor = robot.scene.functional("skillet", 0).p
+    for tilt in (0.2, 0.4, 0.6):
+        goal = Pose(floor, quat_multiply(axis_angle((1, 0, 0), tilt), DOWN))
+        if robot.tried(lambda goal=goal: robot.do(arm.place("bread", goal, how=INTO))):
+            return True
+    return False
+
+
+def present(robot: Robot, holder: Arm, other: Arm) -> bool:
+    """Hold the pan where the other hand can lay something into it, and do so."""
+    side = -1.0 if holder.side == "left" else 1.0
+    for x, y in ((-0.05, -0.13), (0.0, -0.15), (-0.1, -0.13)):
+        for yaw in (1.57, 1.2, 0.8):
+            goal = side * x, y, side * yaw
+
+            def hold(goal=goal) -> None:
+                robot.do(holder.carry("skillet", [level(robot.scene, *goal)]))
+
+            if robot.tried(hold):
+                if robot.scene.functional("skillet", 0).R[2, 2] < np.cos(SAG):
+                    robot.tried(hold)  # its weight turned it in the hand
+                if lay(robot, other):
+                    return True
+    return False
+
+
+def script(robot: Robot) -> None:
+    holder, other = robot.nearest("skillet"), robot.nearest("bread")
+    robot.do(holder.grasp("skillet", pre=0.07), other.grasp("bread", pre=0.07))
+    robot.do(holder.lift(0.1), other.lift(0.12))
+    if not present(robot, holder, other):
+        raise Infeasible("unreachable", "the hands cannot bring pan and bread together")
+    robot.do(other.lift(0.06))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=claim("the bread is in the pan", in_pan)
+    & claim("the pan is held up", held_up)
+    & touching("bread", "skillet")
+    & free_of("bread", "left_gripper", "right_gripper", "table"),
+    step_limit=500,
+    arms="dual",
+    mechanism="hold, drop in",
+    info={"A": "skillet", "B": "bread", "a": "arm:skillet"},
+)
