@@ -1,0 +1,100 @@
+"""Empty the small desk bin into the big bin beside the table.
+
+A bin on the right is first set down in the middle for the left hand. Success: the small bin is up
+in a hand, and all five balls lie on the big bin's floor.
+"""
+
+import numpy as np
+
+from rtphys.task import (
+    UP_Y,
+    UP_Z,
+    Ball,
+    Draw,
+    Mesh,
+    Placing,
+    Pose,
+    Robot,
+    Scene,
+    Spot,
+    Task,
+    axis_angle,
+    claim,
+    off_centre,
+    quat_multiply,
+)
+
+BALLS = tuple(f"ball{i}" for i in range(5))
+RADIUS = 0.008  # [m]
+BIN = Pose((-0.45, 0.0, 0.0), UP_Y)  # on the ground, whatever the table does
+YAW = 0.7973  # [rad]
+MIDDLE = Spot(-0.02, -0.1).pose(UP_Z)
+POUR = (-0.6947, -0.1782, 0.1660, -0.6769)  # of the hand: forward and 28 deg up (fact sheet)
+STAND = Placing(mode="free", pre=0.06, gap=0.005, along="grasp")
+
+
+def layout(draw: Draw):
+    yield Mesh(
+        name="dustbin", category="011_dustbin", model=0, pose=BIN, fixed=True, on_table=False
+    )
+    turn = (YAW - 0.3696, YAW + 0.3696)
+    spot = draw.spot("bin", x=(-0.2, 0.2), y=(-0.2, -0.05), yaw=turn, where=off_centre(0.05))
+    model = draw.choice("model", 0, 3, 7, 8, 9, 10)
+    yield Mesh(name="bin", category="063_tabletrashbin", model=model, pose=spot.pose(UP_Z))
+    for i, name in enumerate(BALLS):
+        x = spot.x + draw.uniform(f"{name} x", -0.01, 0.01)
+        y = spot.y + draw.uniform(f"{name} y", -0.01, 0.01)
+        place = Pose((x, y, 0.755 + 0.017 * i))
+        yield Ball(name=name, radius=RADIUS, pose=place, resting=False, phrase="red ball")
+
+
+def emptied(scene: Scene) -> bool:
+    """All balls between the big bin's walls, 13 to 25 cm above the ground."""
+    X_BT = scene.pose("dustbin").inverse()
+    for name in BALLS:
+        along, height, across = (X_BT @ scene.pose(name)).p
+        if not (abs(along) < 0.325 and abs(across) < 0.221 and 0.13 < height < 0.25):
+            return False
+    return True
+
+
+def held_up(scene: Scene) -> bool:
+    """The small bin at least 1 m above the ground, in a hand."""
+    up = (scene.pose("dustbin").inverse() @ scene.pose("bin")).p[1] > 1.0
+    return bool(up) and scene.touching("left_gripper", "bin")
+
+
+def tipped() -> list[Pose]:
+    """ee poses from which the bin's mouth hangs over the big bin, 28 deg below level."""
+    forward = quat_multiply(POUR, axis_angle((1, 0, 0), np.pi))
+    return [
+        Pose(place, quat_multiply(axis_angle((0, 0, 1), yaw), q))
+        for place in ((-0.45, -0.05, 1.05), (-0.4, -0.1, 1.05), (-0.4, -0.05, 1.08))
+        for yaw in (0.0, 0.4, -0.4)
+        for q in (forward, POUR)
+    ]
+
+
+def script(robot: Robot) -> None:
+    left, right, scene = robot.left, robot.right, robot.scene
+    if scene.pose("bin").p[0] > 0:
+        robot.do(right.grasp("bin", pre=0.08))
+        robot.do(right.lift(0.06))
+        robot.do(right.place("bin", Pose(MIDDLE.p, scene.pose("bin").q), how=STAND))
+        robot.do(right.retreat(0.1))
+        robot.do(right.home())
+    robot.do(left.grasp("bin", pre=0.08))
+    robot.do(left.lift(0.1))
+    robot.do(left.reach(*tipped()))
+    robot.do(left.wait(1.5))
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    success=claim("the balls are in the big bin", emptied) & claim("the bin is held up", held_up),
+    step_limit=600,
+    mechanism="pour",
+    table_shift=(0.3, 0.0),
+    info={"A": "bin"},
+)
