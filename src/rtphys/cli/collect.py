@@ -47,6 +47,9 @@ def collect(
     layout: Annotated[str, typer.Option(help="native or legacy.")] = "native",
     only: Annotated[str, typer.Option(help="Vary these attributes alone (comma-separated).")] = "",
     held: Held = None,
+    sweep: Annotated[
+        str, typer.Option(help="key=value,value: the same seeds under each of these.")
+    ] = "",
     resume: Annotated[bool, typer.Option(help="Continue what is in the folder.")] = True,
     shader: Annotated[str, typer.Option(help="slim, default, minimal or rt.")] = "slim",
     max_attempts: Annotated[
@@ -60,7 +63,7 @@ def collect(
     """
     # Imported here: everything above this line should be refused before the simulator is loaded.
     names = expand(task)
-    from rtphys.collect import CollectPlan
+    from rtphys.collect import CollectPlan, swept
     from rtphys.physics.overrides import parse_overrides
 
     plan = CollectPlan(
@@ -78,7 +81,15 @@ def collect(
         resume=resume,
         most_attempts=max_attempts,
     )
-    _tell(_run(plan))
+    plans = swept(plan, sweep) if sweep else (plan,)
+    given_up: list[str] = []
+    for one in plans:
+        if one.config:
+            typer.echo(f"{one.config}:", err=True)
+        given_up += _tell(_run(one))
+    if given_up:
+        raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
+    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(out))}")
 
 
 def expand(patterns: list[str]) -> tuple[str, ...]:
@@ -128,14 +139,12 @@ def _same_command() -> str:
     return shlex.join(["rtphys", *sys.argv[1:]])
 
 
-def _tell(summary: "Summary") -> None:
+def _tell(summary: "Summary") -> list[str]:
+    """Shows what came of a run; returns which tasks were given up, and why."""
     from rtphys.cli.collect_progress import summary_table, wide_console
 
     wide_console().print(summary_table(summary.tallies))
     minutes = summary.seconds / 60
     new = sum(tally.new_episodes for tally in summary.tallies)
     typer.echo(f"{new} new episodes in {minutes:.1f} min, in {summary.out}")
-    given_up = [f"{t.task}: {t.stopped}" for t in summary.tallies if t.stopped]
-    if given_up:
-        raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
-    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(summary.out))}")
+    return [f"{t.task}: {t.stopped}" for t in summary.tallies if t.stopped]

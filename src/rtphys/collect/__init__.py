@@ -2,6 +2,7 @@
 
 from rtphys.collect.plan import CollectPlan
 from rtphys.collect.run import Listener, Summary, collect
+from rtphys.collect.sweep import swept
 from rtphys.collect.tally import Tally
 
-__all__ = ["CollectPlan", "Listener", "Summary", "Tally", "collect"]
+__all__ = ["CollectPlan", "Listener", "Summary", "Tally", "collect", "swept"]

@@ -46,6 +46,7 @@ class CollectPlan:
     cameras: tuple[str, ...] = CAMERAS  # short or official names
     layout: str = "native"
     split: str = "seen"  # of the pictures on table and wall
+    config: str | None = None  # name of the leaf; None: the protocol's
     shader: str = "slim"
     workers: int = 1
     resume: bool = True
@@ -77,6 +78,7 @@ class CollectPlan:
             layout=self.layout,
             visual=None if (rules := recipe.visual()) is None else rules.to_json(),
             split=None if rules is None else recipe.split,
+            config=self.config,
         )
 
     def check(self) -> dict[str, Task]:

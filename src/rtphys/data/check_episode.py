@@ -84,7 +84,7 @@ def _check_meta(meta: PhysMeta, path: Path, claim: EpisodeClaim, findings: Findi
         "episode": (meta.episode, claim.number),
         "seed": (meta.seed, meta.seed if claim.seed is None else claim.seed),
         "task": (meta.task, leaf.task),
-        "protocol": (meta.protocol, leaf.config),
+        "protocol": (meta.protocol, leaf.protocol or leaf.config),
         "domain": (meta.domain, leaf.domain),
         "verdict.accepted": (meta.verdict.accepted, True),
     }

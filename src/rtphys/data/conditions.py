@@ -29,6 +29,8 @@ class Conditions:
     embodiment: str = EMBODIMENT
     layout: str = "native"
     visual: Mapping[str, object] | None = None  # rules of the look, resolved
+    config: str | None = None  # the leaf's folder; None: named after the protocol
+    twin_of: str | None = None  # config that holds the same seeds with their physics
     split: str | None = None  # of its pictures; None where nothing is drawn
 
     def __post_init__(self) -> None:
@@ -36,7 +38,7 @@ class Conditions:
             raise UnknownName("layout", self.layout, LAYOUTS)
 
     def leaf(self, out: Path) -> Leaf:
-        return Leaf(out, self.protocol, self.task, self.embodiment, self.layout)
+        return Leaf(out, self.config or self.protocol, self.task, self.embodiment, self.layout)
 
     def to_json(self) -> dict[str, JSON]:
         names = self.__dataclass_fields__

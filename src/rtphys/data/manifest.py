@@ -14,6 +14,8 @@ from rtphys.data.schema import DATASET_VERSION, MANIFEST_VERSION
 
 Entry = Mapping[str, JSON]
 
+OPTIONAL = ("visual", "split", "twin_of")  # conditions that most leaves leave out
+
 
 @dataclass(frozen=True)
 class LeafHistory:
@@ -68,8 +70,9 @@ class LeafHistory:
         copied += ("cameras", "assets", "versions")
         return {
             **{key: header[key] for key in copied},
-            **{key: header[key] for key in ("visual", "split") if header.get(key) is not None},
-            "config": header["protocol"],
+            **{key: header[key] for key in OPTIONAL if header.get(key) is not None},
+            "protocol": header["protocol"],
+            "config": header.get("config") or header["protocol"],
             "domain": {"name": header["domain_name"], "digest": header["domain_digest"]},
             "episodes": len(accepted),
             "frames": sum(_count(entry["frames"]) for entry in accepted),
@@ -111,7 +114,7 @@ def leaf_of(out: Path, header: Entry) -> Leaf:
     """The leaf that a journal's first line describes."""
     return Leaf(
         out,
-        config=str(header["protocol"]),
+        config=str(header.get("config") or header["protocol"]),
         task=str(header["task"]),
         embodiment=str(header["embodiment"]),
         layout=str(header["layout"]),
