@@ -29,7 +29,8 @@ from rtphys.task import (
 INTO = Placing(mode="free", pre=0.08, gap=0.012, along="point")
 SAG = 0.06  # [rad] of the pan that is corrected
 HEIGHT = 0.86  # [m] of the pan's floor
-PAN_KG = 0.05  # [kg] a toy pan: by its handle a hand can hardly keep a heavier one level
+# A toy pan and dry bread: by its handle a hand can hardly keep heavier ones level.
+PAN_KG, BREAD_KG = 0.05, 0.01  # [kg]
 
 
 def layout(draw: Draw):
@@ -37,7 +38,13 @@ def layout(draw: Draw):
     x = (0.2, 0.28) if side > 0 else (-0.28, -0.2)
     bread = draw.spot("bread", x=x, y=(-0.2, 0.05), yaw=(-0.785, 0.785))
     model = draw.choice("bread model", 0, 1, 3, 5, 6)
-    yield Mesh(name="bread", category="075_bread", model=model, pose=bread.pose(UP_Z))
+    yield Mesh(
+        name="bread",
+        category="075_bread",
+        model=model,
+        pose=bread.pose(UP_Z),
+        mass_kg=BREAD_KG,
+    )
     x = (-0.25, -0.15) if side > 0 else (0.15, 0.25)
     pan = draw.spot("skillet", x=x, y=(-0.2, 0.05), yaw=(-0.524, 0.524))
     model = draw.choice("skillet model", *range(4))
