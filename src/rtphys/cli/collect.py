@@ -5,6 +5,7 @@ import os
 import shlex
 import signal
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
@@ -22,6 +23,9 @@ Held = Annotated[
     list[str] | None, typer.Option("--set", help="key=value of an attribute; repeatable.")
 ]
 Workers = Annotated[int | None, typer.Option(help="Processes; default one a core.")]
+
+
+Sweep = Annotated[str, typer.Option(help="key=value,value: the same seeds under each of these.")]
 
 
 class Incomplete(RtphysError):
@@ -47,9 +51,7 @@ def collect(
     layout: Annotated[str, typer.Option(help="native or legacy.")] = "native",
     only: Annotated[str, typer.Option(help="Vary these attributes alone (comma-separated).")] = "",
     held: Held = None,
-    sweep: Annotated[
-        str, typer.Option(help="key=value,value: the same seeds under each of these.")
-    ] = "",
+    sweep: Sweep = "",
     resume: Annotated[bool, typer.Option(help="Continue what is in the folder.")] = True,
     shader: Annotated[str, typer.Option(help="slim, default, minimal or rt.")] = "slim",
     max_attempts: Annotated[
@@ -81,7 +83,15 @@ def collect(
         resume=resume,
         most_attempts=max_attempts,
     )
-    plans = swept(plan, sweep) if sweep else (plan,)
+    _collect_all(swept(plan, sweep) if sweep else (plan,))
+
+
+def _collect_all(plans: Sequence["CollectPlan"]) -> None:
+    """One after the other, also when some are given up.
+
+    Raises:
+        Incomplete: some were.
+    """
     given_up: list[str] = []
     for one in plans:
         if one.config:
@@ -89,7 +99,7 @@ def collect(
         given_up += _tell(_run(one))
     if given_up:
         raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
-    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(out))}")
+    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(plans[0].out))}")
 
 
 def expand(patterns: list[str]) -> tuple[str, ...]:

@@ -30,7 +30,6 @@ class Conditions:
     layout: str = "native"
     visual: Mapping[str, object] | None = None  # rules of the look, resolved
     config: str | None = None  # the leaf's folder; None: named after the protocol
-    twin_of: str | None = None  # config that holds the same seeds with their physics
     split: str | None = None  # of its pictures; None where nothing is drawn
 
     def __post_init__(self) -> None:

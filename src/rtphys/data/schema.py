@@ -187,9 +187,6 @@ class LeafEntry(Model):
     )
     split: Literal["seen", "unseen"] = "seen"
     protocol: str = Field(default="", description="empty: config is the protocol's name")
-    twin_of: str | None = Field(
-        default=None, description="config whose episodes of the same seeds have varied physics"
-    )
     cameras: list[str]
     assets: dict[str, str]
     versions: dict[str, str]

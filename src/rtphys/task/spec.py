@@ -14,6 +14,11 @@ from rtphys.task.props import Prop
 from rtphys.task.success import Condition
 
 
+Interval = tuple[float, float]
+MIDDLE: tuple[Interval, Interval] = ((-0.2, 0.2), (-0.25, 0.0))
+"""x and y [m] of the place before the robot where most tasks stack, row up and hand over."""
+
+
 @dataclass(frozen=True)
 class Phrases:
     """Sentence templates with RoboTwin's placeholders: `{A}` objects, `{a}` arms."""
@@ -34,7 +39,7 @@ class Task:
         info: placeholder values by placeholder letter: a prop name for `A`.., "arm:<prop>" or
             "left"/"right" for `a`.. (the side of the table on which that prop starts).
         keep_clear: rectangles ((x0, x1), (y0, y1)) [m] of the table where no clutter may stand,
-            beside the props' own places: where things are carried to.
+            beside the props' own places: where things are carried to, by default the middle.
         table_shift: (x, y) [m] of the table's centre; table_drop: [m] below the usual height.
     """
 
@@ -48,7 +53,7 @@ class Task:
     mechanism: str = ""
     table_shift: tuple[float, float] = (0.0, 0.0)
     table_drop: float = 0.0
-    keep_clear: tuple[tuple[tuple[float, float], tuple[float, float]], ...] = ()
+    keep_clear: tuple[tuple[Interval, Interval], ...] = (MIDDLE,)
     name: str = ""
     doc: str = ""
     source: Path = Path()
