@@ -1,9 +1,12 @@
 """The same seed under every protocol: one layout, one look, and both in force."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from rtphys.assets.pack import Pack, default_pack
+from rtphys.generate import attempt
 from rtphys.instance import Instance, prepare, settle
 from rtphys.physics import disagreements
 from rtphys.protocol import BUILTIN, OFFICIAL
@@ -98,3 +101,21 @@ def test_camera_jitter_comes_on_top_of_physics(pack: Pack) -> None:
     assert np.allclose(head.in_force.p, expected.p)
     assert head.in_force.angle_to(expected) < 1e-6
     assert plain.world.head_camera.in_force is plain.world.head_camera.pose
+
+
+@pytest.mark.parametrize("physics", [False, True])
+def test_what_is_only_seen_changes_no_state(
+    physics: bool, pack: Pack, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "protocols").mkdir()
+    rules = "{textures: true, light_colours: true, flicker_rate: 1, camera_shift: 0.01}"
+    text = f"physics: {str(physics).lower()}\nvisual: {rules}\n"
+    (tmp_path / "protocols" / "seen_only.yaml").write_text(text)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    task, hashes = load_task("click_bell"), []
+    for protocol in ("phys_random" if physics else "clean", "seen_only", "official_random"):
+        tried = attempt(Recipe("click_bell", 0, protocol), task, pack)
+        assert tried.recording is not None
+        hashes.append(tried.recording.hash)
+    assert hashes[0] == hashes[1]
+    assert hashes[0] != hashes[2], "clutter and the table's height are part of the state"

@@ -13,7 +13,6 @@ from rtphys.task.draw import Draw
 from rtphys.task.props import Prop
 from rtphys.task.success import Condition
 
-
 Interval = tuple[float, float]
 MIDDLE: tuple[Interval, Interval] = ((-0.2, 0.2), (-0.25, 0.0))
 """x and y [m] of the place before the robot where most tasks stack, row up and hand over."""
