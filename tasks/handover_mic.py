@@ -27,7 +27,8 @@ from rtphys.task import (
     quat_multiply,
 )
 
-CROSSWISE = 4  # the model whose head keeps it from rolling
+# Axes of those that can roll, own frames; the head of model 4 lies crosswise.
+AXES = {0: (0.0, -0.113, 0.994), 5: (0.0, -0.134, 0.991)}
 UPPER = (0, *range(2, 9))
 TIP = 0.1556  # [m] ee to fingertips
 HALF_PAD = 0.0305  # [m] of the giver's fingers, along the microphone
@@ -40,7 +41,7 @@ def layout(draw: Draw):
     model = draw.choice("model", 0, 4, 5)
     yield Mesh(
         name="microphone", category="018_microphone", model=model, pose=spot.pose(UP_Z),
-        rolls_about=None if model == CROSSWISE else 2,
+        rolls_about=AXES.get(model),
     )  # fmt: skip
 
 

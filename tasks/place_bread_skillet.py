@@ -28,6 +28,7 @@ from rtphys.task import (
 
 INTO = Placing(mode="free", pre=0.08, gap=0.012, along="point")
 SAG = 0.06  # [rad] of the pan that is corrected
+TCP, FINGER, HALF_PAD = 0.12, 0.0356, 0.0305  # [m] ee to TCP, TCP to fingertips, pad's half width
 HEIGHT = 0.86  # [m] of the pan's floor
 # A toy pan and dry bread: by its handle a hand can hardly keep heavier ones level.
 PAN_KG, BREAD_KG = 0.05, 0.01  # [kg]
@@ -68,6 +69,21 @@ def held_up(scene: Scene) -> bool:
     return bool(hand and up and not scene.touching("skillet", "table"))
 
 
+def under_palm(scene: Scene) -> list[list[Pose]]:
+    """Ways to take the handle so that its end is at the palm, where the pan cannot turn it."""
+    point = scene.contact("skillet", 0)
+    straight = Pose.from_matrix(np.column_stack([-point.R[:, 1], -point.R[:, 2], point.R[:, 0]]))
+    found = []
+    for tilt in (0.48, 0.4, 0.3, 0.2, 0.0):
+        hand = Pose((0, 0, 0), quat_multiply(straight.q, axis_angle((0, 1, 0), -tilt)))
+        x = hand.R[:, 0]
+        tip = point.p + FINGER * x
+        missing = 0.744 + HALF_PAD * abs(hand.R[2, 2]) - tip[2]
+        at = hand.moved(point.p - (TCP + max(missing, 0.0) / -x[2]) * x)
+        found.append([at.moved(-0.07 * x), at])
+    return found
+
+
 def level(scene: Scene, x: float, y: float, yaw: float) -> Pose:
     """Frame of the skillet whose pan is level at (x, y), turned by `yaw` from the spawn pose."""
     X_SF = scene.pose("skillet").inverse() @ scene.functional("skillet", 0)
@@ -105,7 +121,9 @@ def present(robot: Robot, holder: Arm, other: Arm) -> bool:
 
 def script(robot: Robot) -> None:
     holder, other = robot.nearest("skillet"), robot.nearest("bread")
-    robot.do(holder.grasp("skillet", pre=0.07), other.grasp("bread", pre=0.07))
+    robot.do(holder.sweep(*under_palm(robot.scene), prop="skillet"))
+    robot.do(holder.close(holds="skillet"))
+    robot.do(other.grasp("bread", pre=0.07))
     robot.do(holder.lift(0.1), other.lift(0.12))
     if not present(robot, holder, other):
         raise Infeasible("unreachable", "the hands cannot bring pan and bread together")

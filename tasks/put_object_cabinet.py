@@ -36,9 +36,10 @@ OBJECTS = {
 }  # fmt: skip
 PULL = 8.0  # [N] on the handle that the drawer's damping may cost
 OUT = 0.15  # [m] of 0.178
+BACK = 0.08  # [m] by which the hand that pulled must be able to leave the handle
 TILTS = (0.3, 0.4, 0.5, 0.6)  # [rad]
 INTO = Placing(pre=0.11, gap=0.0, along="point")
-BEHIND, DROP = 0.03, 0.075  # [m] from the drawer's point: the hand stays over the drawer's front
+BEHIND, DROP = 0.015, 0.06  # [m] from the drawer's point: the hand stays over the drawer's front
 
 
 def layout(draw: Draw):
@@ -70,7 +71,13 @@ def pull(robot: Robot, arm: Arm) -> None:
     """Straight out, no faster than the drawer's damping allows."""
     damping = robot.scene.physics.scalar("object_joint_damping", 2.0)
     ee = arm.ee()
-    ways = [[ee, ee.moved(np.array([0, -out, 0]))] for out in (OUT, 0.13, 0.11)]
+    out = [ee.moved(np.array([0, -d, 0])) for d in (OUT, 0.135, 0.12, 0.105)]
+    leave = np.array([0, -BACK, 0])
+    ways = [
+        [ee, pose]
+        for pose in out
+        if robot.tried(lambda pose=pose: arm.sweep([ee, pose, pose.moved(leave)], prop="cabinet"))
+    ] or [[ee, pose] for pose in out]
     robot.do(arm.sweep(*ways, seconds=max(OUT * damping / PULL, 1.5), prop="cabinet"))
 
 
@@ -84,8 +91,8 @@ def script(robot: Robot) -> None:
     if scene.joint("cabinet")[0] < 0.1:
         raise Infeasible("too_slow", "the drawer did not follow the hand")
     robot.do(puller.open())
-    if not robot.tried(lambda: robot.do(puller.retreat(0.12))):
-        robot.do(puller.retreat(0.05))
+    if not robot.tried(lambda: robot.do(puller.retreat(BACK))):
+        robot.tried(lambda: robot.do(puller.retreat(0.5 * BACK)))
     robot.do(puller.lift(0.1), arm.lift(0.15))
     robot.do(puller.home())
     for tilt in TILTS:
