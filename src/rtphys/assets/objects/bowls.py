@@ -1,8 +1,9 @@
-"""002_bowl: rice, soup and salad bowls.
+"""002_bowl: rice, soup and salad bowls, of melamine where nothing else is said.
 
-The contact points sit 1.6 cm above the rim, so that the fingertips reach 2 cm down: the official
-ones, at the rim, would drive the inner finger into the curved floor. Model 3 is for stacking: its
-tall foot stands flat on the next one's inside, 2.4 cm up, so that rims stay free for the fingers.
+The contact points sit 1 cm above the rim, so that the fingertips reach 2.5 cm down: the official
+ones, at the rim, would drive the inner finger into the curved floor. A hand holds a bowl level
+against its weight by the depth of the pinch alone: steep walls and light bowls. Model 3 is for
+stacking: its shoulder centres it on the next one's rim, 2.7 cm up, so that rims stay free.
 """
 
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from rtphys.assets.thing import Body, Part, Thing, functional
 from rtphys.assets.vessel import Vessel, band, pinch
 from rtphys.assets.words import phrases
 
-ABOVE = 0.016  # [m] contact points above the rim
+ABOVE = 0.010  # [m] contact points above the rim
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Look:
     inside: Colour
     stripe: Colour
     heights: tuple[float, float]
-    material: str = "ceramic"
+    material: str = "plastic"
 
 
 def bowl(size: Vessel, mass: float, look: Look, words: tuple[str, str, str]) -> Thing:
@@ -58,39 +59,39 @@ MODELS: Models = {
         1: partial(
             bowl,
             Vessel(((0.030, 0), (0.031, 0.006), (0.0540, 0.024), (0.0572, 0.0490)), 0.004, 0.007),
-            0.17,
+            0.12,
             Look(WHITE, WHITE, BLUE, (0.036, 0.044)),
             ("rice bowl", "white", "a blue stripe"),
         ),
         2: partial(
             bowl,
             Vessel(((0.034, 0), (0.046, 0.010), (0.0593, 0.026), (0.0617, 0.0505)), 0.004, 0.006),
-            0.20,
+            0.14,
             Look(RED, CREAM, BLACK, (0.043, 0.0495)),
             ("soup bowl", "red", "a cream inside"),
         ),
         3: partial(
             bowl,
             Vessel(
-                ((0.034, 0), (0.033, 0.019), (0.056, 0.027), (0.0660, 0.034), (0.0675, 0.0520)),
-                0.004,
-                0.024,
+                ((0.034, 0), (0.033, 0.020), (0.054, 0.026), (0.0650, 0.031), (0.0660, 0.0560)),
+                0.005,
+                0.026,
             ),
-            0.21,
-            Look(TEAL, CREAM, WHITE, (0.040, 0.046)),
+            0.11,
+            Look(TEAL, CREAM, WHITE, (0.042, 0.048)),
             ("footed bowl", "teal", "a white stripe"),
         ),
         4: partial(
             bowl,
             Vessel(((0.040, 0), (0.055, 0.014), (0.0635, 0.038), (0.0672, 0.0720)), 0.004, 0.006),
-            0.28,
+            0.18,
             Look(GREEN, WHITE, GREEN, (0.010, 0.012)),
             ("deep bowl", "green", "a white inside"),
         ),
         5: partial(
             bowl,
             Vessel(((0.036, 0), (0.050, 0.012), (0.0635, 0.036), (0.0662, 0.0690)), 0.004, 0.007),
-            0.27,
+            0.16,
             Look(OCHRE, BROWN, BROWN, (0.058, 0.068)),
             ("noodle bowl", "ochre", "a brown rim"),
         ),
@@ -105,7 +106,7 @@ MODELS: Models = {
             bowl,
             Vessel(((0.034, 0), (0.040, 0.010), (0.0605, 0.029), (0.0635, 0.0506)), 0.004, 0.006),
             0.08,
-            Look(PINK, PINK, GREY, (0.040, 0.050), "plastic"),
+            Look(PINK, PINK, GREY, (0.040, 0.050)),
             ("cereal bowl", "pink", "a grey rim"),
         ),
     }
