@@ -31,7 +31,7 @@ SAG = 0.06  # [rad] of the pan that is corrected
 TCP, FINGER, HALF_PAD = 0.12, 0.0356, 0.0305  # [m] ee to TCP, TCP to fingertips, pad's half width
 HEIGHT = 0.86  # [m] of the pan's floor
 # A toy pan and dry bread: by its handle a hand can hardly keep heavier ones level.
-PAN_KG, BREAD_KG = 0.05, 0.01  # [kg]
+PAN_KG, BREAD_KG = 0.12, 0.01  # [kg]
 
 
 def layout(draw: Draw):
