@@ -45,7 +45,9 @@ def layout(draw: Draw):
         x = spot.x + draw.uniform(f"{name} x", -0.01, 0.01)
         y = spot.y + draw.uniform(f"{name} y", -0.01, 0.01)
         place = Pose((x, y, 0.755 + 0.017 * i))
-        yield Ball(name=name, radius=RADIUS, pose=place, resting=False, phrase="red ball")
+        yield Ball(
+            name=name, radius=RADIUS, pose=place, resting=False, phrase="red ball", spin_decay=8.0
+        )
 
 
 def emptied(scene: Scene) -> bool:

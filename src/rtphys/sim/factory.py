@@ -17,7 +17,6 @@ from rtphys.sim.urdf import build_articulation, nominal_shape_size
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
 
 UNSTATED_DENSITY = 400.0  # [kg/m^3] for models whose pack states no mass (the official one)
-ROLLING = 8.0  # [1/s] decay of a ball's spin; small balls stop within a second, as on a mat
 SPAWN_GAP = 0.001  # [m] above the table
 
 
@@ -81,8 +80,7 @@ class ObjectFactory:
             mass = prop.mass_kg if prop.mass_kg is not None or model is None else model.mass_kg
             _weigh(component, None if mass is None else mass * scale**3, model, scale)
             # SAPIEN's default of 0.05 would slow every spin by 5 %/s.
-            # Balls keep some: PhysX knows no rolling resistance, so they would never come to rest.
-            component.set_angular_damping(ROLLING if isinstance(prop, Ball) else 0.0)
+            component.set_angular_damping(prop.spin_decay if isinstance(prop, Ball) else 0.0)
             thing.bodies = [SimBody(prop.name, component)]
         return thing
 

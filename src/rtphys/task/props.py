@@ -76,6 +76,8 @@ class Ball(Prop):
     radius: float  # [m]
     colour: tuple[float, float, float] = RED
     density: float = 1000.0  # [kg/m^3]
+    # PhysX knows no rolling resistance; a soft ball's spin decays at this rate instead [1/s].
+    spin_decay: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
