@@ -69,8 +69,8 @@ def held_up(scene: Scene) -> bool:
     return bool(hand and up and not scene.touching("skillet", "table"))
 
 
-def under_palm(scene: Scene) -> list[list[Pose]]:
-    """Ways to take the handle so that its end is at the palm, where the pan cannot turn it."""
+def tilted_holds(scene: Scene) -> list[list[Pose]]:
+    """Ways to take the handle with a tilted hand, in which the pan sagged least when tried."""
     point = scene.contact("skillet", 0)
     straight = Pose.from_matrix(np.column_stack([-point.R[:, 1], -point.R[:, 2], point.R[:, 0]]))
     found = []
@@ -121,7 +121,7 @@ def present(robot: Robot, holder: Arm, other: Arm) -> bool:
 
 def script(robot: Robot) -> None:
     holder, other = robot.nearest("skillet"), robot.nearest("bread")
-    robot.do(holder.sweep(*under_palm(robot.scene), prop="skillet"))
+    robot.do(holder.sweep(*tilted_holds(robot.scene), prop="skillet"))
     robot.do(holder.close(holds="skillet"))
     robot.do(other.grasp("bread", pre=0.07))
     robot.do(holder.lift(0.1), other.lift(0.12))
