@@ -1,5 +1,6 @@
 """What a physical attribute is: a key, a unit, and how to write and read it."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar, Generic, Literal, TypeVar
 
@@ -15,7 +16,7 @@ Label = TypeVar("Label", float, Vector)
 Reading = float | Vector
 
 
-class Attribute(Generic[Target, Label]):
+class Attribute(ABC, Generic[Target, Label]):
     """One way in which the physics of an episode can differ.
 
     A subclass is one file in `attributes/` (or in a user's library). It scales from the asset's
@@ -36,13 +37,13 @@ class Attribute(Generic[Target, Label]):
         """This attribute, told the episode's auxiliary draws; most need none."""
         return self
 
+    @abstractmethod
     def apply(self, target: Target, value: Label) -> None:
         """Put `value` in force in the blueprint or the built world."""
-        raise NotImplementedError
 
+    @abstractmethod
     def read(self, world: World) -> dict[str, Reading]:
         """Place -> what the simulator now says, in this attribute's unit."""
-        raise NotImplementedError
 
     def expected(self, world: World, value: Label) -> dict[str, Reading]:
         """Place -> what `read` must return once `value` is in force."""
