@@ -27,7 +27,8 @@ from rtphys.task import (
     yawed,
 )
 
-LENGTHWISE = Placing(mode="align", pre=0.1, gap=0.002, yaws=(0.0, pi))
+# Slow: at the usual pace it turned by some degrees in the hand, differently in every replay.
+LENGTHWISE = Placing(mode="align", pre=0.1, gap=0.002, speed=0.35, yaws=(0.0, pi))
 ABOVE = replace(LENGTHWISE, gap=0.04, release=False)
 EXACT = 0.04  # [rad] what RoboTwin's bound of 0.02 between quaternion entries amounts to
 

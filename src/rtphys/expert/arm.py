@@ -124,7 +124,7 @@ class ExpertArm:
         if found is None:
             raise Infeasible("unreachable", f"the {self.side} hand cannot place {prop} there")
         before, after, posture = found
-        steps: list[Step] = [Reach((before,), posture, ROOM if how.clear else 0.0)]
+        steps: list[Step] = [Reach((before,), posture, ROOM if how.clear else 0.0, how.speed)]
         if how.pre != how.gap:
             steps.append(Line(after, until=how.until))
         if how.until:

@@ -206,11 +206,11 @@ class ExpertRobot:
             return self._shift_goal(side, step)
         if isinstance(step, Reach):
             if step.posture:
-                return ArmGoal(q=np.array(step.posture))
+                return ArmGoal(q=np.array(step.posture), speed=step.speed)
             for pose in step.candidates:
                 q = self._posture(side, pose)
                 if q is not None and (len(step.candidates) == 1 or self._clear_with(side, q)):
-                    return ArmGoal(q=q)
+                    return ArmGoal(q=q, speed=step.speed)
             raise Infeasible("unreachable", f"no posture of the {side} arm")
         return None
 

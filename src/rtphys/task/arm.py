@@ -20,6 +20,7 @@ class Reach:
     candidates: tuple[Pose, ...]
     posture: tuple[float, ...] = ()  # (6,) [rad] for the first candidate, where already found
     room: float = 0.0  # [m] that what is carried keeps to everything on the way; 0: may graze
+    speed: float = 1.0  # scales the usual one
 
 
 @dataclass(frozen=True)
@@ -106,6 +107,7 @@ class Placing:
     until: str = ""  # stop the last line once the load presses on this prop
     yaws: tuple[float, ...] = (0.0,)  # [rad] extra turns about the target's z, tried in order
     clear: bool = False  # into something narrow: hand and load must not touch it at the end
+    speed: float = 1.0  # of the way there; slower, a load turns less in its hand
 
 
 @dataclass(frozen=True)

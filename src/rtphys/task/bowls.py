@@ -5,8 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.errors import Infeasible
 from rtphys.poses import Pose
-from rtphys.task.arm import Aim, Placing, Robot
+from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
 from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
 from rtphys.task.orientation import DOWN, UP_Y
 from rtphys.task.props import TABLE_TOP, Mesh
@@ -50,11 +51,20 @@ def nest_bowls(robot: Robot, names: Sequence[str]) -> None:
     for name in names:
         arm = robot.nearest(name)
         away = [last.home()] if last and last is not arm else []
-        robot.do(arm.grasp(name, _OUTER[arm.side], pre=0.1, aim=Aim(target, 0, _INTO)), *away)
-        robot.do(arm.lift(0.1))
+        robot.do(_grasp(arm, name, Aim(target, 0, _INTO)), *away)
+        if not robot.tried(lambda arm=arm: robot.do(arm.lift(0.1))):
+            robot.do(arm.retreat(0.1))  # far off, straight up is out of reach
         robot.do(arm.place(name, target, point=0, how=_INTO))
         robot.do(arm.lift(0.09))
         target, last = Pose(robot.scene.pose(name).p + np.array([0, 0, NEST]), DOWN), arm
+
+
+def _grasp(arm: Arm, name: str, aim: Aim) -> Motion:
+    """By the rim on the arm's own side, or by any where another bowl leaves no room there."""
+    try:
+        return arm.grasp(name, _OUTER[arm.side], pre=0.1, aim=aim)
+    except Infeasible:
+        return arm.grasp(name, pre=0.1, aim=aim)
 
 
 def bowls_nested(names: Sequence[str]) -> Condition:
