@@ -29,7 +29,7 @@ BOTTLES = ("bottle1", "bottle2", "bottle3")  # and their models 1, 2, 3
 BIN = Pose((-0.45, 0.0, 0.0), UP_Y)  # on the ground, whatever the table does
 YAWS = tuple(0.4 * k for k in range(16))
 OVER = Placing(mode="free", pre=0.0, gap=0.0, yaws=YAWS)
-STAND = Placing(mode="free", pre=0.05, gap=0.0, along="point", yaws=YAWS)
+STAND = Placing(mode="free", pre=0.05, gap=0.0, along="point", yaws=YAWS, clear=True)
 HALFWAY_AIM = Pose((-0.05, 0.07, 0.741), DOWN)
 HALFWAY = [(x, y) for x in (-0.05, -0.1, 0.0) for y in (0.07, 0.12, 0.02, -0.06)]
 
