@@ -30,9 +30,9 @@ from rtphys.task import (
 )
 
 DRAWER = "link_1"
-OBJECTS = {
+OBJECTS = {  # and how many models of each; the fifth phone lies on its face
     "047_mouse": 3, "048_stapler": 7, "057_toycar": 6, "073_rubikscube": 3, "075_bread": 7,
-    "077_phone": 5, "081_playingcards": 3, "112_tea-box": 6, "113_coffee-box": 7, "107_soap": 4,
+    "077_phone": 4, "081_playingcards": 3, "112_tea-box": 6, "113_coffee-box": 7, "107_soap": 4,
 }  # fmt: skip
 PULL = 8.0  # [N] on the handle that the drawer's damping may cost
 OUT = (0.15, 0.135, 0.12, 0.105)  # [m] of 0.178
