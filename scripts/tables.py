@@ -11,15 +11,22 @@ from pathlib import Path
 
 from rtphys import library
 from rtphys.assets.pack import default_pack
+from rtphys.benchmark import InstanceList, read_instances
 from rtphys.physics import attributes, load_domain
 from rtphys.proofs.com_inside import Bodies, narrowed, outside
 from rtphys.task.rates import rates
 from rtphys.task.spec import load_task
 
+BASELINES = ("replay", "twin")  # columns of a certified list
 PROTOCOLS = ("clean", "phys_random")  # whose measured success rates are shown
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
-DOCUMENTS = (ROOT / "README.md", DOCS / "objects.md", DOCS / "domains.md")
+DOCUMENTS = (
+    ROOT / "README.md",
+    DOCS / "objects.md",
+    DOCS / "domains.md",
+    DOCS / "benchmark.md",
+)
 DRAWN = 200  # layouts of a task whose centres of mass are drawn
 
 
@@ -76,6 +83,53 @@ def feasibility() -> str:
     return _table(head, rows)
 
 
+def benchmark() -> str:
+    """Every certified list: its length, and what both open-loop baselines make of it."""
+    lists = _certified()
+    protocols = sorted({protocol for found in lists.values() for protocol in found})
+    rows = [
+        (f"`{task}`", *(_cell(found.get(protocol)) for protocol in protocols))
+        for task, found in sorted(lists.items())
+    ]
+    return _table(("task", *(f"`{protocol}`" for protocol in protocols)), rows)
+
+
+def baselines() -> str:
+    """The same, over all tasks of a protocol."""
+    lists = _certified()
+    rows = []
+    for protocol in sorted({protocol for found in lists.values() for protocol in found}):
+        of = [found[protocol] for found in lists.values() if protocol in found]
+        feasible, tried = sum(len(i.feasible) for i in of), sum(i.attempts for i in of)
+        shown = [_baseline(of, name) for name in BASELINES]
+        rows.append((f"`{protocol}`", str(len(of)), f"{feasible} of {tried}", *shown))
+    return _table(("protocol", "tasks", "feasible of tried", *BASELINES), rows)
+
+
+def _certified() -> dict[str, dict[str, InstanceList]]:
+    """Task -> protocol -> list."""
+    lists: dict[str, dict[str, InstanceList]] = {}
+    for path in sorted((ROOT / "manifests" / "benchmark_v1").glob("*/*.yaml")):
+        instances = read_instances(path)
+        lists.setdefault(instances.task, {})[instances.protocol] = instances
+    return lists
+
+
+def _cell(instances: InstanceList | None) -> str:
+    if instances is None:
+        return ""
+    of = f"{len(instances.feasible)} of {instances.attempts}"
+    shown = (f"{name} {share}" for name in BASELINES if (share := _baseline([instances], name)))
+    return "; ".join((of, *shown))
+
+
+def _baseline(lists: Iterable[InstanceList], name: str) -> str:
+    """Share of feasible instances where a baseline succeeds; empty where it was not measured."""
+    results = [getattr(slot, name) for instances in lists for slot in instances.feasible]
+    known = [result for result in results if result is not None]
+    return f"{sum(known) / len(known):.0%}" if known else ""
+
+
 def _share(counts: dict[str, int], seeds: int) -> str:
     return f"{counts.get('accepted', 0) / seeds:.0%}"
 
@@ -85,6 +139,8 @@ TABLES = {
     "physics": physics,
     "center_of_mass": center_of_mass,
     "feasibility": feasibility,
+    "benchmark": benchmark,
+    "baselines": baselines,
 }
 
 
