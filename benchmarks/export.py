@@ -17,17 +17,15 @@ from pathlib import Path
 import av
 import numpy as np
 from av.video.stream import VideoStream
+from typical import collect_typical
 
-from rtphys.collect import CollectPlan, collect
 from rtphys.data.video import CRF, PRESET, VideoWriter
 from rtphys.dataset import Dataset, Episode
 from rtphys.export.lerobot import export_lerobot
 from rtphys.export.lerobot_plan import RATE
 from rtphys.export.lerobot_v3 import KEYFRAMES
 
-# Their episodes are 150 frames long on average, as those of all fifty tasks are.
-TASKS = ("click_bell", "place_container_plate", "stack_blocks_two", "put_object_cabinet")
-EPISODES, ROUNDS = 5, 3
+ROUNDS = 3
 
 
 def spent(work: Callable[[], object]) -> np.ndarray:
@@ -71,7 +69,7 @@ def main(path: str | None = None) -> None:
     with tempfile.TemporaryDirectory() as folder:
         if path is None:
             path = f"{folder}/data"
-            collect(CollectPlan(TASKS, EPISODES, Path(path), protocol="phys_random_all"))
+            collect_typical(Path(path))
         data = Dataset(path)
         cameras = data[0].cameras
         pictures = sum(len(episode) - 1 for episode in data) * len(cameras)

@@ -4,8 +4,7 @@
 
 `checking` is a whole dataset in a process that runs already, which is what a large one costs;
 `command` is the command from the start of Python to its exit, imports included. Without a dataset
-20 episodes of four tasks are collected: what an episode costs beside its bytes is the same for
-short and long ones, so their length matters. Nothing is remembered from one turn to the next.
+typical episodes are collected. Nothing is remembered from one turn to the next.
 """
 
 import math
@@ -16,13 +15,12 @@ import tempfile
 import time
 from pathlib import Path
 
-from rtphys.collect import CollectPlan, collect
+from typical import collect_typical
+
 from rtphys.data.check_episode import Effort
 from rtphys.verify import verify
 
-# Their episodes are 150 frames long on average, as those of all fifty tasks are.
-TASKS = ("click_bell", "place_container_plate", "stack_blocks_two", "put_object_cabinet")
-EPISODES, ROUNDS = 5, 3
+ROUNDS = 3
 COMMAND = "from rtphys.cli.main import app; app()"
 
 
@@ -48,7 +46,7 @@ def main(path: str | None = None) -> None:
     with tempfile.TemporaryDirectory() as folder:
         if path is None:
             path = f"{folder}/data"
-            collect(CollectPlan(TASKS, EPISODES, Path(path), protocol="phys_random_all"))
+            collect_typical(Path(path))
         data = Path(path)
         size = sum(p.stat().st_size for p in data.rglob("*") if p.is_file()) / 1e6
         work = {

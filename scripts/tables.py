@@ -86,41 +86,39 @@ def feasibility() -> str:
 def benchmark() -> str:
     """Every certified list: its length, and what both open-loop baselines make of it."""
     lists = _certified()
-    protocols = sorted({protocol for found in lists.values() for protocol in found})
     rows = [
-        (f"`{task}`", *(_cell(found.get(protocol)) for protocol in protocols))
-        for task, found in sorted(lists.items())
+        (f"`{task}`", *(_cell(of[task]) if task in of else "" for of in lists.values()))
+        for task in sorted({task for of in lists.values() for task in of})
     ]
-    return _table(("task", *(f"`{protocol}`" for protocol in protocols)), rows)
+    return _table(("task", *(f"`{protocol}`" for protocol in lists)), rows)
 
 
 def baselines() -> str:
     """The same, over all tasks of a protocol."""
-    lists = _certified()
     rows = []
-    for protocol in sorted({protocol for found in lists.values() for protocol in found}):
-        of = [found[protocol] for found in lists.values() if protocol in found]
-        feasible, tried = sum(len(i.feasible) for i in of), sum(i.attempts for i in of)
-        shown = [_baseline(of, name) for name in BASELINES]
-        rows.append((f"`{protocol}`", str(len(of)), f"{feasible} of {tried}", *shown))
+    for protocol, of in _certified().items():
+        shown = [_baseline(of.values(), name) for name in BASELINES]
+        rows.append((f"`{protocol}`", str(len(of)), _length(of.values()), *shown))
     return _table(("protocol", "tasks", "feasible of tried", *BASELINES), rows)
 
 
 def _certified() -> dict[str, dict[str, InstanceList]]:
-    """Task -> protocol -> list."""
+    """Protocol -> task -> list."""
     lists: dict[str, dict[str, InstanceList]] = {}
     for path in sorted((ROOT / "manifests" / "benchmark_v1").glob("*/*.yaml")):
         instances = read_instances(path)
-        lists.setdefault(instances.task, {})[instances.protocol] = instances
+        lists.setdefault(instances.protocol, {})[instances.task] = instances
     return lists
 
 
-def _cell(instances: InstanceList | None) -> str:
-    if instances is None:
-        return ""
-    of = f"{len(instances.feasible)} of {instances.attempts}"
+def _cell(instances: InstanceList) -> str:
     shown = (f"{name} {share}" for name in BASELINES if (share := _baseline([instances], name)))
-    return "; ".join((of, *shown))
+    return "; ".join((_length([instances]), *shown))
+
+
+def _length(lists: Iterable[InstanceList]) -> str:
+    sizes = [(len(instances.feasible), instances.attempts) for instances in lists]
+    return "{} of {}".format(*map(sum, zip(*sizes, strict=True)))
 
 
 def _baseline(lists: Iterable[InstanceList], name: str) -> str:

@@ -106,7 +106,7 @@ class Placing:
     release: bool = True
     until: str = ""  # stop the last line once the load presses on this prop
     yaws: tuple[float, ...] = (0.0,)  # [rad] extra turns about the target's z, tried in order
-    clear: bool = False  # into something narrow: hand and load must not touch it at the end
+    clear: bool = False  # hand and load must touch nothing at the end: in a box, beside others
     speed: float = 1.0  # of the way there; slower, a load turns less in its hand
 
 
