@@ -1,0 +1,57 @@
+"""What an expert does where the usual way is too rough or barred: slowly, by another rim, askew."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rtphys.assets.pack import default_pack
+from rtphys.expert.planner import VELOCITY
+from rtphys.generate import attempt
+from rtphys.recipe import Recipe
+from rtphys.task import Placing, Pose, Robot, lifted
+from rtphys.task.spec import load_task
+
+
+def fastest(speed: float) -> float:
+    """[share of its limit] at which a joint is driven while a block is carried to a place."""
+
+    def carry(robot: Robot) -> None:
+        arm, foot = robot.nearest("red"), robot.scene.functional("red", 0)
+        aside = Pose(foot.p + np.array([0.06, 0.0, 0.06]), foot.q)
+        how = Placing(mode="free", pre=0.0, gap=0.0, release=False, speed=speed)
+        robot.do(arm.grasp("red", pre=0.08))
+        robot.do(arm.lift(0.06))
+        robot.do(arm.place("red", aside, point=0, how=how))
+
+    task = replace(load_task("stack_blocks_two"), script=carry, success=lifted("red", 0.05))
+    found = attempt(Recipe("stack_blocks_two", 3), task, default_pack())
+    assert found.accepted, (found.reason, found.detail)
+    assert found.recording is not None
+    stages = found.recording.stages
+    rows = [row for row in found.recording.rows if "place" in stages[row.stage]]
+    driven = np.diff([[row.arms[:6], row.arms[7:13]] for row in rows], axis=0)
+    times = np.diff([row.time for row in rows])[:, None, None]
+    return float((np.abs(driven) / times / VELOCITY).max())
+
+
+@pytest.mark.sim
+def test_a_placement_keeps_to_its_share_of_the_speed() -> None:
+    usual, slow = fastest(1.0), fastest(0.2)
+    assert slow <= 0.2 < usual
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("seed", "stage"),
+    [
+        pytest.param(1035, "right grasp bowl1", id="another bowl stands at the outer rim"),
+        pytest.param(1018, "left retreat", id="straight up is out of reach"),
+    ],
+)
+def test_bowls_that_bar_the_usual_way_are_nested(seed: int, stage: str) -> None:
+    task = load_task("stack_bowls_three")
+    found = attempt(Recipe("stack_bowls_three", seed, "phys_random"), task, default_pack())
+    assert found.accepted, (found.reason, found.detail)
+    assert found.recording is not None
+    assert stage in found.recording.stages
