@@ -44,7 +44,8 @@ def _rotated(q: Sequence[float], v: Sequence[float]) -> tuple[float, float, floa
 
 def quat_to_matrix(q: ArrayLike) -> Array:
     """Rotation matrix (3, 3) of a wxyz quaternion (normalised here)."""
-    w, x, y, z = (np.asarray(q, float) / np.linalg.norm(q)).tolist()
+    given = np.asarray(q, float)
+    w, x, y, z = (given / sqrt(given.dot(given))).tolist()
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -56,22 +57,22 @@ def quat_to_matrix(q: ArrayLike) -> Array:
 
 def matrix_to_quat(R: ArrayLike) -> Array:
     """Unit wxyz quaternion of a rotation matrix, w >= 0."""
-    m = np.asarray(R, float)
+    m = np.asarray(R, float).tolist()
     # Shepperd's method: divide by the largest component, never by one near zero.
-    trace = np.array([m[0, 0] + m[1, 1] + m[2, 2], m[0, 0], m[1, 1], m[2, 2]])
-    case = int(np.argmax(trace))
-    q = np.empty(4)
+    trace = [m[0][0] + m[1][1] + m[2][2], m[0][0], m[1][1], m[2][2]]
+    case = trace.index(max(trace))
     if case == 0:
-        q[:] = 1 + trace[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+        q = [1 + trace[0], m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]]
     else:
         i = case - 1
         j, k = (i + 1) % 3, (i + 2) % 3
-        q[0] = m[k, j] - m[j, k]
-        q[1 + i] = 1 + m[i, i] - m[j, j] - m[k, k]
-        q[1 + j] = m[j, i] + m[i, j]
-        q[1 + k] = m[k, i] + m[i, k]
-    q /= np.linalg.norm(q)
-    return -q if q[0] < 0 else q
+        q = [m[k][j] - m[j][k], 0.0, 0.0, 0.0]
+        q[1 + i] = 1 + m[i][i] - m[j][j] - m[k][k]
+        q[1 + j] = m[j][i] + m[i][j]
+        q[1 + k] = m[k][i] + m[i][k]
+    unit = np.array(q)
+    unit /= sqrt(unit.dot(unit))
+    return -unit if unit[0] < 0 else unit
 
 
 def axis_angle(axis: ArrayLike, angle: float) -> Array:

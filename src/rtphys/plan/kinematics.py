@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import sqrt
 from pathlib import Path
 
 import numpy as np
@@ -61,8 +62,8 @@ class _Goal:
     """An end-effector pose to solve for, with what counts as reaching it."""
 
     X_WE: pin.SE3
-    position_tolerance: float  # [m]
-    angle_tolerance: float  # [rad]
+    position_tolerance: float = 1e-4  # [m]
+    angle_tolerance: float = 1e-3  # [rad]
 
 
 class ArmKinematics:
@@ -81,6 +82,7 @@ class ArmKinematics:
         self.limits = np.array(limits, float)
         self.limits.setflags(write=False)
         self._low, self._high = self.limits[:, 0].copy(), self.limits[:, 1].copy()
+        self._ranges = self.limits.tolist()  # plain floats: at this size they beat arrays
         self._atlas = stream(0, "kinematics").uniform(self._low, self._high, (_ATLAS, 6))
         poses = np.array([self.ee_matrix(q) for q in self._atlas])
         self._atlas_p, self._atlas_R = poses[:, :3, 3], poses[:, :3, :3].reshape(-1, 9)
@@ -141,7 +143,10 @@ class ArmKinematics:
             q (6,), or None when no seed converges.
         """
         goal = _Goal(pin.SE3(X_WE.R, X_WE.p), position_tolerance, angle_tolerance)
-        for seed in np.atleast_2d(np.asarray(seeds, float)):
+        return self._first(goal, np.atleast_2d(np.asarray(seeds, float)))
+
+    def _first(self, goal: _Goal, seeds: Array) -> Array | None:
+        for seed in seeds:
             q = self._descend(goal, seed)
             if q is not None:
                 return q
@@ -158,13 +163,12 @@ class ArmKinematics:
         small_p, small_r = goal.position_tolerance**2, goal.angle_tolerance**2
         clamped = True
         for _ in range(_ITERATIONS):
-            # Not computeFrameJacobian: that one leaves data.oMi as it was.
+            # Not computeFrameJacobian: that one leaves the joints' placements as they were.
             pin.computeJointJacobians(self._model, self._data, q)
-            J = pin.getFrameJacobian(self._model, self._data, self._frame, pin.LOCAL)
-            X_WE = self._data.oMi[self._joint] * self._X_JE
+            X_WE = pin.updateFramePlacement(self._model, self._data, self._frame)
             e = pin.log6(X_WE.actInv(goal.X_WE)).vector
             p, r = e[:3], e[3:]
-            position, angle = float(p @ p), float(r @ r)
+            position, angle = float(p.dot(p)), float(r.dot(r))
             if position < small_p and angle < small_r:
                 return q
             error = position + angle
@@ -174,18 +178,27 @@ class ArmKinematics:
                 patience -= 1
                 if patience == 0:
                     return None
-            if clamped:
-                # A joint pressed against its limit must not spend the step: let others move.
-                push = e @ J
-                J[:, ((q <= self._low) & (push < 0)) | ((q >= self._high) & (push > 0))] = 0
-            H = J.T @ J
-            H.flat[::7] += 0.02 * error + 1e-6
-            step = _SOLVE_POSITIVE(H, e @ J)[1]
-            size = float(np.abs(step).max())
-            moved = q + (step if size <= _LARGEST_STEP else step * (_LARGEST_STEP / size))
+            moved = q + self._step(q, e, error, clamped)
             q = np.minimum(np.maximum(moved, self._low), self._high)
-            clamped = not np.array_equal(q, moved)
+            clamped = q.tolist() != moved.tolist()
         return None
+
+    def _step(self, q: Array, e: Array, error: float, clamped: bool) -> Array:
+        """The next step (6,) of `_descend` from where its Jacobian was computed."""
+        J = pin.getFrameJacobian(self._model, self._data, self._frame, pin.LOCAL)
+        push = e.dot(J)
+        if clamped:
+            # A joint pressed against its limit must not spend the step: let others move.
+            for i, (at, towards) in enumerate(zip(q.tolist(), push.tolist(), strict=True)):
+                low, high = self._ranges[i]
+                if (at <= low and towards < 0) or (at >= high and towards > 0):
+                    J[:, i] = push[i] = 0
+        H = J.T.dot(J)
+        diagonal = H.reshape(36)[::7]
+        diagonal += 0.02 * error + 1e-6
+        step = _SOLVE_POSITIVE(H, push)[1]
+        size = max(map(abs, step.tolist()))
+        return step if size <= _LARGEST_STEP else step * (_LARGEST_STEP / size)
 
     def solve_near(
         self, X_WE: Pose, q_near: Array, rng: np.random.Generator, restarts: int = 8
@@ -208,17 +221,18 @@ class ArmKinematics:
         """
         near = np.asarray(q_near, float)
         random = rng.uniform(self._low, self._high, (restarts // 2, 6))
-        found = []
+        goal = _Goal(pin.SE3(X_WE.R, X_WE.p))
+        nearest, least = None, np.inf
         for seed in (near, HOME_SEED, *self._atlas_near(X_WE, restarts)):
-            q = self.solve(X_WE, seed)
+            q = self._descend(goal, seed)
             if q is None:
                 continue
-            if self.distance(q, near) < _SAME_BRANCH:
+            distance = self.distance(q, near)
+            if distance < _SAME_BRANCH:
                 return q
-            found.append(q)
-        if not found:
-            return self.solve(X_WE, random) if len(random) else None
-        return min(found, key=lambda q: self.distance(q, near))
+            if distance < least:
+                nearest, least = q, distance
+        return self._first(goal, random) if nearest is None else nearest
 
     def _atlas_near(self, X_WE: Pose, n: int) -> Array:
         """The n postures (n, 6) of the atlas whose tool pose is nearest."""
@@ -226,12 +240,14 @@ class ArmKinematics:
         # 3 - trace(R_a^T R_b) is 2 (1 - cos of the angle between).
         turn = 3 - self._atlas_R @ X_WE.R.reshape(9)
         cost = np.einsum("kd,kd->k", offset, offset) / _ATLAS_LENGTH**2 + turn
-        return self._atlas[np.argsort(cost, kind="stable")[:n]]
+        few = np.flatnonzero(cost <= np.partition(cost, n - 1)[n - 1]) if n else np.arange(0)
+        return self._atlas[few[np.argsort(cost[few], kind="stable")[:n]]]
 
     @staticmethod
     def distance(a: Array, b: Array) -> float:
         """Weighted joint distance of two postures (6,)."""
-        return float(np.linalg.norm((np.asarray(a) - b) * _JOINT_WEIGHTS))
+        offset = (np.asarray(a) - b) * _JOINT_WEIGHTS
+        return sqrt(offset.dot(offset))
 
     def line(self, q_start: Array, X_goal: Pose, step: float = 0.01) -> Array | None:
         """A straight line of the tool from its pose at q_start to X_goal.
@@ -249,15 +265,15 @@ class ArmKinematics:
             would have to change branch.
         """
         q = np.asarray(q_start, float)
-        X_start, X_end = pin.SE3(self._forward(q)), pin.SE3(X_goal.R, X_goal.p)
-        angle = float(np.linalg.norm(pin.log3(X_start.rotation.T @ X_end.rotation)))
-        distance = float(np.linalg.norm(X_end.translation - X_start.translation))
+        X_start = self._forward(q)
+        R, start, end = X_start.rotation.copy(), X_start.translation.copy(), X_goal.p
+        turn = pin.log3(R.T @ X_goal.R)
+        distance, angle = float(np.linalg.norm(end - start)), float(np.linalg.norm(turn))
         n = max(int(np.ceil(max(distance / step, angle / _ANGLE_STEP) - 1e-9)), 1)
-        turn = pin.log3(X_start.rotation.T @ X_end.rotation)
         path, previous = [q], q
         for s in np.linspace(0, 1, n + 1)[1:]:
-            p = (1 - s) * X_start.translation + s * X_end.translation
-            X_WE = pin.SE3(X_start.rotation @ pin.exp3(s * turn), p)
+            p = (1 - s) * start + s * end
+            X_WE = pin.SE3(R @ pin.exp3(s * turn), p)
             guess = 2 * q - previous if len(path) > 1 else q
             found = self._descend(_Goal(X_WE, 2e-5, 2e-4), guess)
             if found is None or np.abs(found - q).max() > _LARGEST_JUMP:
