@@ -65,11 +65,15 @@ def all_in_bin(scene: Scene) -> bool:
     return True
 
 
-def over_bin(scene: Scene) -> list[Pose]:
-    """Where a bottle's foot may be let go: well above rim and table, lower where it must."""
+def over_bin(scene: Scene, name: str) -> list[Pose]:
+    """Where a bottle's foot may be let go: well above rim and table, lower where it must.
+
+    Upright, or else as it hangs in the hand.
+    """
     rim = max(0.74, (scene.pose("dustbin") @ Pose((0.0, 0.74, 0.0))).p[2])
     return [
-        Pose((x, y, rim + gap), DOWN)
+        Pose((x, y, rim + gap), q)
+        for q in (DOWN, scene.functional(name, 0).q)
         for gap in (0.06, 0.03)
         for x, y in ((-0.4, -0.1), (-0.36, -0.1), (-0.4, 0.0), (-0.36, -0.05))
     ]
@@ -88,7 +92,9 @@ def halfway(scene: Scene, name: str) -> list[Pose]:
 def script(robot: Robot) -> None:
     left, right, scene = robot.left, robot.right, robot.scene
     start = {name: scene.pose(name).p for name in BOTTLES}
-    order = sorted(BOTTLES, key=lambda n: (start[n][0] > 0, start[n][1]))
+    # The right half last, and of each half first what stands nearest to the hand's side: a hand
+    # that reaches past a bottle knocks it over.
+    order = sorted(BOTTLES, key=lambda n: (start[n][0] > 0, start[n][1] - abs(start[n][0])))
     passed = [name for name in order if start[name][0] > 0]
 
     def fetch() -> tuple[Motion, ...]:
@@ -96,7 +102,7 @@ def script(robot: Robot) -> None:
         if not passed:
             return ()
         aim = Aim(HALFWAY_AIM, 0, STAND)
-        return (right.grasp(passed[0], pre=0.1, aim=aim), right.lift(0.06))
+        return (right.grasp(passed[0], pre=0.1, aim=aim), right.lift(0.16))
 
     if passed == order:
         robot.do(*fetch())
@@ -109,9 +115,9 @@ def script(robot: Robot) -> None:
             robot.do(right.retreat(0.1))
             away, home = (right.home(),), ()
         robot.do(*home)
-        robot.do(left.grasp(name, pre=0.1, aim=Aim(over_bin(scene)[0], 0, OVER)), *away)
+        robot.do(left.grasp(name, pre=0.1, aim=Aim(over_bin(scene, name)[0], 0, OVER)), *away)
         robot.do(left.lift(0.1))
-        robot.do(place_at_first(left, name, over_bin(scene), OVER, 0), *fetch())
+        robot.do(place_at_first(left, name, over_bin(scene, name), OVER, 0), *fetch())
         home = (left.home(),)
     robot.do(*home)
     for _ in range(6):  # bottles may roll about in the bin
