@@ -128,9 +128,7 @@ def test_impossible_limits_and_points_are_refused(monkeypatch) -> None:
         JointLimits(np.array([1.0, 0.0]), np.ones(2))
     with pytest.raises(ValueError, match="finite"):
         retime(np.array([[0.0], [np.nan]]), JointLimits(np.ones(1), np.ones(1)))
-    monkeypatch.setattr(
-        "rtphys.plan.path.TOPPRA.compute_parameterization", lambda *a: (None, None, None)
-    )
+    monkeypatch.setattr("rtphys.plan.path.fastest", lambda path, grid, limits: None)
     with pytest.raises(Infeasible) as caught:
         retime(np.eye(6)[:3], LIMITS)
     assert caught.value.reason == "retime_failed"

@@ -42,22 +42,18 @@ class BlendedPath:
         cut = np.zeros(len(points))  # t at each point
         cut[1:-1] = np.minimum(corner, np.minimum(lengths[:-1], lengths[1:]) / 2)
 
-        spans, start, slope, bend = [], [], [], []
-        for k, (u, length) in enumerate(zip(directions, lengths, strict=True)):
-            straight = length - cut[k] - cut[k + 1]
-            if straight > SAME_POINT:
-                spans.append(straight)
-                start.append(points[k] + cut[k] * u)
-                slope.append(u)
-                bend.append(np.zeros_like(u))
-            t = cut[k + 1]
-            if t > 0:
-                spans.append(2 * t)
-                start.append(points[k + 1] - t * u)
-                slope.append(u)
-                bend.append((directions[k + 1] - u) / (2 * t))
-        breaks = np.concatenate([[0.0], np.cumsum(spans)])
-        return cls(breaks, np.array(start), np.array(slope), np.array(bend))
+        # Each edge yields what is left of it straight, then the corner at its end.
+        straight, t = lengths - cut[:-1] - cut[1:], cut[1:]
+        spans = np.stack([straight, 2 * t], 1).ravel()
+        before = points[:-1] + cut[:-1, None] * directions
+        start = np.stack([before, points[1:] - t[:, None] * directions], 1)
+        bend = np.zeros_like(start)
+        bend[:-1, 1] = np.diff(directions, axis=0) / (2 * t[:-1, None])
+        slope = np.repeat(directions, 2, axis=0)
+        kept = np.stack([straight > SAME_POINT, t > 0], 1).ravel()
+        breaks = np.concatenate([[0.0], np.cumsum(spans[kept])])
+        start, bend = start.reshape(slope.shape), bend.reshape(slope.shape)
+        return cls(breaks, start[kept], slope[kept], bend[kept])
 
     @property
     def length(self) -> float:
@@ -71,7 +67,8 @@ class BlendedPath:
     def at(self, s: Array, order: int = 0) -> Array:
         """Value (order 0) or derivative by s (1, 2) at lengths s (k,): (k, d)."""
         s = np.asarray(s, float)
-        k = np.clip(np.searchsorted(self.breaks, s, side="right") - 1, 0, len(self.start) - 1)
+        k = np.searchsorted(self.breaks, s, side="right") - 1
+        k = np.minimum(np.maximum(k, 0), len(self.start) - 1)
         r = (s - self.breaks[k])[..., None]
         if order == 0:
             return self.start[k] + r * (self.slope[k] + 0.5 * r * self.bend[k])
@@ -86,6 +83,8 @@ class BlendedPath:
 def distinct(waypoints: Array) -> Array:
     """The polyline (n, d) without points that repeat their predecessor; both ends are kept."""
     points = np.asarray(waypoints, float)
+    if (np.abs(np.diff(points, axis=0)).max(axis=1, initial=0.0) > 2 * SAME_POINT).all():
+        return points.copy()  # as nearly always
     kept = [points[0]]
     for point in points[1:]:
         if np.linalg.norm(point - kept[-1]) > SAME_POINT:

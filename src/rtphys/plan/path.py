@@ -1,16 +1,14 @@
 """Time along a path: the fastest rest-to-rest motion inside velocity and acceleration limits."""
 
-import logging
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from toppra.algorithm import TOPPRA
-from toppra.constraint import JointAccelerationConstraint, JointVelocityConstraint
 from toppra.interpolator import AbstractGeometricPath
 
 from rtphys.errors import Infeasible
 from rtphys.plan.blend import BlendedPath
+from rtphys.plan.speed import fastest
 from rtphys.plan.trajectory import JointLimits, Trajectory
 from rtphys.poses import Array
 
@@ -21,9 +19,6 @@ _GRID = 50  # TOPP-RA intervals over the whole path, at least two on every piece
 _TURN_GRID = 8  # and this many more per unit change of direction: there the limits bend
 _RETRIES = 8
 _SLACK = 1.0005
-
-# TOPP-RA reports each numerical retry as a warning; only its result concerns us.
-logging.getLogger("toppra").setLevel(logging.ERROR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +31,13 @@ class _Profile:
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Length s and speed at times t (k,)."""
-        k = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
-        span = self.t[k + 1] - self.t[k]
-        u = (self.speed[k + 1] - self.speed[k]) / span
-        r = np.clip(t - self.t[k], 0, span)
-        return self.s[k] + r * (self.speed[k] + 0.5 * r * u), self.speed[k] + r * u
+        k = np.searchsorted(self.t, t, side="right") - 1
+        k = np.minimum(np.maximum(k, 0), len(self.t) - 2)
+        begin, speed = self.t[k], self.speed[k]
+        span = self.t[k + 1] - begin
+        u = (self.speed[k + 1] - speed) / span
+        r = np.minimum(np.maximum(t - begin, 0), span)
+        return self.s[k] + r * (speed + 0.5 * r * u), speed + r * u
 
 
 class _ToppraPath(AbstractGeometricPath):
@@ -91,28 +88,29 @@ def retime(waypoints: Array, limits: JointLimits, dt: float = TIME_STEP) -> Traj
     seconds = float(profile.t[-1])
     for _ in range(_RETRIES):
         steps = max(int(np.ceil(seconds / dt - 1e-9)), 1)
-        trajectory = _sample(path, profile, steps, dt)
-        excess = _excess(trajectory, limits, dt)
+        s, speed = _sampled(profile, steps, dt)
+        qd = path.at(s, 1) * speed[:, None]
+        excess = _excess(qd, limits, dt)
         if excess <= 1 + 1e-9:
             break
         seconds *= excess * _SLACK
-    q = trajectory.q.copy()
+    q = path.at(s)
     q[-1] = points[-1]
-    return Trajectory(q, trajectory.qd)
+    return Trajectory(q, qd)
 
 
-def _sample(path: BlendedPath, profile: _Profile, steps: int, dt: float) -> Trajectory:
-    """The motion stretched to last exactly steps * dt."""
+def _sampled(profile: _Profile, steps: int, dt: float) -> tuple[Array, Array]:
+    """Length and speed at each step (steps + 1,) of the motion stretched to last steps * dt."""
     pace = float(profile.t[-1]) / (steps * dt)
     s, speed = profile.at(np.arange(steps + 1, dtype=float) * (dt * pace))
     speed[[0, -1]] = 0.0
-    return Trajectory(path.at(s), path.at(s, 1) * (speed * pace)[:, None])
+    return s, speed * pace
 
 
-def _excess(trajectory: Trajectory, limits: JointLimits, dt: float) -> float:
-    """By how much the motion must slow down: 1 when it keeps the limits."""
-    v = np.abs(trajectory.qd) / limits.velocity
-    a = np.abs(np.diff(trajectory.qd, axis=0)) / dt / limits.acceleration
+def _excess(qd: Array, limits: JointLimits, dt: float) -> float:
+    """By how much a motion must slow down: 1 when it keeps the limits."""
+    v = np.abs(qd) / limits.velocity
+    a = np.abs(qd[1:] - qd[:-1]) / dt / limits.acceleration
     return float(max(v.max(), np.sqrt(a.max())))
 
 
@@ -141,15 +139,9 @@ def _toppra(path: BlendedPath, limits: JointLimits) -> _Profile:
     # Every break is a grid point: the curvature jumps there.
     grid = np.concatenate([*inner, path.breaks[-1:]])
     joints = np.flatnonzero(np.abs(path.slope).max(axis=0) > 0)  # a still arm halves the work
-    v, a = limits.velocity[joints], limits.acceleration[joints]
-    constraints = [
-        JointVelocityConstraint(np.stack([-v, v], 1)),
-        JointAccelerationConstraint(np.stack([-a, a], 1)),
-    ]
-    moving = _ToppraPath(path, joints)
-    solver = TOPPRA(constraints, moving, gridpoints=grid, solver_wrapper="seidel")
-    speed = solver.compute_parameterization(0.0, 0.0)[1]
-    if speed is None or not np.isfinite(speed).all():
+    moving = JointLimits(limits.velocity[joints], limits.acceleration[joints])
+    speed = fastest(_ToppraPath(path, joints), grid, moving)
+    if speed is None:
         raise Infeasible("retime_failed", f"no timing for {len(path.start)} pieces")
     mean = (speed[1:] + speed[:-1]) / 2
     if (mean <= 0).any():
