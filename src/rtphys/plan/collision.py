@@ -11,12 +11,19 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]
 from rtphys.errors import BadValue, UnknownName
 from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.pair_model import Item, PairModel
-from rtphys.plan.pairs import OBSTACLE, RESTING_MARGIN, Body, Rules, robot_pairs
+from rtphys.plan.pairs import (
+    OBSTACLE,
+    RESTING_MARGIN,
+    Body,
+    Rules,
+    own_margins,
+    robot_pairs,
+)
 from rtphys.plan.robot_shapes import ALOHA, HAND_DEPTH, SIDES, ArmJoints, RobotShapes, Side, hull
 from rtphys.poses import Array, Pose
 
 OPEN_FINGERS = (0.045, 0.045)  # [m] each finger of a hand from closed: the nominal opening
-_KEPT_MODELS = 4
+_KEPT_PAIRS = 24_000  # of all models kept for use again: 5 KB each
 _KEPT_HULLS = 512  # shapes seen before are not made again; objects change size every episode
 
 
@@ -63,8 +70,10 @@ class CollisionChecker:
         self._rules = Rules()
         self._models: dict[tuple, PairModel] = {}  # by the kinds of items, latest last
         self._model: PairModel | None = None  # None when items have changed since
-        self._own_pairs = robot_pairs(self._robot)
-        self._own_pairs = self._without_touching()
+        own = [Body(s.link, s.owner, s.depth) for s in self._robot.shapes]
+        self._own_margins = own_margins(own, robot_pairs(self._robot))
+        for pair in self._touching_at_rest():
+            self._own_margins[pair] = np.nan
         self._model = None
 
     # What surrounds the robot.
@@ -72,7 +81,6 @@ class CollisionChecker:
     def reset(self) -> None:
         """Forget everything but the robot, for a new episode."""
         self._obstacles, self._carried = [], []
-        self._models.clear()
         self._hulls.clear()  # scaled objects differ in every episode: it would grow for ever
         self._rules = Rules()
         self._model = None
@@ -161,7 +169,7 @@ class CollisionChecker:
     ) -> str | None:
         """The first pair nearer than its margin, as "fl_link4 and table", or None."""
         model = self._asked(q_left, q_right, fingers)
-        touching = model.touching(self._data, self._q, stop_at_first=True)
+        touching = model.touching(self._data, self._q)
         return model.names(touching[0]) if touching else None
 
     def contacts(
@@ -169,7 +177,7 @@ class CollisionChecker:
     ) -> frozenset[str]:
         """All pairs nearer than their margins, each as "fl_link4 and table"."""
         model = self._asked(q_left, q_right, fingers)
-        touching = model.touching(self._data, self._q, stop_at_first=False)
+        touching = model.touching(self._data, self._q)
         return frozenset(model.names(k) for k in touching)
 
     @property
@@ -201,11 +209,11 @@ class CollisionChecker:
             kinds = tuple(item.kind for item in items)
             model = self._models.pop(kinds, None)
             if model is None:
-                model = PairModel(self._robot, self._own_pairs, items)
+                model = PairModel(self._robot, self._own_margins, items)
             else:
-                model.move(items)
+                model.put(items)
             self._models[kinds] = self._model = model
-            if len(self._models) > _KEPT_MODELS:
+            while sum(map(len, self._models.values())) > _KEPT_PAIRS and len(self._models) > 1:
                 del self._models[next(iter(self._models))]
         self._model.enforce(self._rules)
         return self._model
@@ -219,14 +227,12 @@ class CollisionChecker:
             self._hulls[key] = coal.Box(*(2 * points)) if points.ndim == 1 else hull(points)
         return self._hulls[key]
 
-    def _without_touching(self) -> list[tuple[int, int]]:
-        """Pairs of the robot's own shapes that do not touch while it rests."""
-        self._model = model = PairModel(self._robot, self._own_pairs, [])
+    def _touching_at_rest(self) -> set[tuple[int, int]]:
+        """Pairs of the robot's own shapes that touch while it rests."""
+        self._model = model = PairModel(self._robot, self._own_margins, [])
         touching: set[int] = set()
         for q in (np.zeros(6), HOME_SEED):
             for opening in (0.0, OPEN_FINGERS[0]):
                 asked = self._asked(q, q, (opening, opening))
-                touching.update(asked.touching(self._data, self._q, stop_at_first=False))
-        return [
-            model.pair(k) for k in range(len(model.geometry.collisionPairs)) if k not in touching
-        ]
+                touching.update(asked.touching(self._data, self._q))
+        return {model.pair(k) for k in touching}

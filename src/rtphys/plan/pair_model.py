@@ -8,8 +8,10 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
 from rtphys.plan.pairs import Body, Rules, margins
-from rtphys.plan.robot_shapes import RobotShapes
+from rtphys.plan.robot_shapes import RobotShapes, bounding_sphere
 from rtphys.poses import Array
+
+_SLACK = 1e-4  # [m] more than any rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,23 +24,25 @@ class Item:
     geometry: coal.CollisionGeometry
 
     @property
-    def kind(self) -> tuple[Body, int, int]:
-        """Equal for two items that differ by their placement alone, while both are kept."""
-        return self.body, self.joint, id(self.geometry)
+    def kind(self) -> tuple[Body, int, type]:
+        """Equal for two items that differ by their placement and dimensions alone."""
+        return self.body, self.joint, type(self.geometry)
 
 
 class PairModel:
     """A geometry model of the robot and some items, with margins by rules.
 
-    Making one takes milliseconds where there are thousands of pairs. Moving its items, and saying
-    under which rules it is asked, takes a tenth of that.
+    Making one takes milliseconds where there are thousands of pairs. Moving or resizing its items,
+    and saying under which rules it is asked, takes a tenth of that.
     """
 
-    def __init__(
-        self, robot: RobotShapes, own_pairs: Sequence[tuple[int, int]], items: Sequence[Item]
-    ) -> None:
-        self._robot, self._own_pairs = robot, own_pairs
-        self._items = items  # kept, so that no other geometry gets the id of one of theirs
+    def __init__(self, robot: RobotShapes, own_margins: Array, items: Sequence[Item]) -> None:
+        """
+        Args:
+            own_margins: of the robot's own shapes, see `rtphys.plan.pairs.own_margins`.
+        """
+        self._robot, self._own_margins = robot, own_margins
+        self._items = list(items)
         own = [Body(s.link, s.owner, s.depth) for s in robot.shapes]
         self.bodies = [*own, *(item.body for item in items)]
         self.geometry = pin.GeometryModel()
@@ -46,15 +50,32 @@ class PairModel:
             self.geometry.addGeometryObject(
                 pin.GeometryObject(str(i), shape.joint, shape.placement, shape.geometry)
             )
+        self._balls = [bounding_sphere(shape.geometry) for shape in (*robot.shapes, *items)]
         self._tables: dict[object, Array] = {}  # margins under rules seen
         self.geometry.setCollisionPairs(np.isfinite(self._margins(Rules())), True)
         self.data = pin.GeometryData(self.geometry)
         self._in_force: object = None
+        self._margins_in_force = np.empty((0, 0))
 
-    def move(self, items: Sequence[Item]) -> None:
-        """Put the items where these ones, of the same kinds in the same order, are."""
-        for k, item in enumerate(items, len(self._robot.shapes)):
-            self.geometry.geometryObjects[k].placement = item.placement
+    def __len__(self) -> int:
+        """How many pairs there are."""
+        return len(self.geometry.collisionPairs)
+
+    def put(self, items: Sequence[Item]) -> None:
+        """Put these items, of the same kinds in the same order, in the place of the present ones.
+
+        A pair looks up the shapes of its two bodies each time it is asked, so they may be others;
+        only their types are settled when it is made.
+        """
+        replaced = zip(self._items, items, strict=True)
+        for k, (old, new) in enumerate(replaced, len(self._robot.shapes)):
+            thing = self.geometry.geometryObjects[k]
+            thing.placement = new.placement
+            if new.geometry is not old.geometry:
+                thing.geometry = new.geometry
+                self._balls[k] = bounding_sphere(new.geometry)
+                self._in_force = None  # the broad phase keeps shapes
+        self._items = list(items)
 
     def enforce(self, rules: Rules) -> None:
         """Ask by these rules from now on."""
@@ -69,24 +90,32 @@ class PairModel:
         self.broad_phase = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
             self._robot.model, self.geometry, self.data
         )
-        self._in_force = key
+        self._in_force, self._margins_in_force = key, distances
 
     def _margins(self, rules: Rules) -> Array:
         key = frozenset(rules.ignored), rules.carried_margin
         if key not in self._tables:
-            own = len(self._robot.shapes)
-            self._tables[key] = margins(self.bodies, self._own_pairs, own, rules)
+            self._tables[key] = margins(self.bodies, self._own_margins, rules)
         return self._tables[key]
 
     def clear(self, data: pin.Data, q: Array) -> bool:
         """Nothing nearer than its margin at q of the robot's model."""
         return not pin.computeCollisions(self._robot.model, data, self.broad_phase, q, True)
 
-    def touching(self, data: pin.Data, q: Array, stop_at_first: bool) -> list[int]:
+    def touching(self, data: pin.Data, q: Array) -> list[int]:
         """Indices of the pairs that are too near, without the broad phase: it keeps no names."""
-        pin.computeCollisions(self._robot.model, data, self.geometry, self.data, q, stop_at_first)
-        watched = zip(self.data.activeCollisionPairs, self.data.collisionResults, strict=True)
-        return [k for k, (on, result) in enumerate(watched) if on and result.isCollision()]
+        pin.updateGeometryPlacements(self._robot.model, data, self.geometry, self.data, q)
+        return [k for k in self._near() if pin.computeCollision(self.geometry, self.data, k)]
+
+    def _near(self) -> list[int]:
+        """Indices of the pairs whose bounding spheres are too near, where all bodies are now."""
+        placed = zip(self.data.oMg, self._balls, strict=True)
+        centres = np.array([X_WG.act(centre) for X_WG, (centre, _) in placed])
+        radii = np.array([radius for _, radius in self._balls])
+        gaps = np.linalg.norm(centres[:, None] - centres, axis=2) - radii[:, None] - radii
+        # Pairs that are not checked have no margin, and nothing is less than NaN.
+        near = gaps < self._margins_in_force + _SLACK
+        return np.sort(self.geometry.collisionPairMapping[near]).tolist()
 
     def pair(self, k: int) -> tuple[int, int]:
         """The two bodies of a pair."""

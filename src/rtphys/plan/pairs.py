@@ -60,32 +60,34 @@ def robot_pairs(robot: RobotShapes) -> list[tuple[int, int]]:
     return pairs
 
 
-def margins(
-    bodies: Sequence[Body], own_pairs: Sequence[tuple[int, int]], own: int, rules: Rules
-) -> Array:
+def own_margins(bodies: Sequence[Body], pairs: Sequence[tuple[int, int]]) -> Array:
+    """Least distance of the pairs of the robot's own n shapes (n, n) [m], NaN for all others."""
+    table = np.full((len(bodies), len(bodies)), np.nan)
+    for i, j in pairs:
+        a, b = bodies[i], bodies[j]
+        finger = max(a.depth, b.depth) > HAND_DEPTH
+        between = FINGER_MARGIN if finger else ARM_MARGIN
+        table[i, j] = SELF_MARGIN if a.owner == b.owner else between
+    return table
+
+
+def margins(bodies: Sequence[Body], own: Array, rules: Rules) -> Array:
     """Least distance of every pair (i < j), NaN where a pair is not checked.
 
     Args:
-        bodies: n bodies, the robot's `own` shapes first, then obstacles, then carried bodies.
-        own_pairs: pairs among the robot's own shapes.
-        own: number of the robot's own shapes.
+        bodies: n bodies, the robot's own shapes first, then obstacles, then carried bodies.
+        own: margins of the robot's own shapes, see `own_margins`.
         rules: what the caller changed.
 
     Returns:
         (n, n) [m].
     """
+    n = len(own)
     table = np.full((len(bodies), len(bodies)), np.nan)
-    for i, j in own_pairs:
-        table[i, j] = _own_margin(bodies[i], bodies[j])
-    table[:, own:] = _item_margins(bodies, own, rules)
-    table[np.tril_indices(len(bodies))] = np.nan
+    table[:n, :n] = own
+    table[:, n:] = _item_margins(bodies, n, rules)
+    table[n:, n:][np.tri(len(bodies) - n, dtype=bool)] = np.nan
     return table
-
-
-def _own_margin(a: Body, b: Body) -> float:
-    if a.owner == b.owner:
-        return SELF_MARGIN
-    return FINGER_MARGIN if max(a.depth, b.depth) > HAND_DEPTH else ARM_MARGIN
 
 
 def _item_margins(bodies: Sequence[Body], own: int, rules: Rules) -> Array:
