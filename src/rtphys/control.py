@@ -121,15 +121,18 @@ class PolicyControl:
 
     def _run(self, paths: list[Trajectory], grips: Array, least: int) -> bool:
         arms = self.rollout.world.robot.arms
-        starts = np.array([arm.gripper for arm in arms])
         # A motion's first sample is where the arm already is.
         length = max(least, *(len(path) - 1 for path in paths))
+        ways = [
+            (arm, path.q.tolist(), path.qd.tolist(), len(path) - 1, arm.gripper, opening)
+            for arm, path, opening in zip(arms, paths, grips.tolist(), strict=True)
+        ]
         for k in range(1, length + 1):
             share = k / length
-            for arm, path, g0, g1 in zip(arms, paths, starts, grips, strict=True):
-                row = min(k, len(path) - 1)
-                arm.command(path.q[row], path.qd[row])
-                arm.grip(float(g0 + share * (g1 - g0)))
+            for arm, q, qd, last, g0, g1 in ways:
+                row = min(k, last)
+                arm.drive(q[row], qd[row])
+                arm.grip(g0 + share * (g1 - g0))
             if self.rollout.tick():
                 return True
         return False

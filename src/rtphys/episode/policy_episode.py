@@ -140,7 +140,7 @@ class PolicyEpisode:
         """
         if self._outcome is None:
             for arm in self.rollout.world.robot.arms:
-                arm.command(arm.target, np.zeros(6))
+                arm.stop()
             touched = self.rollout.first_success
             self._outcome = self.rollout.finish()
             # What succeeds only after the policy has stopped is not its success.

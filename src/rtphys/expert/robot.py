@@ -232,6 +232,8 @@ class ExpertRobot:
         self, trajectory, ramps: dict[str, Array], until: dict[str, str], wait: float
     ) -> set[str]:
         arms = {side: self.world.robot.arm(side) for side in SIDES}
+        openings = {side: ramp.tolist() for side, ramp in ramps.items()}
+        paths = {side: _path_of(trajectory, side) for side in SIDES if side in self._moving}
         length = max(
             [len(trajectory) if trajectory is not None else 0]
             + [len(r) for r in ramps.values()]
@@ -241,22 +243,21 @@ class ExpertRobot:
         # The motion may end early once every arm that moves has met what it should stop at.
         moving = self._moving
         for k in range(length):
-            for j, (side, arm) in enumerate(arms.items()):
-                if trajectory is not None and side in moving and side not in stopped:
-                    row = min(k, len(trajectory) - 1)
-                    part = slice(6 * j, 6 * j + 6)
-                    arm.command(trajectory.q[row, part], trajectory.qd[row, part])
-                if side in ramps:
-                    arm.grip(float(ramps[side][min(k, len(ramps[side]) - 1)]))
+            for side, (q, qd) in paths.items():
+                if side not in stopped:
+                    row = min(k, len(q) - 1)
+                    arms[side].drive(q[row], qd[row])
+            for side, ramp in openings.items():
+                arms[side].grip(ramp[min(k, len(ramp) - 1)])
             self.rollout.tick()
             for side, prop in until.items():
                 if side not in stopped and self.hands.presses(side, prop):
                     stopped.add(side)
-                    arms[side].command(arms[side].target, np.zeros(6))
+                    arms[side].stop()
             if until and not ramps and stopped == moving:
                 break
         for arm in arms.values():
-            arm.command(arm.target, np.zeros(6))
+            arm.stop()
         return stopped
 
     def _settle(self) -> None:
@@ -266,3 +267,10 @@ class ExpertRobot:
             if max(errors) < SETTLED:
                 return
             self.rollout.tick()
+
+
+def _path_of(trajectory: Trajectory, side: str) -> tuple[list[list[float]], list[list[float]]]:
+    """Positions and velocities of one arm, a row a step, as plain floats."""
+    first = 6 * SIDES.index(side)
+    part = slice(first, first + 6)
+    return trajectory.q[:, part].tolist(), trajectory.qd[:, part].tolist()

@@ -57,7 +57,7 @@ class Contacts:
     def _read(self) -> dict[tuple[str, str], list[physx.PhysxContact]]:
         found: dict[tuple[str, str], list[physx.PhysxContact]] = {}
         owner = self._owner.get
-        for contact in self._world.scene.get_contacts():
+        for contact in self._world.solver.get_contacts():
             first, second = contact.bodies
             a, b = owner(first), owner(second)
             if a is not None and b is not None and a != b:

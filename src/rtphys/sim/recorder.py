@@ -71,21 +71,21 @@ class Recorder:
     def record(self, step: int) -> None:
         world = self._world
         robot, art = world.robot, world.robot.articulation
-        commands = [value for arm in robot.arms for value in (*arm.target.tolist(), arm.gripper)]
+        things = world.things.values()
         row = Row(
             time=step * TIME_STEP,
             stage=len(self.recording.stages) - 1,
-            arms=np.array(commands, float),
+            arms=np.array([value for arm in robot.arms for value in arm.commanded], float),
             ee=np.array([flat(arm.ee()) for arm in robot.arms]),
             qpos=np.array(art.qpos, float),
             qvel=np.array(art.qvel, float),
             effort=robot.effort(),
-            objects={o.name: flat(o.pose) for o in world.things.values()},
-            touched={o.name: self._touched(o.name) for o in world.things.values()},
+            objects={o.name: flat(o.pose) for o in things},
+            touched={o.name: self._touched(o.name) for o in things},
             packed=world.scene.pack_poses(),
         )
         self.recording.rows.append(row)
-        self._digest.update(np.float32(world.state()).tobytes())
+        self._digest.update(world.state().tobytes())
         self.recording.hash = self._digest.hexdigest()
 
     def _touched(self, name: str) -> tuple[bool, bool]:

@@ -1,5 +1,7 @@
 """The dual-arm robot in the simulator: servos, commands, measured states."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import sapien
 from sapien import physx
@@ -27,6 +29,7 @@ class SimArm:
         names = [j.name for j in art.active_joints]
         self.index = np.array([names.index(j) for j in limb.joints])
         self.finger_index = np.array([names.index(j) for j in limb.finger_joints])
+        self._columns = self.index.tolist()
         self._finger_columns = self.finger_index.tolist()
         self.joints = [art.active_joints[i] for i in self.index]
         self._fingers = [art.active_joints[i] for i in self.finger_index]
@@ -39,32 +42,56 @@ class SimArm:
         self.finger_links = [j.child_link for j in self._fingers]
         self.links = [*(j.child_link for j in self.joints), *self.finger_links]
         self._embodiment, self._articulation = body, art
-        self.target = np.array(limb.home, float)  # (6,) commanded [rad]
-        self.velocity = np.zeros(6)  # (6,) commanded [rad/s]
-        self._sent = self.target.tolist(), self.velocity.tolist()
+        # Plain floats: handing SAPIEN numpy's own costs half as much again, at every step.
+        self._q: list[float] = np.asarray(limb.home, float).tolist()
+        self._qd = [0.0] * len(self._q)
         self.gripper = 1.0  # commanded opening, 0 closed .. 1 open
-        self._send_arm()
+        for joint, home in zip(self.joints, self._q, strict=True):
+            joint.set_drive_target(home)
+            joint.set_drive_velocity_target(0.0)
         self._send_gripper()
+
+    @property
+    def target(self) -> Array:
+        """Commanded joint positions (6,) [rad]."""
+        return np.array(self._q)
+
+    @property
+    def velocity(self) -> Array:
+        """Commanded joint velocities (6,) [rad/s]."""
+        return np.array(self._qd)
+
+    @property
+    def commanded(self) -> list[float]:
+        """Commanded joint positions [rad] and opening, 7 numbers."""
+        return [*self._q, self.gripper]
 
     def command(self, q: Array, qd: Array) -> None:
         """Drive targets (6,) [rad] and their velocities [rad/s] from the next step on."""
-        sent = q.tolist(), qd.tolist()
-        if sent != self._sent:
-            self._sent = sent
-            self.target, self.velocity = np.array(q, float), np.array(qd, float)
-            self._send_arm()
+        self.drive(q.tolist(), qd.tolist())
+
+    def drive(self, q: list[float], qd: list[float]) -> None:
+        """`command` of plain floats, for what is said at every step. Only changes are sent."""
+        if q != self._q:
+            for joint, now, before in zip(self.joints, q, self._q, strict=True):
+                if now != before:
+                    joint.set_drive_target(now)
+            self._q = q
+        if qd != self._qd:
+            for joint, now, before in zip(self.joints, qd, self._qd, strict=True):
+                if now != before:
+                    joint.set_drive_velocity_target(now)
+            self._qd = qd
+
+    def stop(self) -> None:
+        """Keep the commanded posture from the next step on."""
+        self.drive(self._q, [0.0] * len(self._q))
 
     def grip(self, opening: float) -> None:
         """Gripper drive target, 0 closed .. 1 open."""
         if opening != self.gripper:
             self.gripper = float(opening)
             self._send_gripper()
-
-    def _send_arm(self) -> None:
-        # Plain floats: handing SAPIEN numpy's own costs half as much again, at every step.
-        for joint, q, v in zip(self.joints, *self._sent, strict=True):
-            joint.set_drive_target(q)
-            joint.set_drive_velocity_target(v)
 
     def _send_gripper(self) -> None:
         for joint, target in zip(self._fingers, self.finger_targets, strict=True):
@@ -77,6 +104,12 @@ class SimArm:
         base = self._embodiment.finger_target(self.gripper)
         return [multiplier * base + offset for multiplier, offset in self._mimics]
 
+    def wanted(self) -> Iterator[tuple[int, float, float]]:
+        """Of each joint: its place in qpos, drive target [rad, m] and target velocity."""
+        yield from zip(self._columns, self._q, self._qd, strict=True)
+        for column, target in zip(self._finger_columns, self.finger_targets, strict=True):
+            yield column, target, 0.0
+
     def measured(self) -> Array:
         """Joint positions (6,) [rad]."""
         return np.asarray(self._articulation.qpos, float)[self.index]
@@ -84,7 +117,7 @@ class SimArm:
     def gap(self) -> float:
         """Distance between the finger pads [m], from joint positions."""
         qpos = self._articulation.qpos
-        return sum(float(qpos[i]) for i in self._finger_columns)
+        return sum([float(qpos[i]) for i in self._finger_columns])
 
     def opening(self) -> float:
         """Measured opening 0..1: the gap over the gap that a fully open command makes."""
@@ -166,14 +199,15 @@ class SimRobot:
 
     def effort(self) -> Array:
         """(dof,) what each servo exerts now: k (target - q) + d (target velocity - qd)."""
-        gains = np.array([(j.stiffness, j.damping) for j in self._servoed], float)
-        target, pace = np.zeros(len(gains)), np.zeros(len(gains))  # zero: see _lock_scenery
+        art = self.articulation
+        wanted = [(0.0, 0.0)] * art.dof  # where it stays for the joints of _lock_scenery
         for arm in self.arms:
-            target[arm.index], pace[arm.index] = arm.target, arm.velocity
-            target[arm.finger_index] = arm.finger_targets
-        q = np.array(self.articulation.qpos, float)
-        qd = np.array(self.articulation.qvel, float)
-        return gains[:, 0] * (target - q) + gains[:, 1] * (pace - qd)
+            for i, q, qd in arm.wanted():
+                wanted[i] = q, qd
+        joints = zip(self._servoed, wanted, art.qpos.tolist(), art.qvel.tolist(), strict=True)
+        # Plain floats: for so few joints they beat arrays five to one.
+        efforts = [j.stiffness * (t - q) + j.damping * (w - v) for j, (t, w), q, v in joints]
+        return np.array(efforts, float)
 
     def link_owner(self) -> dict[str, str]:
         """Link name -> "left_gripper", "right_arm", ... or "robot", for contact queries."""

@@ -7,6 +7,7 @@ from rtphys.physics.values import Physics
 from rtphys.sim.engine import RATE
 from rtphys.sim.recorder import FRAME_STEPS, Recorder
 from rtphys.sim.view import SceneView
+from rtphys.sim.watch import Watch
 from rtphys.sim.world import World
 from rtphys.task.success import Condition
 
@@ -36,6 +37,7 @@ class Rollout:
         """
         self.poll = poll
         self.world, self.condition = world, condition
+        self._watch = Watch(condition)
         self.scene = SceneView(world, physics)
         self.recorder = Recorder(world, self.scene.contacts)
         self.steps = 0  # of the policy stage
@@ -52,10 +54,10 @@ class Rollout:
         self.world.step()
         self.steps += 1
         if self.steps % self.poll == 0:
-            now = self.condition.holds(self.scene)
+            now = self._watch.holds(self.scene)
         else:
             now = False
-            self.condition.remember(self.scene)
+            self._watch.remember(self.scene)
         if now and self.first_success is None:
             self.first_success = self.scene.time
         self.recorder.tick(self.steps)

@@ -5,11 +5,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import sapien
+from numpy.typing import NDArray
+from sapien import physx
 
 from rtphys.assets.pack import Pack
 from rtphys.errors import Infeasible, UnknownName
 from rtphys.physics.handles import GRAVITY, Blueprint
-from rtphys.poses import Array, Pose
+from rtphys.poses import Pose
 from rtphys.sim.body import SimBody, SimJoint, SimServo, SimSurface
 from rtphys.sim.engine import RATE, new_scene
 from rtphys.sim.factory import ObjectFactory
@@ -45,6 +47,9 @@ class World:
     def __init__(self, plan: WorldPlan) -> None:
         self.plan, self.blueprint = plan, plan.blueprint
         self.scene: sapien.Scene = new_scene(plan.visuals)
+        solver = self.scene.physx_system  # looked up once: it is asked at every step
+        assert isinstance(solver, physx.PhysxCpuSystem)
+        self.solver = solver
         self.room = Room(self.scene, plan.table, plan.blueprint)
         self.X_WT = self.room.X_WT
         self.robot = SimRobot(self.scene, plan.pack.embodiment(plan.embodiment))
@@ -53,8 +58,8 @@ class World:
         # After the task's own, so that these are built alike with clutter and without.
         plain = ObjectFactory(self.scene, plan.pack, self.X_WT, 1.0)
         self.clutter: dict[str, SimObject] = {p.name: plain.build(p) for p in plan.clutter}
-        table = self.room.table.find_component_by_type(sapien.physx.PhysxRigidStaticComponent)
-        assert isinstance(table, sapien.physx.PhysxRigidStaticComponent)
+        table = self.room.table.find_component_by_type(physx.PhysxRigidStaticComponent)
+        assert isinstance(table, physx.PhysxRigidStaticComponent)
         self._table_surface = SimSurface("table", table.collision_shapes)
         self._bodies = [b for o in self.objects.values() for b in o.bodies]
         embodiment = self.robot.embodiment
@@ -114,7 +119,7 @@ class World:
                 # Cleared by PhysX after every step, and applied at the centre of mass.
                 force = self.external_force * body.mass * GRAVITY
                 body.component.add_force_torque([force, 0.0, 0.0], [0.0, 0.0, 0.0])
-        self.scene.step()
+        self.solver.step()
         self.steps += 1
 
     def settle(self) -> None:
@@ -152,14 +157,15 @@ class World:
         """A world pose in the task frame."""
         return self.X_WT.inverse() @ pose
 
-    def state(self) -> Array:
+    def state(self) -> NDArray[np.float32]:
         """Joint positions, velocities and task body poses as one vector, for hashing."""
         art = self.robot.articulation
-        parts = [np.asarray(art.qpos), np.asarray(art.qvel)]
+        parts = [art.qpos, art.qvel]
         for thing in self.things.values():
             for link in thing.links.values():
-                parts += [np.asarray(link.entity_pose.p), np.asarray(link.entity_pose.q)]
-        return np.concatenate(parts).astype(float)
+                pose = link.entity_pose
+                parts += [pose.p, pose.q]
+        return np.concatenate(parts)
 
 
 def _rest_spin(prop: Prop) -> float:

@@ -1,0 +1,37 @@
+"""A success condition that is asked again and again: what failed last is asked first."""
+
+from rtphys.task.scene import Scene
+from rtphys.task.success import Condition
+
+
+class Watch:
+    """Answers as `condition.holds` does, a condition of many parts mostly for the price of one.
+
+    Little changes between two looks: the part that did not hold will mostly not hold yet.
+    """
+
+    def __init__(self, condition: Condition) -> None:
+        parts = condition.parts or (condition,)
+        self._remembering = [part for part in parts if part.remembers]
+        others = [part for part in parts if not part.remembers]
+        # Cheap ones before all others: asking them in vain costs little.
+        self._others = [[p for p in others if p.quick], [p for p in others if not p.quick]]
+
+    def holds(self, scene: Scene) -> bool:
+        """Whether all parts hold now; those that remember are asked in any case."""
+        verdicts = [part.holds(scene) for part in self._remembering]
+        return all(verdicts) and all(_all_hold(parts, scene) for parts in self._others)
+
+    def remember(self, scene: Scene) -> None:
+        """Show an instant to the parts that remember, without asking the others."""
+        for part in self._remembering:
+            part.holds(scene)
+
+
+def _all_hold(parts: list[Condition], scene: Scene) -> bool:
+    """Moves the first part that does not hold to the front."""
+    for i, part in enumerate(parts):
+        if not part.holds(scene):
+            parts.insert(0, parts.pop(i))
+            return False
+    return True
