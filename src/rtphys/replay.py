@@ -28,6 +28,7 @@ def replay(recipe: Recipe, task: Task, pack: Pack, actions: Array) -> bool:
         settle(instance)
         rollout = start(instance)
         rollout.max_steps = 10**9  # actions are what is limited here, not steps
+        rollout.records = False
         control = PolicyControl(rollout)
         return any(control.act(action) for action in actions[: task.step_limit])
     except Infeasible:

@@ -108,5 +108,10 @@ class SimObject:
 
     def points(self) -> Array:
         """Collision vertices of all links, world frame (n, 3) [m]."""
-        parts = [from_sapien(c.entity_pose) @ body_points(c) for c in self.links.values()]
+        parts = [from_sapien(c.entity_pose) @ vertices for c, vertices in self._vertices]
         return np.vstack(parts)
+
+    @cached_property
+    def _vertices(self) -> list[tuple[AnyBody, Array]]:
+        """Each link's collision vertices (n, 3), its own frame [m]: shapes are final once built."""
+        return [(c, body_points(c)) for c in self.links.values()]

@@ -40,6 +40,7 @@ class Rollout:
         self._watch = Watch(condition)
         self.scene = SceneView(world, physics)
         self.recorder = Recorder(world, self.scene.contacts)
+        self.records = True  # false: only the verdict is wanted
         self.steps = 0  # of the policy stage
         self.max_steps = step_limit * FRAME_STEPS
         self.first_success: float | None = None
@@ -60,7 +61,8 @@ class Rollout:
             self._watch.remember(self.scene)
         if now and self.first_success is None:
             self.first_success = self.scene.time
-        self.recorder.tick(self.steps)
+        if self.records:
+            self.recorder.tick(self.steps)
         if self.steps > self.max_steps:
             raise Infeasible("too_slow", f"not done after {self.max_steps / RATE:.1f} s")
         return now
