@@ -29,6 +29,8 @@ from rtphys.task import (
 INTO = Placing(mode="free", pre=0.08, gap=0.012, along="point")
 SAG = 0.06  # [rad] of the pan that is corrected
 TCP, FINGER, HALF_PAD = 0.12, 0.0356, 0.0305  # [m] ee to TCP, TCP to fingertips, pad's half width
+SLOWLY = 0.5  # share of the usual speed: shaken less, the pan turns less in the hand
+ABOVE = 0.2  # [m] lift of the bread: from lower down, its way to the pan grazes the rim
 HEIGHT = 0.86  # [m] of the pan's floor
 # A toy pan and dry bread: by its handle a hand can hardly keep heavier ones level.
 PAN_KG, BREAD_KG = 0.12, 0.01  # [kg]
@@ -109,7 +111,7 @@ def present(robot: Robot, holder: Arm, other: Arm) -> bool:
             goal = side * x, y, side * yaw
 
             def hold(goal=goal) -> None:
-                robot.do(holder.carry("skillet", [level(robot.scene, *goal)]))
+                robot.do(holder.carry("skillet", [level(robot.scene, *goal)], speed=SLOWLY))
 
             if robot.tried(hold):
                 if robot.scene.functional("skillet", 0).R[2, 2] < np.cos(SAG):
@@ -129,7 +131,7 @@ def script(robot: Robot) -> None:
 
     robot.retake(take)
     robot.do(other.grasp("bread", pre=0.07))
-    robot.do(holder.lift(0.1), other.lift(0.12))
+    robot.do(holder.lift(0.1), other.lift(ABOVE))
     if not present(robot, holder, other):
         raise Infeasible("unreachable", "the hands cannot bring pan and bread together")
     robot.do(other.lift(0.06))

@@ -179,9 +179,9 @@ class ExpertArm:
     def shift(self, x: float = 0, y: float = 0, z: float = 0, turn: Sequence[float] = ()) -> Motion:
         return self._motion("shift", Shift((x, y, z), turn=tuple(turn)))
 
-    def lift(self, z: float) -> Motion:
+    def lift(self, z: float, speed: float = 1.0) -> Motion:
         shares = (1.0, 0.85, 0.7, 0.5)
-        return self._motion("lift", Shift((0.0, 0.0, z), shares=shares))
+        return self._motion("lift", Shift((0.0, 0.0, z), speed=speed, shares=shares))
 
     def retreat(self, distance: float) -> Motion:
         shares = (1.0, 0.75, 0.5)
@@ -207,19 +207,24 @@ class ExpertArm:
     def line(self, goal: Pose, speed: float = 1.0, until: str = "") -> Motion:
         return self._motion("line", Line(goal, speed=speed, until=until))
 
-    def sweep(self, *paths: Sequence[Pose], seconds: float = 0.0, prop: str = "") -> Motion:
+    def sweep(
+        self, *paths: Sequence[Pose], seconds: float = 0.0, prop: str = "", speed: float = 1.0
+    ) -> Motion:
         self.robot.refresh()
         for path in paths:
             q = self.robot.path_posture(self.side, path)
             if q is not None and self.robot.clear_at(self.side, q, prop):
-                steps = (Reach((path[0],), tuple(q.tolist())), Follow(tuple(path[1:]), seconds))
+                reach = Reach((path[0],), tuple(q.tolist()), speed=speed)
+                steps = (reach, Follow(tuple(path[1:]), seconds))
                 return self._motion(f"sweep {prop}".strip(), *steps)
         raise Infeasible("unreachable", f"no way for the {self.side} hand along {prop or 'a path'}")
 
-    def carry(self, prop: str, *paths: Sequence[Pose], seconds: float = 0.0) -> Motion:
+    def carry(
+        self, prop: str, *paths: Sequence[Pose], seconds: float = 0.0, speed: float = 1.0
+    ) -> Motion:
         X_PE = self.robot.scene.pose(prop).inverse() @ self.ee()
         hands = [[pose @ X_PE for pose in path] for path in paths]
-        return self.sweep(*hands, seconds=seconds, prop=prop)
+        return self.sweep(*hands, seconds=seconds, prop=prop, speed=speed)
 
     def close(self, opening: float = 0.0, holds: str = "") -> Motion:
         return self._motion("close", Grip(opening, holds=holds))

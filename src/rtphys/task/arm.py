@@ -168,7 +168,7 @@ class Arm(Protocol):
         """Straight line by a task-frame displacement [m]; `turn`: new ee orientation wxyz."""
         ...
 
-    def lift(self, z: float) -> Motion:
+    def lift(self, z: float, speed: float = 1.0) -> Motion:
         """Straight up by z [m], or as far as the arm reaches (at least half of it)."""
         ...
 
@@ -196,7 +196,9 @@ class Arm(Protocol):
         """Straight line of the ee to a pose, or until it presses on a prop."""
         ...
 
-    def sweep(self, *paths: Sequence[Pose], seconds: float = 0.0, prop: str = "") -> Motion:
+    def sweep(
+        self, *paths: Sequence[Pose], seconds: float = 0.0, prop: str = "", speed: float = 1.0
+    ) -> Motion:
         """Reach the start of the first feasible path, then follow it in one motion.
 
         Args:
@@ -204,13 +206,16 @@ class Arm(Protocol):
                 branch is taken.
             seconds: least duration of the path itself.
             prop: what the hand may touch at the start.
+            speed: share of the usual one on the way to the start of the path.
 
         Raises:
             Infeasible: "unreachable", when no path is.
         """
         ...
 
-    def carry(self, prop: str, *paths: Sequence[Pose], seconds: float = 0.0) -> Motion:
+    def carry(
+        self, prop: str, *paths: Sequence[Pose], seconds: float = 0.0, speed: float = 1.0
+    ) -> Motion:
         """Sweep the held prop itself through poses of its frame; else as `sweep`."""
         ...
 
