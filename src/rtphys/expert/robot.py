@@ -38,6 +38,7 @@ class ExpertRobot:
         self._moving: set[str] = set()  # arms of the step being carried out
         self._intended: dict[str, Array] = {}  # where verbs said since the last `do` will end
         self._at: dict[str, str] = {}  # and around which prop
+        self._told: tuple[int, set[str]] | None = None  # when the planner last saw everything
         self.left, self.right = ExpertArm(self, "left"), ExpertArm(self, "right")
         self.refresh()
 
@@ -160,7 +161,10 @@ class ExpertRobot:
     def refresh(self) -> None:
         """Tell the planner where everything is now."""
         held = set(self.hands.holding.values())
-        self.planner.set_obstacles(obstacles_of(self.world, without=held))
+        now = self.rollout.steps, held
+        if now != self._told:  # nothing moves between two steps
+            self.planner.set_obstacles(obstacles_of(self.world, without=held))
+            self._told = now
 
     def _together(self, steps: dict[str, Step]) -> None:
         """One step of one or both arms, at the same time."""

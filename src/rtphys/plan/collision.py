@@ -88,14 +88,18 @@ class CollisionChecker:
     def set_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
         """Replace all obstacles. Those with the name of a carried body are left out."""
         carried = {item.body.name for item in self._carried}
-        self._obstacles = [
-            Item(
-                Body(obstacle.name, OBSTACLE),
-                *(0, pin.SE3(obstacle.pose.R, obstacle.pose.p), self._shape(obstacle.vertices)),
-            )
-            for obstacle in obstacles
-            if obstacle.name not in carried
-        ]
+        self._obstacles = []
+        # The parts of a body follow one another and share its pose.
+        body, pose, X_WO = Body("", OBSTACLE), None, pin.SE3.Identity()
+        for obstacle in obstacles:
+            if obstacle.name in carried:
+                continue
+            if obstacle.name != body.name:
+                body = Body(obstacle.name, OBSTACLE)
+            if obstacle.pose is not pose:
+                pose = obstacle.pose
+                X_WO = pin.SE3(pose.R, pose.p)
+            self._obstacles.append(Item(body, 0, X_WO, self._shape(obstacle.vertices)))
         self._model = None
 
     def attach(self, side: Side, name: str, vertices: Array) -> None:

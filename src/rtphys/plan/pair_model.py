@@ -112,7 +112,8 @@ class PairModel:
         placed = zip(self.data.oMg, self._balls, strict=True)
         centres = np.array([X_WG.act(centre) for X_WG, (centre, _) in placed])
         radii = np.array([radius for _, radius in self._balls])
-        gaps = np.linalg.norm(centres[:, None] - centres, axis=2) - radii[:, None] - radii
+        offsets = centres[:, None] - centres
+        gaps = np.sqrt(np.einsum("ijk,ijk->ij", offsets, offsets)) - radii[:, None] - radii
         # Pairs that are not checked have no margin, and nothing is less than NaN.
         near = gaps < self._margins_in_force + _SLACK
         return np.sort(self.geometry.collisionPairMapping[near]).tolist()
