@@ -9,6 +9,7 @@ import numpy as np
 from rtphys.task import (
     DOWN,
     UP_Z,
+    Arm,
     Draw,
     Infeasible,
     Mesh,
@@ -27,9 +28,12 @@ from rtphys.task import (
 
 UPRIGHT_RACK = (-0.22, -0.22, 0.67, 0.67)
 AJAR = 0.35  # opening with which a finger fits into the mug
+SLOWLY = 0.5  # share of the usual speed: shaken less, a heavy mug turns less in the hand
 MIDDLE = Pose((0.03, -0.15, 0.74), DOWN)
-DOWN_THERE = Placing(mode="free", pre=0.06, gap=0.0, along="point")
-DEEP = 0.046  # [m] from the peg's tip to where the handle is let go, just before the bend
+DOWN_THERE = Placing(mode="free", pre=0.06, gap=0.0, along="point", speed=SLOWLY)
+SLID = 0.007  # [m] in the hand that lifts it: such a mug is hardly held, and lost at the next jolt
+BACK = 0.06  # [m] that frees the fingers from the hanging mug
+DEEP = 0.054  # [m] from the peg's tip to where the handle is let go: past the bend, or it may stick
 
 
 def layout(draw: Draw):
@@ -66,22 +70,55 @@ def hangings(scene: Scene) -> list[list[Pose]]:
     return found
 
 
+def leaving_room(robot: Robot, arm: Arm, ways: list[list[Pose]]) -> list[list[Pose]]:
+    """Those ways of hanging the mug after which the hand can draw straight back."""
+    X_ME = robot.scene.pose("mug").inverse() @ arm.ee()
+    found = []
+    for way in ways:
+        back = way[-1].moved(-BACK * (way[-1] @ X_ME).R[:, 0])
+        if robot.tried(lambda way=way, back=back: arm.carry("mug", [*way, back])):
+            found.append(way)
+    return found
+
+
+def lift(robot: Robot, arm: Arm, height: float) -> float:
+    """Lift the mug; how far it slid down in the hand meanwhile [m]."""
+
+    def above() -> float:
+        return float(arm.ee().p[2] - robot.scene.pose("mug").p[2])
+
+    before = above()
+    robot.do(arm.lift(height, SLOWLY))
+    return above() - before
+
+
+def check(slid: float) -> None:
+    """Give up a mug that has slid [m] too far in its hand."""
+    if slid > SLID:
+        raise Infeasible("slipped", f"the mug slid by {1e3 * slid:.0f} mm as it was lifted")
+
+
 def script(robot: Robot) -> None:
     left, right, scene = robot.left, robot.right, robot.scene
+    slid: list[float] = []
 
     def take() -> None:
         robot.do(left.close(AJAR), right.close(AJAR))
         robot.do(left.grasp("mug", pre=0.06))
-        robot.do(left.lift(0.08))
+        slid.append(lift(robot, left, 0.08))
 
     robot.retake(take)
+    check(slid[-1])
     robot.do(left.place("mug", MIDDLE, how=DOWN_THERE))
     robot.do(left.lift(0.1))
     robot.do(left.home(), right.grasp("mug", pre=0.06))
-    robot.do(right.lift(0.15))
-    robot.do(right.carry("mug", *hangings(scene)))
+    check(lift(robot, right, 0.15))
+    ways = hangings(scene)
+    robot.do(right.carry("mug", *leaving_room(robot, right, ways), *ways, speed=SLOWLY))
     robot.do(right.open(0.6))
-    robot.tried(lambda: robot.do(right.retreat(0.1)))
+    for far in (0.1, 0.05):  # or as far of it as the arm can fold
+        if robot.tried(lambda far=far: robot.do(right.retreat(far))):
+            break
     robot.do(right.home())
     robot.do(right.open())
     if not on_peg(scene):
