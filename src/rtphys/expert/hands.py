@@ -141,7 +141,7 @@ class Hands:
                 self.rollout.tick()
             else:
                 raise Infeasible("slipped", f"{prop} left the {side} hand")
-        for prop in set(self.holding.values()):
+        for prop in dict.fromkeys(self.holding.values()):
             self._wait_for_calm(prop)
         self._follow_sag()
 
@@ -187,7 +187,7 @@ class Hands:
     def pace(self) -> float:
         """Share of the usual speed that the present load allows."""
         margins = []
-        for prop in set(self.holding.values()):
+        for prop in dict.fromkeys(self.holding.values()):
             sides = [s for s in SIDES if self.holding.get(s) == prop]
             margins.append(hold_margin(self.world, prop, sides))
         return self.care * min((pace_of(m) for m in margins), default=1.0)
