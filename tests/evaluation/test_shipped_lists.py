@@ -44,3 +44,14 @@ def test_the_expert_solves_the_first_instance(task: str, protocol: str, pack: Pa
     (path,) = (p for p in LISTS if (p.stem, p.parent.name) == (task, protocol))
     first = read_instances(path).feasible[0]
     assert attempt(Recipe(task, first.seed, protocol), load_task(task), pack).accepted
+
+
+@pytest.mark.sim
+@pytest.mark.slow
+@pytest.mark.parametrize("path", LISTS, ids=lambda p: f"{p.parent.name}-{p.stem}")
+def test_the_expert_still_moves_as_listed(path: Path, pack: Pack) -> None:
+    """A change of planner, control or simulation shows here, though no task file changed."""
+    first = read_instances(path).feasible[0]
+    recipe = Recipe(path.stem, first.seed, path.parent.name)
+    recording = attempt(recipe, load_task(recipe.task), pack).recording
+    assert recording is not None and recording.hash.startswith(first.state)
