@@ -112,7 +112,7 @@ def script(robot: Robot) -> None:
         if passed and name == passed[0]:
             passed.pop(0)
             robot.do(place_at_first(right, name, halfway(scene, name), STAND, 0), *home)
-            robot.do(right.retreat(0.1))
+            robot.do(right.lift(0.15))  # drawing back, it would sweep over what stands behind
             away, home = (right.home(),), ()
         robot.do(*home)
         robot.do(left.grasp(name, pre=0.1, aim=Aim(over_bin(scene, name)[0], 0, OVER)), *away)
