@@ -33,6 +33,9 @@ UPPER = (0, *range(2, 9))
 TIP = 0.1556  # [m] ee to fingertips
 HALF_PAD = 0.0305  # [m] of the giver's fingers, along the microphone
 UPWARD = 0.2  # [rad] of the offered tail: hands that point up at the middle are out of reach
+LOWEST = 0.88  # [m] of a tail that is offered at 0.95 or higher
+SWUNG = 0.13  # [rad] when let go: a tail held so weakly stays in the hand by luck alone
+OFFERS = 4  # ways of holding it out after the first
 GRIP = 0.034  # [m] of the tail that the receiver takes, where the giver leaves as much
 
 
@@ -80,6 +83,25 @@ def takes(scene: Scene, giver: Arm) -> list[list[Pose]]:
     return found
 
 
+def meet(robot: Robot, giver: Arm, taker: Arm) -> None:
+    """Bring the receiver's hand to the tail, held out in other ways if it cannot be reached."""
+
+    def reach() -> None:
+        robot.do(taker.sweep(*takes(robot.scene, giver), prop="microphone"))
+
+    if robot.tried(reach):
+        return
+    tried = 0
+    for way in offers(robot.scene, taker)[1::2]:
+        if robot.tried(lambda way=way: robot.do(giver.carry("microphone", way))):
+            if robot.tried(reach):
+                return
+            tried += 1
+        if tried == OFFERS:
+            break
+    raise Infeasible("unreachable", "the hands cannot meet on the microphone")
+
+
 def script(robot: Robot) -> None:
     giver = robot.nearest("microphone")
     taker = robot.other(giver)
@@ -88,12 +110,18 @@ def script(robot: Robot) -> None:
         robot.do(giver.grasp("microphone", UPPER, pre=0.1))
         robot.do(giver.lift(0.12))
         robot.do(giver.carry("microphone", *offers(robot.scene, taker)))
+        if robot.scene.functional("microphone", 0).p[2] < LOWEST:
+            raise Infeasible("slipped", "the microphone hangs down")
 
     robot.retake(take)
-    robot.do(taker.sweep(*takes(robot.scene, giver), prop="microphone"))
+    meet(robot, giver, taker)
     robot.do(taker.close(holds="microphone"))
+    before = taker.ee().inverse() @ robot.scene.pose("microphone")
     robot.do(giver.open())
     robot.do(giver.retreat(0.07))
+    after = taker.ee().inverse() @ robot.scene.pose("microphone")
+    if 2 * np.arccos(min(abs(before.q @ after.q), 1.0)) > SWUNG:
+        raise Infeasible("slipped", "the microphone swings down in the receiver's hand")
     aside = 0.08 if taker.side == "right" else -0.08
     robot.do(taker.shift(x=aside), giver.home())
     if not over_there(robot.scene, taker.side):
