@@ -8,7 +8,7 @@ import pytest
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.control import LOST_STEPS
 from rtphys.episode import Observation, PolicyEpisode, begin
-from rtphys.errors import BadValue, UnknownName
+from rtphys.errors import BadFile, BadValue, UnknownName
 from rtphys.generate import attempt
 from rtphys.policies import PolicySetup, Stepwise, open_policy
 from rtphys.poses import Array, Pose, axis_angle
@@ -101,7 +101,7 @@ def test_tracked_actions_take_a_frame_each_and_do_not_stop_between(episode: Poli
         commanded.append(episode.observe().vector)
     speed = np.diff([rest[0], *(row[0] for row in commanded)]) / (FRAME_STEPS * TIME_STEP)
     top = int(speed.argmax())
-    assert speed[top] > 1.0  # [rad/s]; single frames from rest to rest come to 0.15 of it
+    assert speed[top] > 1.0  # [rad/s]; from rest to rest a frame averages 0.15
     assert (np.diff(speed[: top + 1]) > 0).all() and (np.diff(speed[top:]) < 1e-9).all()
     np.testing.assert_allclose(commanded[-1], goal, atol=1e-9)
     assert episode.taken == 20 and episode.unreachable == 0
@@ -196,13 +196,21 @@ def test_a_stepwise_policy_acts_out_its_chunks(episode: PolicyEpisode) -> None:
 
 
 def test_a_policy_of_ones_own(tmp_path, episode: PolicyEpisode) -> None:
-    file = tmp_path / "still_life.py"
-    file.write_text("from rtphys.policies.idle import Idle\ndef make(setup):\n    return Idle()\n")
+    file = tmp_path / "random.py"  # as a module of Python's own, and of another folder below
+    (tmp_path / "neighbour.py").write_text("from rtphys.policies.idle import Idle\n")
+    file.write_text("from neighbour import Idle\ndef make(setup):\n    return Idle()\n")
     episode.step_limit = 2
     open_policy(f"python:{file}:make", PolicySetup(TASK)).play(episode)
     assert episode.reason == "step_limit"
+    other = tmp_path / "other" / "random.py"
+    other.parent.mkdir()
+    other.write_text("def make(setup):\n    return 'nothing that plays'\n")
+    with pytest.raises(BadValue, match="made a str"):
+        open_policy(f"python:{other}:make")
     with pytest.raises(UnknownName, match="did you mean 'make'"):
         open_policy(f"python:{file}:mak")
+    with pytest.raises(BadFile, match="no such policy file"):
+        open_policy(f"python:{tmp_path / 'absent.py'}:make")
     with pytest.raises(BadValue, match="no module"):
         open_policy("python:no_such_module_here:make")
     with pytest.raises(UnknownName, match="did you mean 'idle'"):

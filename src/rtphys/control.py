@@ -15,12 +15,14 @@ from rtphys.sim.recorder import FRAME_STEPS
 from rtphys.sim.rollout import Rollout
 
 ActionKind = Literal["qpos", "ee", "delta_ee", "tracked_qpos"]
+_JOINTS = (14, "left arm 6 [rad], left gripper 0..1, right arm 6, right gripper")
 SHAPES = {
-    "qpos": (14, "left arm 6 [rad], left gripper 0..1, right arm 6, right gripper"),
+    "qpos": _JOINTS,
     "ee": (16, "left ee xyz [m] + wxyz, left gripper 0..1, right ee, right gripper"),
     "delta_ee": (16, "left ee shift xyz [m] + turn wxyz, left gripper 0..1, right ee and gripper"),
-    "tracked_qpos": (14, "left arm 6 [rad], left gripper 0..1, right arm 6, right gripper"),
+    "tracked_qpos": _JOINTS,
 }
+POSE_KINDS = ("ee", "delta_ee")
 QUATERNIONS = np.array([[3, 4, 5, 6], [11, 12, 13, 14]])  # where they stand in 16 numbers
 ACTION_SIZE = SHAPES["qpos"][0]
 # [rad/s], [rad/s^2] of one action: no harsher than the expert, whose loads would be shaken loose.
@@ -58,7 +60,7 @@ class PolicyControl:
                 still. "delta_ee": as "ee", the shift in world axes and the turn about the ee's
                 origin in world axes, both from the pose that is commanded now. "tracked_qpos":
                 as "qpos", but the arms head for the targets for one frame only, and the next
-                such action bends their motion. Of another kind, it begins where they stop dead.
+                such action bends their motion. One of another kind begins with a dead stop.
 
         Raises:
             BadValue: wrong shape, not finite, or a quaternion without length.
@@ -67,10 +69,7 @@ class PolicyControl:
         """
         action = self._checked(action, kind)
         arms = self.rollout.world.robot.arms
-        if kind == "tracked_qpos":
-            return self._track([action[:6], action[7:13]], np.clip(action[[6, 13]], 0.0, 1.0))
-        self._trackers = []
-        if kind == "qpos":
+        if kind not in POSE_KINDS:
             goals, grips = [action[:6], action[7:13]], action[[6, 13]]
             lost = 0
         else:
@@ -80,7 +79,7 @@ class PolicyControl:
             goals = [arm.target if q is None else q for arm, q in zip(arms, found, strict=True)]
         self.actions += 1
         self.unreachable += lost
-        paths = self._paths(goals)
+        paths = self._tracked(goals) if kind == "tracked_qpos" else self._paths(goals)
         least = LOST_STEPS if lost == len(arms) else FRAME_STEPS
         return self._run(paths, np.clip(grips, 0.0, 1.0), least)
 
@@ -108,16 +107,17 @@ class PolicyControl:
         action = np.asarray(action, float)
         if action.shape != (size,) or not np.isfinite(action).all():
             raise BadValue("action", action.tolist(), f"it is {size} finite numbers: {what}")
-        if size != ACTION_SIZE and np.linalg.norm(action[QUATERNIONS], axis=1).min() < 0.1:
+        if kind in POSE_KINDS and np.linalg.norm(action[QUATERNIONS], axis=1).min() < 0.1:
             raise BadValue("action", action.tolist(), "its quaternions have length 1")
         return action
 
     def _paths(self, goals: list[Array]) -> list[Trajectory]:
-        """Straight motions of both arms that take the same time, a frame at least.
+        """Straight motions of both arms from rest, of equal length: a frame at least.
 
         A small motion fills its frame: at full acceleration and with a rest after it, every frame
         of a slow transfer would shake the load.
         """
+        self._trackers = []
         arms = self.rollout.world.robot.arms
         ways = [
             Straight(arm.target, np.clip(goal, *arm.limb.limits.T), LIMITS)
@@ -126,23 +126,14 @@ class PolicyControl:
         steps = max(FRAME_STEPS, *(way.steps for way in ways))
         return [way.sampled(steps) for way in ways]
 
-    def _track(self, goals: list[Array], grips: Array) -> bool:
-        """One frame towards the targets, from whatever speed the arms have."""
-        self.actions += 1
+    def _tracked(self, goals: list[Array]) -> list[Trajectory]:
+        """The next frame of motions towards these targets, from whatever speed the arms have."""
         arms = self.rollout.world.robot.arms
         if not self._trackers:
             self._trackers = [Tracker(arm.target, LIMITS) for arm in arms]
         for arm, tracker, goal in zip(arms, self._trackers, goals, strict=True):
             tracker.follow(np.clip(goal, *arm.limb.limits.T))
-        before = [arm.gripper for arm in arms]
-        for k in range(1, FRAME_STEPS + 1):
-            for arm, tracker, g0, g1 in zip(arms, self._trackers, before, grips, strict=True):
-                q, qd = tracker.step()
-                arm.drive(q.tolist(), qd.tolist())
-                arm.grip(float(g0 + k / FRAME_STEPS * (g1 - g0)))
-            if self.rollout.tick():
-                return True
-        return False
+        return [tracker.advance(FRAME_STEPS) for tracker in self._trackers]
 
     def _run(self, paths: list[Trajectory], grips: Array, least: int) -> bool:
         arms = self.rollout.world.robot.arms

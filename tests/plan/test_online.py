@@ -58,8 +58,8 @@ def test_ruckig_agrees_where_limits_are_equal() -> None:
     motion = fastest(np.zeros(6), goal, LIMITS)
     tracker = Tracker(np.zeros(6), LIMITS, DT)
     tracker.follow(goal)
-    tracked = np.array([tracker.step()[0] for _ in range(len(motion) - 1)])
-    np.testing.assert_allclose(motion.q[1:, 0], tracked[:, 0], atol=5e-3)  # the leading joint
+    tracked = tracker.advance(len(motion) - 1)
+    np.testing.assert_allclose(motion.q[:, 0], tracked.q[:, 0], atol=5e-3)  # the leading joint
 
 
 def test_not_a_number_is_refused() -> None:
@@ -73,22 +73,21 @@ def test_tracker_reaches_its_target_and_stays() -> None:
     tracker = Tracker(np.zeros(6), LIMITS, DT)
     goal = np.array([0.5, -0.3, 0.1, 0, 0, 0.2])
     tracker.follow(goal)
-    states = [tracker.step() for _ in range(300)]
-    np.testing.assert_allclose(states[-1][0], goal, atol=1e-9)
-    np.testing.assert_allclose(states[-1][1], 0, atol=1e-9)
+    motion = tracker.advance(300)
+    np.testing.assert_allclose(motion.q[-1], goal, atol=1e-9)
+    np.testing.assert_allclose(motion.qd[-1], 0, atol=1e-9)
 
 
 def test_tracker_bends_without_breaking_limits() -> None:
     rng = np.random.default_rng(0)
     tracker = Tracker(np.zeros(6), LIMITS, DT)
-    q, qd = [np.zeros(6)], [np.zeros(6)]
+    q, qd = np.zeros((1, 6)), np.zeros((1, 6))
     for _ in range(40):
         tracker.follow(rng.uniform(-1, 1, 6))
-        for _ in range(15):
-            position, velocity = tracker.step()
-            q.append(position)
-            qd.append(velocity)
-    q, qd = np.array(q), np.array(qd)
+        motion = tracker.advance(15)
+        np.testing.assert_array_equal(motion.q[0], q[-1])  # it goes on where it was
+        np.testing.assert_array_equal(motion.qd[0], qd[-1])
+        q, qd = np.concatenate([q, motion.q[1:]]), np.concatenate([qd, motion.qd[1:]])
     assert np.abs(qd).max() <= 2 * (1 + 1e-6)
     assert np.abs(np.diff(qd, axis=0)).max() / DT <= 6 * (1 + 1e-6)
     np.testing.assert_allclose(np.diff(q, axis=0), (qd[1:] + qd[:-1]) * DT / 2, atol=6 * DT**2 / 4)
@@ -97,9 +96,9 @@ def test_tracker_bends_without_breaking_limits() -> None:
 
 def test_still_tracker_stays() -> None:
     tracker = Tracker(np.full(6, 0.3), LIMITS, DT)
-    position, velocity = tracker.step()
-    np.testing.assert_allclose(position, 0.3)
-    np.testing.assert_allclose(velocity, 0)
+    motion = tracker.advance(1)
+    np.testing.assert_allclose(motion.q, 0.3)
+    np.testing.assert_allclose(motion.qd, 0)
 
 
 def test_gripper_ramp_has_constant_speed_and_exact_ends() -> None:

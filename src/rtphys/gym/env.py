@@ -36,12 +36,12 @@ class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
     Args:
         task: as in `rtphys tasks`.
         protocol: clean, official_random, phys_random, phys_random_all, or a library's own.
-        control: "official", each action is a motion from rest to rest and lasts as long as that
-            does; "tracking", each lasts one frame (60 ms), and the arms go on from the speed that
-            they have, as a real robot's do.
         obs: "state" (commands, measurements, object poses) or "pixels" (commands, pictures).
         show_physics: adds the 13 attributes to observations, under "physics".
         render_mode: "rgb_array", what the head camera sees.
+        control: "official", each action is a motion from rest to rest and lasts as long as that
+            does; "tracking", each lasts one frame (60 ms), and the arms go on from the speed that
+            they have, as a real robot's do.
 
     Raises:
         UnknownName: no such task, protocol, control or kind of observation.

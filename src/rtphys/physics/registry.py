@@ -1,7 +1,6 @@
 """Finds attributes in this package, in users' libraries and among plug-ins: no list to edit."""
 
 import importlib
-import importlib.util
 import inspect
 import pkgutil
 from functools import lru_cache
@@ -13,6 +12,7 @@ from rtphys import library
 from rtphys.errors import BadFile, UnknownName
 from rtphys.physics import attributes as bundled
 from rtphys.physics.attribute import Attribute, Attributes
+from rtphys.python_file import load_file
 
 ENTRY_POINTS = "rtphys.attributes"
 
@@ -54,24 +54,14 @@ def _classes(files: tuple[Path, ...]) -> list[tuple[type[Attribute], str]]:
     for info in pkgutil.iter_modules(bundled.__path__):
         module = importlib.import_module(f"{bundled.__name__}.{info.name}")
         classes.append((_only_attribute(module, info.name), str(module.__file__)))
-    classes += [(_only_attribute(_load(path), path.stem), str(path)) for path in files]
+    classes += [
+        (_only_attribute(load_file(path, "attribute"), path.stem), str(path)) for path in files
+    ]
     for entry in entry_points(group=ENTRY_POINTS):
         cls = entry.load()
         _check_class(cls, entry.name, entry.value)
         classes.append((cls, entry.value))
     return classes
-
-
-def _load(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(f"rtphys_attribute_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise BadFile(path, "is not a Python file")
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise BadFile(path, f"cannot be imported: {type(error).__name__}: {error}") from error
-    return module
 
 
 def _only_attribute(module: ModuleType, key: str) -> type[Attribute]:

@@ -94,17 +94,22 @@ class Tracker:
             raise ValueError(f"a target joint position is not finite: {target.tolist()}")
         self._wanted.target_position = target.tolist()
 
-    def step(self) -> tuple[Array, Array]:
-        """Advance by dt: position (d,) [rad] and velocity (d,) [rad/s].
+    def advance(self, steps: int) -> Trajectory:
+        """The motion of the next steps: steps + 1 samples, from where it is now.
 
         Raises:
             Infeasible: "retime_failed", ruckig found no way to the target.
         """
-        result = self._ruckig.update(self._wanted, self._state)
-        if result not in (Result.Working, Result.Finished):
-            raise Infeasible("retime_failed", f"tracking: {result}")
-        self._state.pass_to_input(self._wanted)
-        return np.array(self._state.new_position), np.array(self._state.new_velocity)
+        now = self._wanted
+        q, qd = [now.current_position], [now.current_velocity]
+        for _ in range(steps):
+            result = self._ruckig.update(self._wanted, self._state)
+            if result not in (Result.Working, Result.Finished):
+                raise Infeasible("retime_failed", f"tracking: {result}")
+            self._state.pass_to_input(self._wanted)
+            q.append(self._state.new_position)
+            qd.append(self._state.new_velocity)
+        return Trajectory(np.array(q), np.array(qd))
 
 
 def gripper_ramp(g0: float, g1: float, seconds: float, dt: float = TIME_STEP) -> Array:

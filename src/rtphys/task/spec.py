@@ -1,14 +1,13 @@
 """A task: pure data and two functions, loaded by path from a library."""
 
 import hashlib
-import importlib.util
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtphys import library
 from rtphys.errors import BadFile, Infeasible
+from rtphys.python_file import load_file
 from rtphys.task.arm import Robot
 from rtphys.task.draw import Draw
 from rtphys.task.props import Prop
@@ -121,16 +120,7 @@ def load_task(name: str) -> Task:
         BadFile: the file does not define `task = Task(...)` or raises on import.
     """
     path = library.find("tasks", name)
-    module_name = f"rtphys_task_{name}"
-    spec = importlib.util.spec_from_file_location(module_name, path)
-    if spec is None or spec.loader is None:
-        raise BadFile(path, "is not a Python file")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[module_name] = module
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise BadFile(path, f"cannot be loaded: {type(error).__name__}: {error}") from error
+    module = load_file(path, "task")
     task = getattr(module, "task", None)
     if not isinstance(task, Task):
         raise BadFile(path, "must define `task = Task(...)`")
