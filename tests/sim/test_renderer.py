@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import sapien
 
-from rtphys.errors import BadValue, UnknownName
+from rtphys.errors import BadValue, NoRenderer, UnknownName
 from rtphys.poses import Pose
 from rtphys.sim import camera as cameras
 from rtphys.sim import renderer, shader
@@ -43,9 +43,9 @@ SCENE = """
     scene = sapien.Scene()
     renderer.add_lights(scene)
 
-    def box(half, at, colour, roughness=1.0):
+    def box(half, at, colour, roughness=1.0, metallic=0.0):
         material = sapien.render.RenderMaterial(base_color=[*colour, 1], roughness=roughness)
-        material.specular = 1 - roughness
+        material.specular, material.metallic = 1 - roughness, metallic
         builder = scene.create_actor_builder()
         builder.add_box_visual(half_size=half, material=material)
         builder.initial_pose = sapien.Pose(at)
@@ -54,6 +54,7 @@ SCENE = """
     box([0.6, 0.35, 0.025], [0, 0, 0.715], [0.8, 0.7, 0.6])
     box([0.03, 0.03, 0.03], [-0.05, 0.0, 0.77], [0.9, 0.1, 0.1], roughness=0.3)
     box([0.02, 0.04, 0.06], [0.10, 0.05, 0.80], [0.1, 0.2, 0.9])
+    box([0.05, 0.05, 0.01], [-0.18, 0.05, 0.75], [0.8, 0.8, 0.3], roughness=0.4, metallic=0.6)
     eye = SimCamera(scene, CameraSpec("head_camera", pose=looking(*HEAD)))
     scene.update_render()
     np.save(sys.argv[2], eye.capture())
@@ -119,6 +120,19 @@ def test_a_pack_that_sapien_refuses_is_replaced_by_the_default(tmp_path: Path) -
         """,
         str(tmp_path),
     )
+
+
+def test_where_no_shader_draws_the_reason_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused() -> None:
+        raise RuntimeError("no queue")
+
+    monkeypatch.setattr(renderer, "_first_frame", refused)
+    monkeypatch.setattr(renderer, "_anchor", [])
+    monkeypatch.setattr(renderer, "_configured", ["slim"])
+    before = sapien.render.get_camera_shader_dir()
+    with pytest.warns(UserWarning, match="slower"), pytest.raises(NoRenderer, match="no queue"):
+        renderer.hold_anchor()
+    sapien.render.set_camera_shader_dir(before)
 
 
 def test_unknown_shader_names_the_known_ones() -> None:

@@ -2,8 +2,9 @@
 
 A CPU works out for every pixel even what all pixels share, such as a product of two matrices.
 Lighting happens in the world's axes, where lights need no turning, and what the lights of a pixel
-share is worked out once: 1.2 of 12 CPU-milliseconds of a 320x240 picture. Only ambient,
-directional and point lights shine, and only directional ones cast shadows.
+share is worked out once: 1.2 of 12 CPU-milliseconds of a 320x240 picture. Powers are roots and
+products, half a millisecond. Only ambient, directional and point lights shine, and only
+directional ones cast shadows.
 """
 
 LIGHTING = """struct Surface {
@@ -26,7 +27,8 @@ vec3 reflected(Surface s, vec3 L) {
   float NoH = clamp((lit + s.facing) * h, 1e-6, 1);
   float VoH = clamp(0.5 * sum2 * h, 1e-6, 1);
   float NoL = clamp(lit, 0, 1);
-  vec3 F = s.fresnel + (1 - s.fresnel) * exp2((-5.55473 * VoH - 6.98316) * VoH);
+  float rim = (1 - VoH) * (1 - VoH);
+  vec3 F = s.fresnel + (1 - s.fresnel) * (rim * rim * (1 - VoH));  // Schlick's fifth power
   float n = NoH * NoH * (s.alpha2 - 1) + 1;
   const float PI4 = 4 * 3.141592653589793f;
   float nom = PI4 * n * n * (s.NoV * (1 - s.k) + s.k) * (NoL * (1 - s.k) + s.k);
@@ -44,13 +46,26 @@ float shadow(int i, vec3 place) {
   return ShadowMapPCF(samplerDirectionalLightDepths[i], p, resolution, 1 / resolution, 1);
 }
 
+// A direction from its place on the unfolded octahedron; of any length.
+vec3 unfolded(vec2 at) {
+  float z = 1 - abs(at.x) - abs(at.y);
+  float below = max(-z, 0);
+  return vec3(at + mix(vec2(-below), vec2(below), lessThan(at, vec2(0))), z);
+}
+
+// The 2.2th root of each colour, to a ninth of a grey level of 255.
+vec3 gamma(vec3 color) {
+  vec3 root2 = sqrt(color), root4 = sqrt(root2);
+  return 0.0334429 * root4 + root2 * (1.241116 - 0.4153707 * root4) + 0.1412364 * color;
+}
+
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);  // fetch: no filtering
-  vec3 albedo = texelFetch(samplerAlbedo, at, 0).xyz;
-  vec4 packed = texelFetch(samplerNormal, at, 0);
+  vec4 painted = texelFetch(samplerAlbedo, at, 0);
+  vec4 surface = texelFetch(samplerSurface, at, 0);
   float depth = texelFetch(samplerGbufferDepth, at, 0).x;
-  vec3 bytes = fract(floor(packed.w * vec3(1, 1.0f / 256, 1.0f / 65536)) / 256) * 256;
-  float specular = bytes.x / 255, roughness = bytes.y / 255, metallic = bytes.z / 255;
+  vec3 albedo = painted.rgb, normal = unfolded(surface.xy);
+  float specular = surface.z, roughness = surface.w, metallic = painted.a;
 
   // A pinhole camera's inverse projection, without its zeros.
   mat4 unproject = cameraBuffer.projectionMatrixInverse;
@@ -61,7 +76,7 @@ void main() {
   vec3 place = seen + camera[3].xyz;
 
   Surface s;
-  s.normal = normalize(packed.xyz);
+  s.normal = faceforward(normalize(normal), seen, normal);  // both sides of a face are lit
   s.toCamera = -normalize(seen);
   s.facing = dot(s.normal, s.toCamera);
   s.NoV = clamp(s.facing, 1e-6, 1);
@@ -85,6 +100,6 @@ void main() {
   if (depth == 1) {
     color = sceneBuffer.ambientLight.rgb;
   }
-  outColor = vec4(pow(clamp(color, 0, 1), vec3(1 / 2.2)), 1);
+  outColor = vec4(gamma(clamp(color, 0, 1)), 1);
 }
 """

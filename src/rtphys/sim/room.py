@@ -44,9 +44,9 @@ class Room:
     def __init__(self, scene: sapien.Scene, plan: TablePlan, blueprint: Blueprint) -> None:
         self.plan = plan
         self.X_WT = task_frame(plan, blueprint)
-        self._build_ground(scene)
+        ground = self._build_ground(scene)
         self.table = self._build_table(scene)
-        self._build_wall(scene)
+        self._backdrop = (self.table, self._build_wall(scene), ground)  # from front to back
 
     def measured(self) -> tuple[float, float]:
         """Tilt [rad] and height above nominal [m] of the simulator's table."""
@@ -55,7 +55,19 @@ class Room:
         normal = X_WT.R[:, 2]
         return float(np.arctan2(normal[1], normal[2])), float(centre[2] - TOP + self.plan.drop)
 
-    def _build_ground(self, scene: sapien.Scene) -> None:
+    def draw_last(self) -> None:
+        """From now on pictures draw table, wall and ground after all that is in the scene.
+
+        Bodies are drawn in the order in which they came, and what others hide already is not
+        shaded: a fortieth of a picture.
+        """
+        for entity in self._backdrop:
+            body = entity.find_component_by_type(sapien.render.RenderBodyComponent)
+            assert body is not None
+            body.disable()
+            body.enable()
+
+    def _build_ground(self, scene: sapien.Scene) -> sapien.Entity:
         ground = scene.create_actor_builder()
         # A plane's normal is its x axis; turn it up.
         up = sapien.Pose([0, 0, 0], [0.7071068, 0, -0.7071068, 0])
@@ -63,7 +75,7 @@ class Room:
         if renders(scene):
             paint = sapien.render.RenderMaterial(base_color=[0.55, 0.55, 0.57, 1])
             ground.add_plane_visual(up, (20, 20, 20), paint)
-        ground.build_static("ground")
+        return ground.build_static("ground")
 
     def _build_table(self, scene: sapien.Scene) -> sapien.Entity:
         builder = scene.create_actor_builder()
@@ -81,13 +93,13 @@ class Room:
         builder.initial_pose = to_sapien(self.X_WT @ Pose((*self.plan.shift, TOP)))
         return builder.build_static("table")
 
-    def _build_wall(self, scene: sapien.Scene) -> None:
+    def _build_wall(self, scene: sapien.Scene) -> sapien.Entity:
         builder = scene.create_actor_builder()
         half = np.array([3, 0.6, 1.5])
         paint = _paint(scene, self.plan.wall_colour, self.plan.wall_texture)
         self._add_box(scene, builder, (np.zeros(3), half), paint)
         builder.initial_pose = sapien.Pose([0, WALL_Y, 1.5])
-        builder.build_static("wall")
+        return builder.build_static("wall")
 
     @staticmethod
     def _add_box(

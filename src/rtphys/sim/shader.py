@@ -3,7 +3,7 @@
 The pack is edited at run time from the installed SAPIEN's own files and kept in the user's cache,
 so nothing of SAPIEN is copied into this repository. Pictures agree with SAPIEN's default pack but
 for shadow edges. Slim draws colour only (no depth, no segmentation), opaque parts only (a material
-with 0 < alpha < 1 comes out opaque), and neither normal maps nor emission.
+with 0 < alpha < 1 comes out opaque), and neither normal maps, flat shading nor emission.
 """
 
 import hashlib

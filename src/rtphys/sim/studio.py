@@ -23,6 +23,7 @@ class Studio:
 
     def __init__(self, world: World, cameras: Sequence[str]) -> None:
         self.world = world
+        world.room.draw_last()
         self._lamps = renderer.add_lights(world.scene)
         # Last, and never before: pack_poses goes by the order in which entities were added.
         specs = camera_specs(world.robot.embodiment, cameras)

@@ -1,0 +1,31 @@
+"""The order in which bodies are drawn saves time and shows nowhere."""
+
+import numpy as np
+import pytest
+
+from rtphys.assets.pack import default_pack
+from rtphys.instance import prepare
+from rtphys.recipe import Recipe
+from rtphys.sim import renderer
+from rtphys.sim.room import Room
+from rtphys.sim.studio import Studio
+from rtphys.task.spec import load_task
+
+
+def pictures() -> list[np.ndarray]:
+    """What three cameras see of a cluttered table."""
+    recipe = Recipe("stack_blocks_two", 2, "official_random")
+    world = prepare(recipe, load_task(recipe.task), default_pack(), visuals=True).world
+    studio = Studio(world, ["head", "left", "right"])
+    world.scene.update_render()
+    return [*studio.pictures().values()]
+
+
+@pytest.mark.render
+def test_what_is_drawn_last_is_the_same_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    renderer.hold_anchor()
+    ordered = pictures()
+    monkeypatch.setattr(Room, "draw_last", lambda self: None)
+    for mine, plain in zip(ordered, pictures(), strict=True):
+        np.testing.assert_array_equal(mine, plain)
+    assert all(picture.std() > 5 for picture in ordered), "nothing to see"
