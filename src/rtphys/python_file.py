@@ -2,6 +2,7 @@
 
 import importlib.util
 import sys
+import traceback
 from pathlib import Path
 from types import ModuleType
 
@@ -28,5 +29,13 @@ def load_file(path: Path, kind: str) -> ModuleType:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise BadFile(path, f"cannot be loaded: {type(error).__name__}: {error}") from error
+        told = f"cannot be loaded: {type(error).__name__}: {error}{_place(error, path)}"
+        raise BadFile(path, told) from error
     return module
+
+
+def _place(error: Exception, path: Path) -> str:
+    """The line of the file that the error came through; a SyntaxError names its own."""
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == str(path)]
+    return f" (line {lines[-1]})" if lines else ""

@@ -56,7 +56,7 @@ def test_a_fourteenth_moves_no_draw(own_library):
     [
         (WIND.format(key="friction"), "the key is 'friction', the file or entry point 'wind'"),
         ("x = 1\n", "needs exactly one Attribute, has 0"),
-        ("import nowhere_at_all\n", "cannot be loaded: ModuleNotFoundError"),
+        ("\nimport nowhere_at_all\n", r"cannot be loaded: ModuleNotFoundError.*\(line 2\)"),
         (WIND.format(key="wind").replace('unit = "N"', ""), "does not say its unit"),
     ],
 )

@@ -69,19 +69,6 @@ _SHADOW_VERTEX = (
 # are not drawn) and no position to interpolate: depth gives it. Normals are in the world's axes.
 _VERTEX = (
     _rest(
-        "void main() {",
-        """void main() {
-  vec4 world = objectTransformBuffer.modelMatrix * vec4(position, 1);
-  gl_Position = lightBuffer.projectionMatrix * (lightBuffer.viewMatrix * world);
-}
-""",
-    ),
-)
-
-# The same, no 4x4 inverse a vertex (cofactors turn normals just as well), and no tangents:
-# normal maps are not drawn. Positions are relative to the camera, in the world's axes.
-_VERTEX = (
-    _rest(
         "layout(location = 0) out vec4 outPositionRaw;",
         """layout(location = 0) out vec2 outUV;
 layout(location = 1) out vec3 outNormal;
