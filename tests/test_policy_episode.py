@@ -195,6 +195,13 @@ def test_a_stepwise_policy_acts_out_its_chunks(episode: PolicyEpisode) -> None:
     assert episode.taken == 10 and policy.seen == 3
 
 
+def test_a_policy_that_raises_is_told_with_its_line(tmp_path, monkeypatch) -> None:
+    (tmp_path / "faulty.py").write_text("x = 1\nmake = y\n")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(BadFile, match=r"NameError.*\(line 2\)"):
+        open_policy("python:faulty.py:make")
+
+
 def test_a_policy_of_ones_own(tmp_path, episode: PolicyEpisode) -> None:
     file = tmp_path / "random.py"  # as a module of Python's own, and of another folder below
     (tmp_path / "neighbour.py").write_text("from rtphys.policies.idle import Idle\n")

@@ -19,6 +19,7 @@ def load_file(path: Path, kind: str) -> ModuleType:
         BadFile: no such file, not a Python file, or it raises.
     """
     name = f"rtphys_{kind}_{path.stem}"
+    path = path.absolute()  # as Python names it in a traceback
     if not path.is_file():
         raise BadFile(path, f"no such {kind} file")
     spec = importlib.util.spec_from_file_location(name, path)
@@ -29,6 +30,7 @@ def load_file(path: Path, kind: str) -> ModuleType:
     try:
         spec.loader.exec_module(module)
     except Exception as error:
+        del sys.modules[name]
         told = f"cannot be loaded: {type(error).__name__}: {error}{_place(error, path)}"
         raise BadFile(path, told) from error
     return module
