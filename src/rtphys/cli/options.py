@@ -47,12 +47,14 @@ def _signature(kind: type) -> Signature:
 
 
 def expand(patterns: list[str]) -> tuple[str, ...]:
-    """Task names of names and patterns, each once, in the order asked for.
+    """Task names of names and patterns, each once, in the order asked for; commas part them too.
 
     Raises:
         UnknownName: a name or pattern that matches no task; names the nearest match.
     """
-    return library.matching("tasks", patterns)
+    # What holds no name at all must be refused, not be no task.
+    parts = [part for pattern in patterns for part in split(pattern) or (pattern,)]
+    return library.matching("tasks", parts)
 
 
 def domain_of(text: str) -> "Domain | None":
