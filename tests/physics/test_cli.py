@@ -27,7 +27,7 @@ def test_sample_as_json_is_what_the_domain_draws():
 
 
 def test_sample_of_a_part_and_of_a_held_value():
-    arguments = ("--only", "friction,restitution", "--set", "restitution=0.1", "--json")
+    arguments = ("--only", "friction, restitution", "--set", "restitution=0.1", "--json")
     (row,) = json.loads(told(physics.app, "sample", "--task", "scan_object.yaml", *arguments))
     assert row["varied"] == ["friction", "restitution"]
     assert row["values"]["restitution"] == 0.1

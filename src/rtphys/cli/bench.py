@@ -19,7 +19,9 @@ from rtphys.errors import BadFile
 
 
 def bench(
-    task: Annotated[list[str] | None, typer.Option(help="Tasks or patterns; repeatable.")] = None,
+    task: Annotated[
+        list[str] | None, typer.Option(help="Tasks or patterns, by commas or repeated.")
+    ] = None,
     protocol: Annotated[str, typer.Option(help="Several with commas.")] = "clean,phys_random_all",
     episodes: Annotated[int, typer.Option(help="Attempts of each task and protocol.")] = 2,
     first_seed: Annotated[int, typer.Option(help="Where to start.")] = 0,

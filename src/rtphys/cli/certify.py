@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class CertifyOptions:
     """One command line, not yet checked."""
 
-    task: Annotated[list[str], typer.Option(help="Tasks or patterns; repeatable.")]
+    task: Annotated[list[str], typer.Option(help="Tasks or patterns, by commas or repeated.")]
     protocol: Annotated[str, typer.Option(help="clean, phys_random; several with commas.")]
     out: Annotated[Path, typer.Option(help="The benchmark's folder.")]
     feasible: Annotated[int, typer.Option(help="Feasible seeds of each task and protocol.")] = 100

@@ -22,7 +22,9 @@ OPTIONS = {"held": "--set", "texture_split": "--split"}  # those not named after
 class CollectOptions:
     """One command line, not yet checked."""
 
-    task: Annotated[list[str] | None, typer.Option(help="Tasks or patterns; repeatable.")] = None
+    task: Annotated[
+        list[str] | None, typer.Option(help="Tasks or patterns, by commas or repeated.")
+    ] = None
     manifest: Annotated[
         str, typer.Option(help="A file that says what to collect, or its name in a library.")
     ] = ""

@@ -23,7 +23,7 @@ class EvaluateOptions:
 
     policy: Annotated[str, typer.Option(help="idle, random, expert, replay:DATASET, ...")]
     protocol: Annotated[str, typer.Option(help="clean, phys_random; several with commas.")]
-    task: Annotated[list[str], typer.Option(help="Tasks or patterns; repeatable.")]
+    task: Annotated[list[str], typer.Option(help="Tasks or patterns, by commas or repeated.")]
     episodes: Annotated[
         int | None, typer.Option(help="Of each task and protocol; default: all that are certified.")
     ] = None

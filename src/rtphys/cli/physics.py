@@ -10,6 +10,7 @@ from rich.table import Table
 
 from rtphys import library
 from rtphys.cli.domains import AsJson, domain_named
+from rtphys.cli.options import split
 from rtphys.errors import Infeasible
 from rtphys.physics import Physics, Value, attributes, parse_overrides
 from rtphys.recipe import Recipe
@@ -36,7 +37,7 @@ def sample(
     domain it is as first drawn.
     """
     domain = domain_named(task)
-    wanted = tuple(key for key in only.split(",") if key) or None
+    wanted = split(only) or None
     overrides = parse_overrides(held or [])
     drawn: dict[int, Physics] = {}
     for s in range(seed, seed + episodes):
