@@ -1,5 +1,7 @@
 """The measured scene that scripts and success conditions see (`rtphys.task.scene.Scene`)."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from rtphys.errors import UnknownName
@@ -9,6 +11,14 @@ from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.objects import Point
 from rtphys.sim.world import World
+
+
+class _Seen(NamedTuple):
+    """A body as it was last looked at."""
+
+    step: int
+    bits: bytes  # of its pose in the world
+    X_TB: Pose
 
 
 class SceneView:
@@ -21,8 +31,7 @@ class SceneView:
         self._first_step = world.steps
         self._latched: set[str] = set()
         self._peaks: dict[str, float] = {}
-        self._cache_step = -1
-        self._poses: dict[tuple[str, str], Pose] = {}
+        self._poses: dict[tuple[str, str], _Seen] = {}
         self._start = {name: self.pose(name) for name in world.objects}
 
     @property
@@ -32,17 +41,23 @@ class SceneView:
     # ---- objects -------------------------------------------------------------------------------
 
     def pose(self, prop: str, link: str = "") -> Pose:
-        if self._cache_step != self.world.steps:
-            self._cache_step, self._poses = self.world.steps, {}
         key = (prop, link)
-        if key not in self._poses:
-            thing = self.world.object(prop)
-            if link and link not in thing.links:
-                raise UnknownName(f"link of {prop}", link, thing.links)
-            body = thing.links[link] if link else thing.root
-            X_WB = body.entity_pose
-            self._poses[key] = self._X_TW.compose(X_WB.p.tolist(), X_WB.q.tolist())
-        return self._poses[key]
+        known = self._poses.get(key)
+        if known and known.step == self.world.steps:
+            return known.X_TB
+        thing = self.world.object(prop)
+        if link and link not in thing.links:
+            raise UnknownName(f"link of {prop}", link, thing.links)
+        X_WB = (thing.links[link] if link else thing.root).entity_pose
+        p, q = X_WB.p, X_WB.q
+        bits = p.tobytes() + q.tobytes()
+        # Most things lie still at most steps, to the last bit: their pose is not made anew.
+        if known and known.bits == bits:
+            X_TB = known.X_TB
+        else:
+            X_TB = self._X_TW.compose(p.tolist(), q.tolist())
+        self._poses[key] = _Seen(self.world.steps, bits, X_TB)
+        return X_TB
 
     def start(self, prop: str) -> Pose:
         self.world.object(prop)
