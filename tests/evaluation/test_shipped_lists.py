@@ -11,6 +11,7 @@ from rtphys.evaluate.lists import certified
 from rtphys.evaluate.plan import BENCHMARK, EvaluatePlan
 from rtphys.generate import attempt
 from rtphys.ground import ground_of
+from rtphys.protocol import BUILTIN
 from rtphys.recipe import Recipe
 from rtphys.task.spec import load_task
 
@@ -23,8 +24,11 @@ def pack() -> Pack:
     return default_pack()
 
 
-def test_there_are_some() -> None:
-    assert len(LISTS) > 50
+@pytest.mark.parametrize("protocol", [row.name for row in BUILTIN])
+def test_every_task_has_a_hundred(protocol: str) -> None:
+    lists = {p.stem: read_instances(p) for p in LISTS if p.parent.name == protocol}
+    assert sorted(lists) == sorted(library.names("tasks"))
+    assert min(len(found.feasible) for found in lists.values()) >= 100
 
 
 @pytest.mark.parametrize("path", LISTS, ids=lambda p: f"{p.parent.name}-{p.stem}")
@@ -38,7 +42,7 @@ def test_no_list_is_stale(path: Path, pack: Pack) -> None:
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("protocol", ["clean", "phys_random"])
+@pytest.mark.parametrize("protocol", [row.name for row in BUILTIN])
 @pytest.mark.parametrize("task", QUICK)
 def test_the_expert_solves_the_first_instance(task: str, protocol: str, pack: Pack) -> None:
     (path,) = (p for p in LISTS if (p.stem, p.parent.name) == (task, protocol))
