@@ -186,20 +186,27 @@ def turned_to(prop: str, q: Vector, within: float) -> Condition:
     return Condition(f"{prop} turned to {tuple(np.round(goal, 3))}", holds)
 
 
-def pressed(prop: str, contact: int, within: Vector, closed_below: float = 1.1) -> Condition:
+def pressed(
+    prop: str, contact: int, within: Vector, closed_below: float = 1.1, tilted_below: float = np.pi
+) -> Condition:
     """A finger touched the prop near a contact point, once, with that hand's gripper closed.
 
     Args:
         within: (dx, dy, dz) [m] between a measured contact and the declared point.
         closed_below: largest measured opening of the pressing gripper that counts.
+        tilted_below: largest angle [rad] between its approach (TCP +x) and straight down.
     """
     bounds = np.asarray(within, float)
+
+    def counts(scene: Scene, side: str) -> bool:
+        tilt = np.arccos(np.clip(-scene.tcp(side).R[2, 0], -1, 1))
+        return scene.opening(side) < closed_below and bool(tilt <= tilted_below)
 
     def holds(scene: Scene) -> bool:
         hit = False
         for side in (LEFT, RIGHT):
             points = scene.contact_points(f"{side}_gripper", prop)
-            if len(points) and scene.opening(side) < closed_below:
+            if len(points) and counts(scene, side):
                 gap = np.abs(points - scene.contact(prop, contact).p)
                 hit = hit or bool(np.any(np.all(gap < bounds, axis=1)))
         return scene.once(f"pressed {prop} {contact}", hit)
