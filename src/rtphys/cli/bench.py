@@ -13,7 +13,7 @@ from rich.table import Table
 from rtphys.bench import ATTEMPT, PICTURES, BenchPlan, Cost, means
 from rtphys.bench import bench as measure
 from rtphys.cli.assets import BuildBar
-from rtphys.cli.collect_progress import wide_console
+from rtphys.cli.fitting import fitting_table, wide_console
 from rtphys.cli.options import expand, split
 from rtphys.errors import BadFile
 
@@ -87,11 +87,9 @@ def _pictures(costs: Sequence[Cost]) -> Table:
 
 
 def _table(title: str, columns: Sequence[str]) -> Table:
-    table = Table(title=title)
-    for column in ("task", "protocol", "episodes"):
-        table.add_column(column, no_wrap=True)
-    for column in columns:
-        table.add_column(column, justify="right", no_wrap=True)
+    table = fitting_table(["task", "protocol"], ("episodes", *columns), title)
+    for column in table.columns[3:]:
+        column.justify = "right"
     return table
 
 

@@ -94,14 +94,11 @@ def _run(plan: "CertifyPlan") -> "list[Order]":
 
 
 def _show(orders: "Sequence[Order]") -> None:
-    from rich.table import Table
+    from rtphys.cli.collect_progress import reasons
+    from rtphys.cli.fitting import fitting_table, wide_console
 
-    from rtphys.cli.collect_progress import reasons, wide_console
-
-    table = Table()
-    for column in ("task", "protocol", "feasible", "attempts", "replay", "twin"):
-        table.add_column(column, no_wrap=True)
-    table.add_column("infeasible, by reason", min_width=16)
+    columns = ("feasible", "attempts", "replay", "twin", "infeasible, by reason")
+    table = fitting_table(["task", "protocol"], columns)
     for order in orders:
         good = [slot for slot in order.slots if slot.feasible]
         table.add_row(

@@ -119,14 +119,10 @@ def _run(plan: "CheckPlan") -> "list[Score]":
 
 
 def _show(scores: "Sequence[Score]") -> None:
-    from rich.table import Table
+    from rtphys.cli.fitting import fitting_table, wide_console
 
-    from rtphys.cli.collect_progress import wide_console
-
-    table = Table()
-    for column in ("task", "protocol", "accepted", "replay", "idle", "random", "CPU-s"):
-        table.add_column(column, no_wrap=True)
-    table.add_column("rejected", min_width=16)
+    columns = ("accepted", "replay", "idle", "random", "CPU-s", "rejected")
+    table = fitting_table(["task", "protocol"], columns)
     for score in scores:
         table.add_row(
             score.task,

@@ -61,7 +61,8 @@ def _run(plan: "CollectPlan") -> "Summary":
 
 def _tell(summary: "Summary") -> list[str]:
     """Shows what came of a run; returns which tasks were given up, and why."""
-    from rtphys.cli.collect_progress import summary_table, wide_console
+    from rtphys.cli.collect_progress import summary_table
+    from rtphys.cli.fitting import wide_console
 
     wide_console().print(summary_table(summary.tallies))
     minutes = summary.seconds / 60

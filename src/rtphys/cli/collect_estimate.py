@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import typer
 from rich.table import Table
 
-from rtphys.cli.collect_progress import Lines, wide_console
+from rtphys.cli.collect_progress import Lines
+from rtphys.cli.fitting import wide_console
 from rtphys.collect import Estimate, bytes_below, estimate, probe, size_of
 
 if TYPE_CHECKING:

@@ -1,6 +1,5 @@
 """How a running collection looks: a live table on a terminal, plain lines elsewhere."""
 
-import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
@@ -12,6 +11,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from rtphys.cli.fitting import fitting_table
 from rtphys.collect import Listener, Tally
 
 LINE_EVERY = 10.0  # [s] between plain lines
@@ -138,21 +138,14 @@ def totals(tallies: Sequence[Tally]) -> tuple[int, int, int]:
 
 def summary_table(tallies: Sequence[Tally]) -> Table:
     """One row a task."""
-    table = Table()
-    for column in ("task", "episodes", "attempts", "accepted"):
-        table.add_column(column, no_wrap=True)
-    table.add_column("rejected, by reason", min_width=16)
+    columns = ("episodes", "attempts", "accepted", "rejected, by reason")
+    table = fitting_table(["task"], columns)
     for tally in tallies:
         tried = tally.new_attempts
         share = f"{100 * tally.new_episodes / tried:.0f} %" if tried else "-"
         episodes = f"{tally.episodes} / {tally.wanted}"
         table.add_row(tally.task, episodes, str(tried), share, reasons(tally.rejections))
     return table
-
-
-def wide_console() -> Console:
-    """For tables on standard output; a file or a pipe has no width of its own."""
-    return Console() if sys.stdout.isatty() else Console(width=140)
 
 
 def reasons(rejections: Counter[str]) -> str:

@@ -2,7 +2,7 @@
 
 from rich.table import Table
 
-from rtphys.cli.collect_progress import wide_console
+from rtphys.cli.fitting import fitting_table, wide_console
 from rtphys.results.statistics import Rate
 from rtphys.results.summary import Counts, Summary
 
@@ -12,17 +12,17 @@ TELLING = 5  # attributes of a protocol that are shown
 def show(summary: Summary) -> None:
     """Rates of tasks and protocols, paired differences, the most telling attributes."""
     console = wide_console()
-    console.print(_rates(summary))
+    console.print(rates_table(summary))
     if summary.pairs:
         console.print(_pairs(summary))
     if any(summary.breaks.values()):
         console.print(_attributes(summary))
 
 
-def _rates(summary: Summary) -> Table:
-    table = Table(title="success, with 95 % intervals")
-    for column in ("protocol", "task", "of feasible", "of all slots", "held", "reasons"):
-        table.add_column(column, no_wrap=column != "reasons")
+def rates_table(summary: Summary) -> Table:
+    """Success of each task and protocol."""
+    columns = ("of feasible", "of all slots", "held", "reasons")
+    table = fitting_table(["protocol", "task"], columns, "success, with 95 % intervals")
     for row in summary.tasks:
         reasons = ", ".join(f"{name} {count}" for name, count in row.reasons.items())
         table.add_row(row.protocol, row.task, *_three(row.counts), reasons)
@@ -30,7 +30,7 @@ def _rates(summary: Summary) -> Table:
     for total in summary.overall:
         if total.tasks > 1:
             mean = total.mean_of_tasks
-            told = "all" if mean is None else f"all, mean {100 * mean:.1f} %"
+            told = "all" if mean is None else f"all, mean {_percent(mean)} %"
             table.add_row(total.protocol, told, *_three(total.counts))
     return table
 
@@ -43,15 +43,18 @@ def _three(counts: Counts) -> tuple[str, str, str]:
 def _rate(rate: Rate | None) -> str:
     if rate is None or rate.value is None:
         return "-"
-    low, high = rate.interval
-    told = f"{100 * rate.value:.1f} % [{100 * low:.1f}, {100 * high:.1f}]"
-    return f"{told} {rate.successes}/{rate.trials}"
+    low, high = map(_percent, rate.interval)
+    return f"{_percent(rate.value)} % [{low}, {high}] {rate.successes}/{rate.trials}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f}".removesuffix(".0")
 
 
 def _pairs(summary: Summary) -> Table:
-    table = Table(title="the same seeds under two protocols (McNemar, exact)")
-    for column in ("first", "second", "seeds", "both", "only first", "only second", "p"):
-        table.add_column(column, no_wrap=True)
+    title = "the same seeds under two protocols (McNemar, exact)"
+    columns = ("seeds", "both", "only first", "only second", "p")
+    table = fitting_table(["first", "second"], columns, title)
     for row in summary.pairs:
         one = row.outcome
         counts = (one.trials, one.both, one.only_first, one.only_second)
@@ -60,9 +63,9 @@ def _pairs(summary: Summary) -> Table:
 
 
 def _attributes(summary: Summary) -> Table:
-    table = Table(title="which physics breaks it: log-odds of success from lowest to highest")
-    for column in ("protocol", "attribute", "range", "log-odds", "p", "p (Holm)"):
-        table.add_column(column, no_wrap=True)
+    title = "which physics breaks it: log-odds of success from lowest to highest"
+    columns = ("attribute", "range", "log-odds", "p", "p (Holm)")
+    table = fitting_table(["protocol"], columns, title)
     for protocol, found in summary.breaks.items():
         for one in found[:TELLING]:
             curve = one.curve
