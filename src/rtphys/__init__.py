@@ -5,10 +5,14 @@
 
 from typing import TYPE_CHECKING
 
+from rtphys import arithmetic
+
 if TYPE_CHECKING:
     from rtphys.dataset import Dataset, Episode
 
 __all__ = ["Dataset", "Episode"]
+
+arithmetic.pin()  # before anything of rtphys loads numpy
 
 
 def __getattr__(name: str) -> object:

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
 
-from rtphys import library
+from rtphys import arithmetic, library
 from rtphys.assets.pack import STAMP, Pack, cache_folder, linked
 from rtphys.errors import RtphysError
 
@@ -106,6 +106,7 @@ def examine(out: Path = Path()) -> list[Finding]:
     return [
         check_packages(),
         check_natives(),
+        check_arithmetic(),
         check_renderer(),
         check_disk("space for data", out),
         check_disk("space for assets", cache_folder()),
@@ -203,6 +204,15 @@ def check_packages() -> Finding:
     return _found(
         "packages", "ok", f"Python {python}, " + ", ".join(f"{n} {v}" for n, v in versions.items())
     )
+
+
+def check_arithmetic() -> Finding:
+    """Whether an episode ends in the same bits here as on the machines that certified it."""
+    if reason := arithmetic.unlike():
+        return Finding("arithmetic", "note", "ok", f"other last bits than elsewhere: {reason}")
+    pinned = arithmetic.AVX512 in arithmetic.abilities()
+    detail = "AVX2, as everywhere" + (" (AVX-512 is left unused)" if pinned else "")
+    return _found("arithmetic", "ok", detail)
 
 
 def check_disk(check: str, folder: Path) -> Finding:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from rtphys import arithmetic
 from rtphys.assets.pack import Pack
 from rtphys.errors import Infeasible
 from rtphys.physics.domain import Domain
@@ -40,6 +41,7 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
     Raises:
         Infeasible: "layout" or "invalid_physics".
     """
+    arithmetic.warn()
     domain, props = recipe.domain(), tuple(task.props(recipe.seed))
     drawn = domain.sample(recipe.seed, recipe.only, recipe.overrides)
     blueprint = Blueprint()

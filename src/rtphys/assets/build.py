@@ -14,6 +14,7 @@ from importlib import metadata
 from pathlib import Path
 from queue import Queue
 
+from rtphys import arithmetic
 from rtphys.assets.embodiments import EMBODIMENTS
 from rtphys.assets.objects import catalogue
 from rtphys.assets.pack import STAMP, Pack, Progress
@@ -76,7 +77,8 @@ def build(
         out: folder to make. Nothing of it is touched before everything is written.
         progress: told (done, total, name) after each model.
         names: only these objects, robots and textures (for authors); all if empty.
-        workers: processes; by default one a core, and none for a handful of models.
+        workers: processes, at least one, whose arithmetic is pinned even where the caller's is not
+            (see `rtphys.arithmetic`); by default one a core, and none for a handful of models.
     """
     out = Path(out).expanduser()
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -111,7 +113,7 @@ def content_digest(root: Path) -> str:
 
 
 def source_digest() -> str:
-    """SHA-256 over the generators' own code and the libraries they compute with.
+    """SHA-256 over the generators' own code, the libraries they compute with, and how.
 
     It can be had without building, so it names the cached pack's folder.
     """
@@ -121,12 +123,14 @@ def source_digest() -> str:
         total.update(path.relative_to(here).as_posix().encode() + b"\0" + path.read_bytes())
     for name in LIBRARIES:
         total.update(f"{name} {metadata.version(name)}\0".encode())
+    for name, value in arithmetic.PINS.items():
+        total.update(f"{name} {value}\0".encode())
     return total.hexdigest()
 
 
 def _write_all(root: Path, todo: list[Job], progress: Progress | None, workers: int | None) -> None:
-    count = workers if workers is not None else min(os.cpu_count() or 1, 8)
-    if count <= 1 or len(todo) <= FEW:
+    count = max(workers if workers is not None else min(os.cpu_count() or 1, 8), 1)
+    if len(todo) <= FEW:
         for done, job in enumerate(todo, 1):
             write(root, job)
             _tell(progress, done, todo, job)
