@@ -134,6 +134,20 @@ def test_a_blind_robot_does_not_ring_the_bell(robot: str) -> None:
 
 
 @pytest.mark.sim
+@pytest.mark.parametrize(
+    ("name", "seed", "protocol"),
+    [
+        ("click_alarmclock", 100031, "clean"),  # a level hand that drifts past presses the button
+        ("turn_switch", 100061, "phys_random_all"),  # the force alone creeps the rocker to its stop
+    ],
+)
+def test_what_chance_once_solved_it_no_longer_does(name: str, seed: int, protocol: str) -> None:
+    """With each task's first success condition these were successes of the random robot."""
+    task = load_task(name)
+    assert not solves(Recipe(name, seed, protocol), task, default_pack(), "random")
+
+
+@pytest.mark.sim
 def test_a_task_that_holds_at_the_start_is_solved_by_idling(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,23 +1,33 @@
-"""The table of an evaluation: however narrow the terminal, no number is cut off."""
+"""The tables of an evaluation: from 80 columns on, nothing is cut off."""
 
+from collections.abc import Callable
 from io import StringIO
 
 import pytest
 from rich.console import Console
+from rich.table import Table
 
-from rtphys.cli.evaluate_tables import rates_table
-from rtphys.results.summary import Counts, ProtocolRow, Summary, TaskRow
+from rtphys.cli.evaluate_tables import attributes_table, pairs_table, rates_table
+from rtphys.results.breaks import Break
+from rtphys.results.logistic import Curve
+from rtphys.results.statistics import Paired
+from rtphys.results.summary import Counts, PairRow, ProtocolRow, Summary, TaskRow
 
 COUNTS = Counts(slots=574, infeasible=74, rollouts=500, successes=445, held=333)
 REASONS = {"step_limit": 44, "policy_error": 11}
 TASK = "shake_bottle_horizontally"
+CURVE = Curve(low=-0.0499, high=0.0499, slope=-12.34, error=10.01, levels=(1.0,), p=1.2e-14)
 SUMMARY = Summary(
     tasks=(TaskRow("phys_random_all", TASK, COUNTS, 100.0, REASONS),),
     overall=(ProtocolRow("phys_random_all", 2, COUNTS, 0.5),),
-    pairs=(),
-    breaks={},
+    pairs=(PairRow("official_random", "phys_random_all", Paired(4000, 1000, 101, 7)),),
+    breaks={
+        "phys_random_all": (
+            Break("arm_joint_damping", "N·m·s/rad", CURVE, 2.3e-13, (), ("gripper_joint_damping",)),
+        )
+    },
 )
-TOLD = [
+RATES = [
     "phys_random_all",
     TASK,
     "89 % [86, 91.5] 445/500",
@@ -25,19 +35,38 @@ TOLD = [
     "66.6 % [62.4, 70.6] 333/500",
     "step_limit 44, policy_error 11",
 ]
+TOTAL = ["phys_random_all", "all, mean 50 %", *RATES[2:5], ""]
+PAIRS = ["official_random", "phys_random_all", "5108", "4000", "1000", "101", "1.3e-186"]
+ATTRIBUTES = [
+    "phys_random_all",
+    "arm_joint_damping, gripper_joint_damping",
+    "-0.0499 to 0.0499 N·m·s/rad",
+    "-12.34 ± 10.01",
+    "1.2e-14",
+    "2.3e-13",
+]
 
 
-def cells(width: int) -> list[str]:
+def cells(table: Table, width: int) -> list[str]:
     """The text of each column below the head, its lines joined, without spaces."""
     console = Console(width=width, file=StringIO())
-    console.print(rates_table(SUMMARY))
+    console.print(table)
     assert isinstance(console.file, StringIO)
     rows = [line.split("│")[1:-1] for line in console.file.getvalue().splitlines() if "│" in line]
     return ["".join("".join(column).split()) for column in zip(*rows, strict=True)]
 
 
 @pytest.mark.parametrize("width", [80, 100, 120, 140, 200])
-def test_nothing_is_cut_off(width: int) -> None:
-    total = ["phys_random_all", "all, mean 50 %", *TOLD[2:5], ""]
-    told = [a + b for a, b in zip(TOLD, total, strict=True)]
-    assert cells(width) == ["".join(text.split()) for text in told]
+@pytest.mark.parametrize(
+    ("draw", "rows"),
+    [
+        (rates_table, [RATES, TOTAL]),
+        (pairs_table, [PAIRS]),
+        (attributes_table, [ATTRIBUTES]),
+    ],
+)
+def test_nothing_is_cut_off(
+    draw: Callable[[Summary], Table], rows: list[list[str]], width: int
+) -> None:
+    told = ["".join("".join(column).split()) for column in zip(*rows, strict=True)]
+    assert cells(draw(SUMMARY), width) == told

@@ -87,10 +87,7 @@ def _pictures(costs: Sequence[Cost]) -> Table:
 
 
 def _table(title: str, columns: Sequence[str]) -> Table:
-    table = fitting_table(["task", "protocol"], ("episodes", *columns), title)
-    for column in table.columns[3:]:
-        column.justify = "right"
-    return table
+    return fitting_table(["task", "protocol"], ("episodes", *columns), title, justify="right")
 
 
 def _milliseconds(value: float | None) -> str:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import typer
-from rich.table import Table
 
 from rtphys.cli.collect_progress import Lines
-from rtphys.cli.fitting import wide_console
+from rtphys.cli.fitting import fitting_table, wide_console
 from rtphys.collect import Estimate, bytes_below, estimate, probe, size_of
 
 if TYPE_CHECKING:
@@ -77,9 +76,8 @@ def children_cpu() -> float:
 
 
 def _show(plans: Sequence["CollectPlan"], found: Sequence[Estimate]) -> None:
-    table = Table()
-    for column in ("task", "configuration", "episodes", "attempts", "CPU-s an episode", "MB"):
-        table.add_column(column, justify="left" if len(table.columns) < 2 else "right")
+    columns = ("episodes", "attempts", "CPU-s an episode", "MB")
+    table = fitting_table(["task", "configuration"], columns, justify="right")
     for plan, one in zip(plans, found, strict=True):
         for task, cost in one.tasks.items():
             each = f"{cost.cpu / cost.episodes:.1f}" if cost.episodes else "-"

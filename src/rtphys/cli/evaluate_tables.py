@@ -14,9 +14,9 @@ def show(summary: Summary) -> None:
     console = wide_console()
     console.print(rates_table(summary))
     if summary.pairs:
-        console.print(_pairs(summary))
+        console.print(pairs_table(summary))
     if any(summary.breaks.values()):
-        console.print(_attributes(summary))
+        console.print(attributes_table(summary))
 
 
 def rates_table(summary: Summary) -> Table:
@@ -51,7 +51,8 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f}".removesuffix(".0")
 
 
-def _pairs(summary: Summary) -> Table:
+def pairs_table(summary: Summary) -> Table:
+    """Every two protocols on the seeds that both have."""
     title = "the same seeds under two protocols (McNemar, exact)"
     columns = ("seeds", "both", "only first", "only second", "p")
     table = fitting_table(["first", "second"], columns, title)
@@ -62,7 +63,8 @@ def _pairs(summary: Summary) -> Table:
     return table
 
 
-def _attributes(summary: Summary) -> Table:
+def attributes_table(summary: Summary) -> Table:
+    """Success against the attributes that tell most."""
     title = "which physics breaks it: log-odds of success from lowest to highest"
     columns = ("attribute", "range", "log-odds", "p", "p (Holm)")
     table = fitting_table(["protocol"], columns, title)

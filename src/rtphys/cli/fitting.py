@@ -1,19 +1,28 @@
-"""Tables for a terminal of any width: a cell wraps where there is no room; nothing is cut off."""
+"""Tables for a narrow terminal: what finds no room wraps, where rich would end it with dots."""
 
 import sys
 from collections.abc import Sequence
 
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 
 
-def fitting_table(names: Sequence[str], columns: Sequence[str], title: str | None = None) -> Table:
-    """A table whose first columns, `names`, keep their words in one piece."""
+def fitting_table(
+    names: Sequence[str],
+    columns: Sequence[str],
+    title: str | None = None,
+    justify: JustifyMethod = "left",
+) -> Table:
+    """A table whose first columns, `names`, keep their words in one piece.
+
+    Args:
+        justify: the side on which `columns` are flush; "right" for plain numbers.
+    """
     table = Table(title=title)
     for name in names:
         table.add_column(name, no_wrap=True)
     for column in columns:
-        table.add_column(column, overflow="fold")  # rich would end a long word with dots
+        table.add_column(column, justify=justify, overflow="fold")
     return table
 
 
