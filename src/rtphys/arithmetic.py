@@ -74,6 +74,6 @@ def _differs(name: str) -> bool:
 
 
 def warn() -> None:
-    """A warning (once) in a process whose states are no other machine's and could be."""
+    """A warning in a process that computes unlike others and need not."""
     if AVX512 in abilities() and (reason := unlike()):
-        warnings.warn(f"states will match no other machine's: {reason}", stacklevel=3)
+        warnings.warn(f"states may differ from other machines': {reason}", stacklevel=3)
