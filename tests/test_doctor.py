@@ -132,6 +132,19 @@ def test_assets_that_are_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -
     assert finding.cause == "bad_assets" and str(tmp_path) in finding.detail
 
 
+def test_of_several_packs_the_newest_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("RTPHYS_ASSETS", raising=False)
+    monkeypatch.setattr(doctor, "linked", lambda: None)
+    monkeypatch.setattr(doctor, "cache_folder", lambda: tmp_path)
+    for name, age in (("f_old", 1000), ("a_new", 2000)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / doctor.STAMP).write_text("{}")
+        os.utime(tmp_path / name / doctor.STAMP, (age, age))
+    assert doctor.check_assets().detail.endswith("a_new")
+
+
 def test_a_missing_library_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "gone"))
     assert doctor.check_library().cause == "bad_library"

@@ -240,10 +240,10 @@ def check_assets() -> Finding:
             return _found("assets", "ok", f"{pack.root}, {len(pack.names)} objects")
     except (RtphysError, OSError) as error:
         return _found("assets", "bad_assets", str(error))
-    built = sorted(cache_folder().glob(f"*/{STAMP}"))
+    built = sorted(cache_folder().glob(f"*/{STAMP}"), key=lambda path: path.stat().st_mtime)
     if not built:
         return Finding("assets", "note", "ok", "not built yet; the first run builds the pack")
-    return _found("assets", "ok", f"builtin pack in {built[-1].parent}")
+    return _found("assets", "ok", f"newest builtin pack in {built[-1].parent}")
 
 
 def check_library() -> Finding:
