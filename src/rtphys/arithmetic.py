@@ -19,6 +19,7 @@ NEEDED = frozenset({"avx2", "fma"})  # OpenBLAS, and the C library's sin and cos
 
 # OpenBLAS's kernels for Haswell and Zen give the same bits. Numpy's groups are those of 2.4.
 PINS = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
+_loaded_before: set[str] = set()  # pins that came too late for this process
 
 
 @lru_cache(maxsize=1)
@@ -49,9 +50,6 @@ def pin() -> None:
             os.environ.setdefault(name, value)
 
 
-_loaded_before: set[str] = set()  # variables that came too late for this process
-
-
 def unlike() -> str:
     """Why states end in other bits here than on other machines; empty if they do not."""
     if platform.machine() not in ("x86_64", "AMD64"):
@@ -66,7 +64,7 @@ def unlike() -> str:
             "set " + " ".join(f'{name}="{PINS[name]}"' for name in sorted(_loaded_before))
         )
     other = [f'{name}="{os.environ.get(name, "")}"' for name in PINS if _differs(name)]
-    return f"{' and '.join(other)} is set, not what rtphys would set" if other else ""
+    return f"{' and '.join(other)} is in force, not what rtphys would set" if other else ""
 
 
 def _differs(name: str) -> bool:

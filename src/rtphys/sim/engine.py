@@ -15,6 +15,7 @@ TIME_STEP = 1.0 / RATE  # [s]
 BOUNCE_THRESHOLD = 0.2  # [m/s] SAPIEN's own 2.0 makes restitution a no-op below 0.2 m of fall
 # PhysX's default, PCM, finds contacts on the wrong side of thin parts as soon as they come within
 # their contact offsets (bowls that nest, a finger and the wall of a cup: kicked at 5 m/s).
+# It also computes with approximate reciprocals, whose bits are the processor vendor's own.
 PCM = False
 # [m] about each shape. PhysX's other generator widens faces by it: at SAPIEN's own 1 cm a bar
 # stays on the table whose balance point is 2 cm beyond the edge, and a step takes longer.

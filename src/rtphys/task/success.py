@@ -189,7 +189,7 @@ def turned_to(prop: str, q: Vector, within: float) -> Condition:
 def pressed(
     prop: str, contact: int, within: Vector, closed_below: float = 1.1, tilted_below: float = np.pi
 ) -> Condition:
-    """A finger touched the prop near a contact point, once, its hand closed and pointing down.
+    """A finger touched the prop near a contact point, once, that hand closed and upright as asked.
 
     Args:
         within: (dx, dy, dz) [m] between a measured contact and the declared point.
