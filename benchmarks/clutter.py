@@ -11,10 +11,10 @@ import numpy as np
 import sapien
 
 from rtphys.assets.pack import default_pack
-from rtphys.errors import Infeasible
-from rtphys.instance import prepare
-from rtphys.protocol import OFFICIAL
-from rtphys.recipe import Recipe
+from rtphys.core.errors import Infeasible
+from rtphys.episode.instance import prepare
+from rtphys.setting.protocol import OFFICIAL
+from rtphys.setting.recipe import Recipe
 from rtphys.sim import renderer
 from rtphys.sim.studio import Studio
 from rtphys.sim.world import World

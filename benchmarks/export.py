@@ -19,8 +19,8 @@ import numpy as np
 from av.video.stream import VideoStream
 from typical import collect_typical
 
+from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.video import CRF, PRESET, VideoWriter
-from rtphys.dataset import Dataset, Episode
 from rtphys.export.lerobot import export_lerobot
 from rtphys.export.lerobot_plan import RATE
 from rtphys.export.lerobot_v3 import KEYFRAMES

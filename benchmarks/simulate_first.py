@@ -14,12 +14,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rtphys.assets.pack import default_pack
-from rtphys.collect.work import Desk
 from rtphys.data.encode import encode_images
-from rtphys.generate import Attempt
-from rtphys.photograph import photograph
+from rtphys.episode.generate import Attempt
+from rtphys.episode.photograph import photograph
 from rtphys.physics.overrides import parse_overrides
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
+from rtphys.studies.collect.work import Desk
 from rtphys.task.spec import load_task
 
 CAMERAS = ("head", "left", "right")

@@ -5,7 +5,7 @@ Half of what checking an episode costs is the same for a short and a long one, s
 
 from pathlib import Path
 
-from rtphys.collect import CollectPlan, collect
+from rtphys.studies.collect import CollectPlan, collect
 
 TASKS = ("click_bell", "place_container_plate", "stack_blocks_two", "put_object_cabinet")
 EPISODES = 5  # of each

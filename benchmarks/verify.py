@@ -18,7 +18,7 @@ from pathlib import Path
 from typical import collect_typical
 
 from rtphys.data.check_episode import Effort
-from rtphys.verify import verify
+from rtphys.data.verify import verify
 
 ROUNDS = 3
 COMMAND = "from rtphys.cli.main import app; app()"

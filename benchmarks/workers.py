@@ -13,8 +13,8 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.collect import CollectPlan, Listener, collect
-from rtphys.runners.ray_cluster import connect
+from rtphys.campaign.workers.ray_cluster import connect
+from rtphys.studies.collect import CollectPlan, Listener, collect
 
 KINDS = {"one worker": ("local", 1), "two workers": ("local", 2), "two of Ray": ("ray", 2)}
 TICK = os.sysconf("SC_CLK_TCK")

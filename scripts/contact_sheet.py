@@ -8,9 +8,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from rtphys.assets.pack import Pack, default_pack
-from rtphys.generate import attempt
-from rtphys.photograph import photograph
-from rtphys.recipe import Recipe
+from rtphys.episode.generate import attempt
+from rtphys.episode.photograph import photograph
+from rtphys.setting.recipe import Recipe
 from rtphys.sim import renderer
 from rtphys.task.spec import load_task, task_names
 

@@ -15,13 +15,13 @@ from typing import Annotated
 
 import typer
 
-from rtphys import library
 from rtphys.assets.pack import Pack, default_pack
-from rtphys.errors import Infeasible
-from rtphys.generate import attempt
-from rtphys.instance import prepare, settle
+from rtphys.core import library
+from rtphys.core.errors import Infeasible
+from rtphys.episode.generate import attempt
+from rtphys.episode.instance import prepare, settle
 from rtphys.physics import load_domain
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task
 
 PROTOCOL = "phys_random"

@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 
 from rtphys.assets.pack import default_pack
-from rtphys.generate import start
-from rtphys.instance import prepare, settle
-from rtphys.photograph import photograph
-from rtphys.protocol import BUILTIN
-from rtphys.recipe import Recipe
+from rtphys.episode.generate import start
+from rtphys.episode.instance import prepare, settle
+from rtphys.episode.photograph import photograph
+from rtphys.setting.protocol import BUILTIN
+from rtphys.setting.recipe import Recipe
 from rtphys.sim import renderer
 from rtphys.task.spec import load_task
 

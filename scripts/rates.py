@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from dataclasses import astuple
 from pathlib import Path
 
-from rtphys.benchmark import InstanceList, read_instances
+from rtphys.results.instance_file import read_instances
+from rtphys.results.instances import InstanceList
 from rtphys.task.rates import Rate, rates
 
 OUT = Path(__file__).resolve().parents[1] / "manifests" / "rates.yaml"

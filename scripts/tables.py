@@ -9,11 +9,12 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from rtphys import library
 from rtphys.assets.pack import default_pack
-from rtphys.benchmark import InstanceList, read_instances
+from rtphys.core import library
 from rtphys.physics import attributes, load_domain
 from rtphys.proofs.com_inside import Bodies, narrowed, outside
+from rtphys.results.instance_file import read_instances
+from rtphys.results.instances import InstanceList
 from rtphys.task.rates import rates
 from rtphys.task.spec import load_task
 

@@ -8,6 +8,10 @@ import pytest
 
 from rtphys import doctor
 
+# Helpers that tests of several folders share: synthetic episodes, jobs of worker processes.
+for folder in ("data", "campaign/workers"):
+    sys.path.insert(0, str(Path(__file__).parent / folder))
+
 # Written by the set-up once a frame was drawn; spares every run a probe.
 DRAWS = Path(sys.prefix) / ".driver-stamp"
 

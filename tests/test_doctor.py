@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from rtphys import doctor, natives
+from rtphys import doctor
+from rtphys.core import compiled_dependencies as natives
 from rtphys.sim import probe, vulkan
 
 NO_DEVICE = {"VK_DRIVER_FILES": "/nowhere.json", "VK_ICD_FILENAMES": "/nowhere.json"}

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import Pack, default_pack
-from rtphys.check import solves
-from rtphys.generate import attempt
-from rtphys.instance import prepare
+from rtphys.core.poses import Pose
+from rtphys.episode.generate import attempt
+from rtphys.episode.instance import prepare
 from rtphys.physics import disagreements
-from rtphys.poses import Pose
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
+from rtphys.studies.check import solves
 from rtphys.task.instructions import check_templates, scene_info
 from rtphys.task.spec import Task, load_task, task_names
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtphys import library
+from rtphys.core import library
 from rtphys.task.spec import load_task
 
 # Typed from the paper's per-task table (which lists place_burger_fries twice).

@@ -4,6 +4,7 @@ import ast
 import re
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ TASKS = sorted((ROOT / "tasks").glob("*.py"))
 FREE = {"numpy", "scipy"}
 # Import name -> the layers that may use it. What is not here may not be imported at all.
 OWNERS = {
-    "yaml": {"library"},
+    "yaml": {"core"},
     "trimesh": {"assets"},
     "manifold3d": {"assets"},
     "PIL": {"assets"},
@@ -30,12 +31,12 @@ OWNERS = {
     "toppra": {"plan"},
     "ruckig": {"plan"},
     "sapien": {"sim"},
-    "matplotlib": {"figures"},
+    "matplotlib": {"report"},
     "pyarrow": {"export"},
     "gymnasium": {"gym"},
     "websockets": {"policies"},
     "msgpack": {"policies"},
-    "ray": {"runners"},
+    "ray": {"campaign"},
     "typer": {"cli"},
     "rich": {"cli"},
 }
@@ -89,7 +90,8 @@ FILES = sorted(p for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py")
 
 
 def test_every_layer_has_a_row() -> None:
-    assert len(ROWS) > 20, "the table in docs/architecture.md was not understood"
+    assert len(ROWS) > 15, "the table in docs/architecture.md was not understood"
+    assert max(ROWS.values()) <= 10
     unknown = {layer_of(p) for p in FILES} - ROWS.keys()
     assert not unknown, f"not in the table of docs/architecture.md: {sorted(unknown)}"
 
@@ -103,14 +105,45 @@ def test_a_layer_imports_only_the_rows_above_it() -> None:
             if parts[0] != "rtphys" or len(parts) < 2:
                 continue
             other = parts[1]
-            if other != own and row(other) >= row(own) and not alongside(own, other):
+            if other != own and row(other) >= row(own):
                 wrong.append(f"{path.relative_to(ROOT)}:{line} {own} imports {other}")
     assert not wrong, "\n".join(wrong)
 
 
-def alongside(own: str, other: str) -> bool:
-    """Whether two layers of one row may know each other: only where the pieces meet."""
-    return row(own) == row(other) == row("generate")
+def module_of(path: Path) -> str:
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@pytest.mark.xfail(strict=True, reason="assets.build and pack, expert.arm and robot")
+def test_no_module_imports_itself_by_way_of_others() -> None:
+    """Circles within a package too; imports inside functions and for types alone count."""
+    modules = {module_of(path): path for path in FILES}
+    graph = {
+        name: {other for _, found in imported(path) for other in found if other in modules}
+        for name, path in modules.items()
+    }
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        raise AssertionError(" -> ".join(reversed(error.args[1]))) from None
+
+
+def imported(path: Path) -> list[tuple[int, tuple[str, ...]]]:
+    """(line, modules that an import may mean): `from a import b` is `a.b` where that is one."""
+    found: list[tuple[int, tuple[str, ...]]] = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, (alias.name,)) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            whole = all(
+                (PACKAGE.parent / name.replace(".", "/")).with_suffix(".py").is_file()
+                or (PACKAGE.parent / name.replace(".", "/")).is_dir()
+                for name in names
+            )
+            found.append((node.lineno, (*names, *([] if whole else [node.module]))))
+    return found
 
 
 def test_every_third_party_package_has_one_owner() -> None:

@@ -8,7 +8,7 @@ from features import CHUNK, features
 from mlp import Adam, Mlp
 from numpy.typing import NDArray
 
-from rtphys.dataset import Dataset, Episode
+from rtphys.data.dataset import Dataset, Episode
 
 HIDDEN = (256, 256, 256)
 STEPS, BATCH = 6000, 512

@@ -5,10 +5,10 @@
 
 from typing import TYPE_CHECKING
 
-from rtphys import arithmetic
+from rtphys.core import arithmetic
 
 if TYPE_CHECKING:
-    from rtphys.dataset import Dataset, Episode
+    from rtphys.data.dataset import Dataset, Episode
 
 __all__ = ["Dataset", "Episode"]
 
@@ -17,7 +17,7 @@ arithmetic.pin()  # before anything of rtphys loads numpy
 
 def __getattr__(name: str) -> object:
     if name in __all__:
-        from rtphys import dataset
+        from rtphys.data import dataset
 
         return getattr(dataset, name)
     raise AttributeError(f"module 'rtphys' has no attribute {name!r}")

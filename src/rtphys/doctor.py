@@ -16,12 +16,12 @@ from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
 
-from rtphys import arithmetic, library
 from rtphys.assets.pack import STAMP, Pack, cache_folder, linked
-from rtphys.errors import RtphysError
+from rtphys.core import arithmetic, library
+from rtphys.core.errors import RtphysError
 
 PROBE = (sys.executable, "-W", "ignore", "-m", "rtphys.sim.probe")
-NATIVES = (sys.executable, "-W", "ignore", "-m", "rtphys.natives")
+NATIVES = (sys.executable, "-W", "ignore", "-m", "rtphys.core.compiled_dependencies")
 PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
 DISK_LOW, DISK_NEEDED = 5e9, 5e8  # [bytes] warn, fail; an episode is about 5 MB
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from official_sizes import SIZES
 
+from rtphys.assets.asset_model import Machine, Thing
 from rtphys.assets.objects import catalogue
-from rtphys.assets.thing import Machine, Thing
 from rtphys.assets.write import bounds
 
 OPENING = 0.09  # [m] between the open fingers

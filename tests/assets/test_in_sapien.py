@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from rtphys.assets.asset_model import Thing
 from rtphys.assets.model import Model
 from rtphys.assets.objects import catalogue
-from rtphys.assets.thing import Thing
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 
 pytestmark = pytest.mark.sim
 sapien = pytest.importorskip("sapien")

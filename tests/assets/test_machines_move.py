@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rtphys.assets.build import build
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 
 pytestmark = pytest.mark.sim
 sapien = pytest.importorskip("sapien")

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from rtphys.assets.pack import Pack, builtin_pack
-from rtphys.errors import MissingAsset
-from rtphys.generate import attempt
-from rtphys.recipe import Recipe
+from rtphys.core.errors import MissingAsset
+from rtphys.episode.generate import attempt
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task
 
 FOLDER = os.environ.get("RTPHYS_OFFICIAL_ASSETS", "")

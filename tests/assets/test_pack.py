@@ -8,7 +8,7 @@ import pytest
 
 from rtphys.assets.build import build
 from rtphys.assets.pack import Pack, builtin_pack, default_pack
-from rtphys.errors import BadFile, BadValue, MissingAsset, RtphysError, UnknownName
+from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError, UnknownName
 
 
 @pytest.fixture(scope="module")

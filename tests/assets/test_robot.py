@@ -8,7 +8,7 @@ import pytest
 from rtphys.assets.embodiment import ALOHA_LIMITS
 from rtphys.assets.embodiments.aloha_agilex import aloha_agilex
 from rtphys.assets.urdf import placed
-from rtphys.poses import axis_angle, quat_to_matrix
+from rtphys.core.poses import axis_angle, quat_to_matrix
 
 # World poses at q = 0 of the official machine on its base at (0, -0.65), turned by 90 degrees [m].
 TCP = {"fr": (0.3052, -0.1928, 0.9410), "fl": (-0.3003, -0.1938, 0.9420)}

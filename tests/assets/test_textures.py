@@ -6,8 +6,8 @@ import pytest
 from rtphys.assets.build import build
 from rtphys.assets.patterns import PATTERNS, SIZE
 from rtphys.assets.textures import HELD_OUT, texture_names, write_texture
-from rtphys.errors import UnknownName
-from rtphys.seeds import stream
+from rtphys.core.errors import UnknownName
+from rtphys.core.seeds import stream
 
 SPLITS = ("seen", "unseen")
 

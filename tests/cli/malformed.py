@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 LEAF = "phys_random/click_bell/aloha_agilex"
 HDF5 = f"dataset/{LEAF}/data/episode_0000000.hdf5"

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from rtphys.cli import lazy
 from rtphys.cli.main import COMMANDS, app
-from rtphys.errors import BadValue, NoRenderer
+from rtphys.core.errors import BadValue, NoRenderer
 
 PACKAGE = Path(lazy.__file__).parent
 RUN = CliRunner()

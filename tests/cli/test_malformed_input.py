@@ -1,19 +1,15 @@
 """Three hundred and more malformed inputs through the real program: one sentence each, no file."""
 
 import signal
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
-
 from malformed import Case, command_lines, generated, json_and_hdf5, yaml_files
 from test_dataset_writer import collect, content
+from typer.testing import CliRunner, Result
 
 from rtphys.assets.pack import default_pack
 from rtphys.cli.main import app

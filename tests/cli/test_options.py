@@ -3,7 +3,7 @@
 import pytest
 
 from rtphys.cli.options import expand
-from rtphys.errors import UnknownName
+from rtphys.core.errors import UnknownName
 
 
 def test_tasks_are_parted_by_commas_or_by_repeating_the_option() -> None:

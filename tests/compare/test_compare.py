@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from rtphys.benchmark import InstanceList, Slot, instance_file, write_instances
 from rtphys.cli.main import app
 from rtphys.compare import columns_of, duels, per_task, settings
+from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data.json_text import pretty
-from rtphys.errors import BadFile, UnknownName
 from rtphys.results import EpisodeRecord, read_results
 from rtphys.results.folder import INSTANCES, RUN, record_file
+from rtphys.results.instance_file import instance_file, write_instances
+from rtphys.results.instances import InstanceList, Slot
 from rtphys.results.record_file import RecordFile
 from rtphys.task.spec import task_names
 

@@ -1,11 +1,6 @@
-"""Makes `synthetic` importable whatever pytest's import mode."""
-
-import sys
-from pathlib import Path
+"""Every test of data has a cache of its own."""
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 
 @pytest.fixture(autouse=True)

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from rtphys.core.seeds import stream
 from rtphys.data.conditions import Conditions
 from rtphys.data.episode import CameraFrames, Episode, Frames, Images
 from rtphys.physics import after, attributes, load_domain
-from rtphys.seeds import stream
 
 CAMERAS = ("head_camera", "left_camera", "right_camera")
 DOMAIN = load_domain("global")

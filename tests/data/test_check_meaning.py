@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import synthetic
 
+from rtphys.core.poses import Pose
 from rtphys.data import schema
 from rtphys.data.check_meaning import GL_FROM_CV, check_meaning
 from rtphys.data.episode import CameraFrames, Frames
 from rtphys.data.json_text import plain
-from rtphys.poses import Pose
 
 T = 10
 

@@ -7,10 +7,10 @@ import pytest
 import synthetic
 from test_dataset_writer import collect, content
 
+from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data.convert import convert
 from rtphys.data.faults import DatasetMismatch
-from rtphys.errors import BadFile, UnknownName
-from rtphys.verify import verify
+from rtphys.data.verify import verify
 
 
 @pytest.fixture(scope="module")

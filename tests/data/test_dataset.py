@@ -11,9 +11,9 @@ import synthetic
 from test_dataset_writer import FRAMES, collect
 
 import rtphys
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.convert import convert
-from rtphys.dataset import Dataset, find_episode
-from rtphys.errors import BadFile, BadValue, UnknownName
+from rtphys.data.dataset import Dataset, find_episode
 
 
 @pytest.fixture(scope="module", params=["native", "legacy"])

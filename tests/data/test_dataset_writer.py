@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 import synthetic
 
+from rtphys.core.errors import BadFile
 from rtphys.data import faults, files
 from rtphys.data.conditions import Conditions
+from rtphys.data.dataset import Dataset
+from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter, Rejection, StagedEpisode, TaskWriter, stage_episode
-from rtphys.dataset import Dataset
-from rtphys.errors import BadFile
-from rtphys.verify import verify
 
 FRAMES = 4
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from rtphys.core.errors import BadFile
 from rtphys.data.journal import Journal, read_journal
-from rtphys.errors import BadFile
 
 ENTRIES = [{"seed": n, "verdict": "rejected", "detail": "größer"} for n in range(5)]
 

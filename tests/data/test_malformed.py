@@ -13,10 +13,10 @@ from typer import Typer
 from typer.testing import CliRunner
 
 from rtphys.cli.verify_manifest import verify_manifest
+from rtphys.core.errors import RtphysError
 from rtphys.data.hdf5_file import content_digest
+from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
-from rtphys.errors import RtphysError
-from rtphys.verify import verify
 
 LEAF = "phys_random/click_bell/aloha_agilex"
 FILES = (

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from test_dataset_writer import collect
 
+from rtphys.core.seeds import stream
 from rtphys.data import hdf5_file
 from rtphys.data.check_episode import Effort
 from rtphys.data.files import facts_of
@@ -16,8 +17,7 @@ from rtphys.data.journal import Journal, read_journal
 from rtphys.data.json_text import pretty
 from rtphys.data.layout import Leaf
 from rtphys.data.manifest import LeafHistory, manifest_of
-from rtphys.seeds import stream
-from rtphys.verify import Report, verify
+from rtphys.data.verify import Report, verify
 
 LEAF = "phys_random/click_bell/aloha_agilex"
 

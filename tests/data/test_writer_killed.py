@@ -9,10 +9,10 @@ import pytest
 import synthetic
 from test_dataset_writer import collect, content
 
+from rtphys.core.seeds import stream
 from rtphys.data.layout import MANIFEST
+from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
-from rtphys.seeds import stream
-from rtphys.verify import verify
 
 EPISODES = 4
 

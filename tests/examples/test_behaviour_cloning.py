@@ -10,10 +10,10 @@ from features import CHUNK, features
 from mlp import Adam, Mlp
 
 from rtphys.assets.pack import default_pack
+from rtphys.core.poses import axis_angle
 from rtphys.episode import begin
 from rtphys.policies import PolicySetup, open_policy
-from rtphys.poses import axis_angle
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task
 
 FOLDER = Path(__file__).parents[2] / "examples" / "behaviour_cloning"

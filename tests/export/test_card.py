@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from test_dataset_writer import collect
 
-from rtphys.dataset import Dataset
+from rtphys.data.dataset import Dataset
+from rtphys.data.verify import verify
 from rtphys.export.card import card, write_card
 from rtphys.export.croissant import CardText
-from rtphys.verify import verify
 
 TEXT = CardText("Bells", url="https://example.org/bells", published="2026-11-21")
 

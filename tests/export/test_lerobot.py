@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from test_dataset_writer import FRAMES, collect
 
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data import video
+from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetExists
-from rtphys.dataset import Dataset
-from rtphys.errors import BadValue, UnknownName
 
 pq = pytest.importorskip("pyarrow.parquet", reason="the extra rtphys[lerobot] is not installed")
 

@@ -14,12 +14,12 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv
 
 from rtphys.assets.pack import default_pack
-from rtphys.errors import BadFile, BadValue, UnknownName
-from rtphys.generate import attempt
+from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.episode.generate import attempt
+from rtphys.episode.replay import actions_of
 from rtphys.gym.env import TaskEnv
 from rtphys.physics import attributes
-from rtphys.recipe import Recipe
-from rtphys.replay import actions_of
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task, task_names
 
 pytestmark = pytest.mark.sim

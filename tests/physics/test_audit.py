@@ -1,15 +1,12 @@
 """An audit finds labels that lie, and says in words where feasibility cut."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from rtphys.cli import physics as command
+from rtphys.data.dataset import Dataset
 from rtphys.data.writer import DatasetWriter, Rejection, stage_episode
-from rtphys.dataset import Dataset
 from rtphys.proofs.audit import selections_by_leaf
 from rtphys.proofs.audit_labels import differences
 from rtphys.proofs.audit_selection import Selection, selections
@@ -87,7 +84,6 @@ def test_differences_name_the_place(stored, now, words):
 @pytest.fixture(scope="module")
 def slippery_rejected(tmp_path_factory):
     """A dataset of 25 small episodes, from which every friction below 0.5 was refused."""
-    sys.path.insert(0, str(Path(__file__).parents[1] / "data"))
     import synthetic
 
     out = tmp_path_factory.mktemp("audited")

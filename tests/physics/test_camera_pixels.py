@@ -20,7 +20,7 @@ import json, sys
 import numpy as np
 from rtphys.assets.pack import builtin_pack
 from rtphys.physics.gaze import gaze_point
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 from rtphys.proofs.lab import Lab
 from rtphys.sim import renderer
 from rtphys.sim.studio import Studio

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rtphys.cli import domains, physics
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.physics import Domain, Physics, load_domain
 from rtphys.proofs.lab import Lab
 

@@ -2,12 +2,12 @@
 
 import pytest
 
+from rtphys.core.poses import Pose
 from rtphys.physics import attributes, load_domain
 from rtphys.physics.distribution import By, Fixed, SameAs
 from rtphys.physics.enforce import disagreements, enforce, read_back
 from rtphys.physics.gaze import MODES
 from rtphys.physics.handles import Blueprint
-from rtphys.poses import Pose
 from rtphys.proofs.run import proof
 from rtphys.sim.world import World, WorldPlan
 from rtphys.task.props import Articulated, Ball, Box, Mesh

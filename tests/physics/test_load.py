@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from rtphys.errors import BadFile, BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.physics import Domain, load_domain
 from rtphys.physics.distribution import Fixed
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtphys.errors import BadFile
+from rtphys.core.errors import BadFile
 from rtphys.physics import attributes, load_domain
 
 WIND = '''

@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import pytest
 
-from rtphys import library
 from rtphys.assets.pack import builtin_pack
+from rtphys.core import library
+from rtphys.core.errors import Infeasible
 from rtphys.data.schema import PhysMeta
-from rtphys.errors import Infeasible
-from rtphys.instance import prepare
+from rtphys.episode.instance import prepare
 from rtphys.physics import Physics, attributes, disagreements, readback
 from rtphys.proofs.audit_labels import label_problems
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtphys.errors import BadValue
+from rtphys.core.errors import BadValue
 from rtphys.physics.distribution import By, SameAs, narrows
 from rtphys.physics.rules import parse_rule
 

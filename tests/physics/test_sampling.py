@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rtphys.errors import BadValue, Infeasible, UnknownName
+from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.physics import after, load_domain
 from rtphys.physics.distribution import Fixed, Uniform
 from rtphys.physics.domain import Domain

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
+from rtphys.core.seeds import stream
 from rtphys.physics import attributes, load_domain
 from rtphys.physics.distribution import By
-from rtphys.seeds import stream
 
 N = 10_000
 GLOBAL = load_domain("global")

@@ -5,7 +5,7 @@ import pickle
 
 import pytest
 
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.physics import Physics, load_domain, parse_overrides
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from b1_arms import LIMITS, aloha_urdf
 
+from rtphys.core.poses import Pose, axis_angle
 from rtphys.plan.kinematics import ArmKinematics
-from rtphys.poses import Pose, axis_angle
 
 
 @pytest.fixture(scope="session")

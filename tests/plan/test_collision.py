@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from b1_arms import LIMITS
 
-from rtphys.errors import BadFile, BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.core.poses import Pose, axis_angle
+from rtphys.core.seeds import stream
 from rtphys.plan.collision import CollisionChecker, Obstacle
 from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.robot_shapes import ArmJoints, hull
-from rtphys.poses import Pose, axis_angle
-from rtphys.seeds import stream
 
 ZERO = np.zeros(6)
 TABLE = Obstacle("table", np.array([0.6, 0.35, 0.025]), Pose((0, 0, 0.715)))  # top at 0.74

@@ -3,8 +3,8 @@
 import numpy as np
 from b1_arms import LIMITS
 
+from rtphys.core.poses import Pose
 from rtphys.plan.collision import CollisionChecker, Obstacle
-from rtphys.poses import Pose
 
 TABLE = Obstacle("table", np.array([0.6, 0.35, 0.025]), Pose((0, 0, 0.715)))
 CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])

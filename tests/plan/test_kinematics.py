@@ -4,10 +4,10 @@ from b1_arms import BASES, JOINTS, LIMITS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtphys.errors import BadFile, UnknownName
+from rtphys.core.errors import BadFile, UnknownName
+from rtphys.core.poses import Pose, axis_angle
+from rtphys.core.seeds import stream
 from rtphys.plan.kinematics import HOME_SEED, ArmKinematics
-from rtphys.poses import Pose, axis_angle
-from rtphys.seeds import stream
 
 TCP = np.array([0.12, 0, 0])
 angles = st.lists(st.floats(0, 1), min_size=6, max_size=6).map(

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rtphys.core.poses import Array
 from rtphys.plan.online import Straight, Tracker, gripper_ramp
 from rtphys.plan.path import JointLimits, Trajectory, retime
-from rtphys.poses import Array
 
 DT = 1 / 250
 LIMITS = JointLimits(np.full(6, 2.0), np.full(6, 6.0))

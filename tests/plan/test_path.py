@@ -3,11 +3,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rtphys.errors import BadValue, Infeasible
+from rtphys.core.errors import BadValue, Infeasible
+from rtphys.core.seeds import stream
 from rtphys.plan.blend import CORNER, BlendedPath
 from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.path import JointLimits, retime
-from rtphys.seeds import stream
 
 DT = 1 / 250
 LIMITS = JointLimits(np.full(6, 2.0), np.full(6, 6.0))

@@ -3,13 +3,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from rtphys.core.poses import Pose
+from rtphys.core.seeds import stream
 from rtphys.plan.blend import BlendedPath
 from rtphys.plan.collision import CollisionChecker, Obstacle
 from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.path import JointLimits, retime
 from rtphys.plan.rrt import connect, straight_is_clear
-from rtphys.poses import Pose
-from rtphys.seeds import stream
 
 SQUARE = np.array([[-1.0, 1.0], [-1.0, 1.0]])
 ZERO = np.zeros(6)

@@ -8,10 +8,10 @@ import pytest
 
 from rtphys.assets.pack import default_pack
 from rtphys.episode import CameraView, PolicyEpisode, begin
+from rtphys.episode.generate import attempt
 from rtphys.episode.mirror import Mirror
-from rtphys.generate import attempt
-from rtphys.recipe import Recipe
-from rtphys.replay import actions_of
+from rtphys.episode.replay import actions_of
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task
 
 # What needs the extra rtphys[serve] is left out where that is not installed.

@@ -11,13 +11,13 @@ from servers import serving
 from websockets.sync.server import ServerConnection
 
 from rtphys.assets.pack import default_pack
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.episode import PolicyEpisode, begin
-from rtphys.errors import BadValue, UnknownName
 from rtphys.policies import PolicyGone, PolicySetup, open_policy
 from rtphys.policies.served.connection import ServerFailed
 from rtphys.policies.served.openpi import open_openpi, question
 from rtphys.policies.served.wire import OPENPI
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim

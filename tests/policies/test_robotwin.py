@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rtphys.core.errors import BadFile
 from rtphys.episode import PolicyEpisode
-from rtphys.errors import BadFile
 from rtphys.policies import PolicySetup
 from rtphys.policies.robotwin.options import pairs, user_args
 from rtphys.policies.robotwin.plugin import BrokenPlugin

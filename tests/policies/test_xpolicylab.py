@@ -8,8 +8,8 @@ import pytest
 from servers import serving
 from websockets.sync.server import ServerConnection
 
+from rtphys.core.errors import BadValue
 from rtphys.episode import PolicyEpisode
-from rtphys.errors import BadValue
 from rtphys.policies import PolicyGone, PolicySetup
 from rtphys.policies.served import xpolicylab_format as fmt
 from rtphys.policies.served.connection import ServerFailed

@@ -9,7 +9,7 @@ import pytest
 import synthetic
 from test_dataset_writer import collect
 
-from rtphys.dataset import Dataset
+from rtphys.data.dataset import Dataset
 from rtphys.report.facts import axes
 from rtphys.report.write import write_report
 

@@ -10,7 +10,7 @@ from typer import Typer
 from typer.testing import CliRunner
 
 from rtphys.cli.show import show
-from rtphys.dataset import Dataset
+from rtphys.data.dataset import Dataset
 from rtphys.report.joint_plot import joint_plot, panels
 from rtphys.report.sheet import GAP, contact_sheet
 

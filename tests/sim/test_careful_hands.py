@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import default_pack
+from rtphys.episode.generate import attempt
 from rtphys.expert.planner import VELOCITY
-from rtphys.generate import attempt
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
 from rtphys.task import Placing, Pose, Robot, lifted
 from rtphys.task.spec import load_task
 

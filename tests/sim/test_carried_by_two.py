@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import default_pack
-from rtphys.generate import attempt
-from rtphys.poses import Array, Pose
-from rtphys.recipe import Recipe
+from rtphys.core.poses import Array, Pose
+from rtphys.episode.generate import attempt
+from rtphys.setting.recipe import Recipe
 from rtphys.sim.recorder import Recording
 from rtphys.task.spec import load_task
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import default_pack
-from rtphys.instance import prepare
-from rtphys.recipe import Recipe
+from rtphys.episode.instance import prepare
+from rtphys.setting.recipe import Recipe
 from rtphys.sim import renderer
 from rtphys.sim.room import Room
 from rtphys.sim.studio import Studio

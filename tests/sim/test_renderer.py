@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import sapien
 
-from rtphys.errors import BadValue, NoRenderer, UnknownName
-from rtphys.poses import Pose
+from rtphys.core.errors import BadValue, NoRenderer, UnknownName
+from rtphys.core.poses import Pose
 from rtphys.sim import camera as cameras
 from rtphys.sim import renderer, shader
 from rtphys.sim.shader_edits import EDITS, UNUSED_FILES
@@ -35,7 +35,7 @@ def run(script: str, *arguments: str) -> str:
 SCENE = """
     import sys
     import numpy as np, sapien
-    from rtphys.poses import Pose
+    from rtphys.core.poses import Pose
     from rtphys.sim import renderer
     from rtphys.sim.camera import CameraSpec, SimCamera, looking, HEAD
 
@@ -89,7 +89,7 @@ def test_same_picture_in_two_processes(tmp_path: Path) -> None:
 def test_anchor_and_second_choice() -> None:
     run("""
         import pytest
-        from rtphys.errors import BadValue
+        from rtphys.core.errors import BadValue
         from rtphys.sim import renderer
         assert not renderer.pictures_ready()
         renderer.hold_anchor()

@@ -6,7 +6,7 @@ from sapien import physx
 
 from rtphys.assets.embodiment import Embodiment
 from rtphys.assets.pack import default_pack
-from rtphys.poses import Array
+from rtphys.core.poses import Array
 from rtphys.sim.body import shape_points
 from rtphys.sim.engine import new_scene
 from rtphys.sim.robot import SimRobot

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import default_pack
-from rtphys.instance import prepare
-from rtphys.recipe import Recipe
+from rtphys.episode.instance import prepare
+from rtphys.setting.recipe import Recipe
 from rtphys.task import load_task
 
 pytestmark = pytest.mark.sim

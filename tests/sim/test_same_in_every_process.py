@@ -11,8 +11,8 @@ pytestmark = pytest.mark.sim
 # Each hand holds a shoe and both still swing: who is waited for first shows in the recording.
 _SCRIPT = """
 from rtphys.assets.pack import default_pack
-from rtphys.generate import attempt
-from rtphys.recipe import Recipe
+from rtphys.episode.generate import attempt
+from rtphys.setting.recipe import Recipe
 from rtphys.task.spec import load_task
 
 recipe = Recipe("place_dual_shoes", 2, "phys_random_all")

@@ -6,7 +6,7 @@ import sapien
 from sapien import physx
 
 from rtphys.assets.pack import default_pack
-from rtphys.poses import Pose, quat_multiply
+from rtphys.core.poses import Pose, quat_multiply
 from rtphys.sim.engine import new_scene, to_sapien
 from rtphys.task.orientation import UP_Z
 

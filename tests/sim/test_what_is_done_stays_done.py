@@ -7,13 +7,13 @@ import pytest
 from sapien import physx
 
 from rtphys.assets.pack import default_pack
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Array, Pose, axis_angle, quat_multiply
+from rtphys.core.seeds import stream
+from rtphys.episode.generate import start
+from rtphys.episode.instance import prepare, settle
 from rtphys.expert.robot import ExpertRobot
-from rtphys.generate import start
-from rtphys.instance import prepare, settle
-from rtphys.poses import Array, Pose, axis_angle, quat_multiply
-from rtphys.recipe import Recipe
-from rtphys.seeds import stream
+from rtphys.setting.recipe import Recipe
 from rtphys.sim.engine import RATE, from_sapien, to_sapien
 from rtphys.sim.rollout import Rollout
 from rtphys.task.spec import load_task

@@ -8,7 +8,7 @@ import pytest
 from rtphys.assets.pack import default_pack
 from rtphys.data.check_look import LookCheck
 from rtphys.data.schema import LeafEntry, PhysMeta, VisualLabel
-from rtphys.protocol import OFFICIAL
+from rtphys.setting.protocol import OFFICIAL
 from rtphys.task.spec import load_task
 from rtphys.visual import draw_look
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import Pack, default_pack
-from rtphys.protocol import OFFICIAL, VisualRules
+from rtphys.setting.protocol import OFFICIAL, VisualRules
 from rtphys.task.draw import Spot
 from rtphys.task.props import Mesh
 from rtphys.task.spec import load_task

@@ -9,11 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part
 from rtphys.assets.geometry import cylinder, rounded, tube
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, Finish, metal, plastic
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part
 from rtphys.assets.turned import disc, ring, split, turned, turned_parts
 
 

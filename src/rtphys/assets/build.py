@@ -14,13 +14,13 @@ from importlib import metadata
 from pathlib import Path
 from queue import Queue
 
-from rtphys import arithmetic
+from rtphys.assets.asset_model import Machine
 from rtphys.assets.embodiments import EMBODIMENTS
 from rtphys.assets.objects import catalogue
 from rtphys.assets.pack import STAMP, Pack, Progress
 from rtphys.assets.textures import texture_names, write_texture
-from rtphys.assets.thing import Machine
 from rtphys.assets.write import write_machine, write_thing
+from rtphys.core import arithmetic
 
 FORMAT = 1  # of the pack, raised when the loader could no longer read an older one
 LIBRARIES = ("manifold3d", "numpy", "scipy")  # whose version may move a vertex
@@ -78,7 +78,7 @@ def build(
         progress: told (done, total, name) after each model.
         names: only these objects, robots and textures (for authors); all if empty.
         workers: processes, at least one, whose arithmetic is pinned even where the caller's is not
-            (see `rtphys.arithmetic`); by default one a core, and none for a handful of models.
+            (see `rtphys.core.arithmetic`); by default one a core, and none for a handful of models.
     """
     out = Path(out).expanduser()
     out.parent.mkdir(parents=True, exist_ok=True)

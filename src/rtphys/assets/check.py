@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from rtphys.assets.pack import Pack
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from rtphys.assets.draw import Triangles, View, draw, fitting, line
 from rtphys.assets.model import Articulation
 from rtphys.assets.pack import Pack
 from rtphys.assets.urdf import placed
-from rtphys.poses import axis_angle, quat_to_matrix
+from rtphys.core.poses import axis_angle, quat_to_matrix
 
 Array = NDArray[np.float64]
 

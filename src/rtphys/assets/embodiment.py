@@ -9,9 +9,9 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.errors import BadFile, MissingAsset
-from rtphys.library import read_yaml
-from rtphys.poses import Pose
+from rtphys.core.errors import BadFile, MissingAsset
+from rtphys.core.library import read_yaml
+from rtphys.core.poses import Pose
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, tint
 from rtphys.assets.pictures import to_picture
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 FACETS = 10  # around a loaf's back
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.errors import UnknownName
+from rtphys.core.errors import UnknownName
 
 Picture = NDArray[np.uint8]  # (h, w, 3) RGB, top row first
 Colour = tuple[float, float, float]  # sRGB, each 0..1

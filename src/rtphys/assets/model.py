@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.errors import BadFile, MissingAsset
+from rtphys.core.errors import BadFile, MissingAsset
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from rtphys.assets.model import (
     read_json,
     read_model,
 )
-from rtphys.errors import BadFile, MissingAsset, UnknownName
+from rtphys.core.errors import BadFile, MissingAsset, UnknownName
 
 Progress = Callable[[int, int, str], None]  # done, total, name of what was just made
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.assets.asset_model import Part
 from rtphys.assets.geometry import box, circle, extrude, rounded_box
 from rtphys.assets.material import Colour, Finish, Picture, plastic, tint
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Part
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rtphys.assets.material import Colour, Picture
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 Array = NDArray[np.float64]
 

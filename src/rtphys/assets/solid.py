@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull
 
-from rtphys.poses import axis_angle, quat_to_matrix
+from rtphys.core.poses import axis_angle, quat_to_matrix
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]

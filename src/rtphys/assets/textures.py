@@ -5,8 +5,8 @@ from pathlib import Path
 from rtphys.assets.patterns import PATTERNS
 from rtphys.assets.pictures import to_picture
 from rtphys.assets.png import png_bytes
-from rtphys.errors import UnknownName
-from rtphys.seeds import stream
+from rtphys.core.errors import UnknownName
+from rtphys.core.seeds import stream
 
 EACH = 4  # pictures a pattern; the last is unseen
 HELD_OUT = ("hexagons", "parquet", "patches")  # patterns of which all are unseen

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.assets.asset_model import Array
 from rtphys.assets.geometry import rectangle, rounded
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Array
 
 
 @dataclass(frozen=True)

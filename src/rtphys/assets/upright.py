@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rtphys.assets.thing import Joint
+from rtphys.assets.asset_model import Joint
 from rtphys.assets.urdf import placed
 
 

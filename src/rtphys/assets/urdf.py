@@ -8,9 +8,9 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rtphys.assets.asset_model import Body, Inertial, Joint
 from rtphys.assets.shading import DECIMALS
 from rtphys.assets.solid import Solid
-from rtphys.assets.thing import Body, Inertial, Joint
 
 Array = NDArray[np.float64]
 

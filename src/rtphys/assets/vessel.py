@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.assets.asset_model import Array, contact
 from rtphys.assets.geometry import Outline, lathe
 from rtphys.assets.parts import shell_parts
 from rtphys.assets.solid import Solid
-from rtphys.assets.thing import Array, contact
 from rtphys.assets.turned import turned_parts
 
 LINER = 0.0003  # [m] by which an inner surface of another colour stands out of the wall

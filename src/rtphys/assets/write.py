@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.assets.asset_model import Body, Machine, Part, Thing
 from rtphys.assets.glb import glb_bytes
 from rtphys.assets.material import Finish, substance
 from rtphys.assets.shading import bare, surface
-from rtphys.assets.thing import Body, Machine, Part, Thing
 from rtphys.assets.urdf import urdf_text, write_meshes
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from rtphys.assets.pack import STAMP, Pack, builtin_pack, cache_folder, default_pack
-from rtphys.errors import BadValue, MissingAsset, RtphysError, UnknownName
+from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import load_task, task_names
 

@@ -10,12 +10,12 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from rtphys.bench import ATTEMPT, PICTURES, BenchPlan, Cost, means
-from rtphys.bench import bench as measure
 from rtphys.cli.assets import BuildBar
 from rtphys.cli.fitting import fitting_table, wide_console
 from rtphys.cli.options import expand, split
-from rtphys.errors import BadFile
+from rtphys.core.errors import BadFile
+from rtphys.studies.bench import ATTEMPT, PICTURES, BenchPlan, Cost, means
+from rtphys.studies.bench import bench as measure
 
 
 def bench(

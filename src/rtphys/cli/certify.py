@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rtphys.campaign.workers.local import cores
 from rtphys.cli.options import expand, split, taking
 from rtphys.cli.progress import progress_bar
 from rtphys.cli.stopping import Incomplete, resumable
-from rtphys.runners.local import cores
 
 if TYPE_CHECKING:
-    from rtphys.certify import CertifyPlan, Order
+    from rtphys.studies.certify import CertifyPlan, Order
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class CertifyOptions:
     def plan(self) -> "CertifyPlan":
         """Raises UnknownName, BadValue, BadFile: before any work is done."""
         names = expand(self.task)
-        from rtphys.benchmark import FIRST_SEED
-        from rtphys.certify import CertifyPlan
+        from rtphys.results.instances import FIRST_SEED
+        from rtphys.studies.certify import CertifyPlan
 
         plan = CertifyPlan(
             tasks=names,
@@ -74,8 +74,8 @@ def certify(options: CertifyOptions) -> None:
 
 def _run(plan: "CertifyPlan") -> "list[Order]":
     from rtphys.assets.pack import default_pack
-    from rtphys.certify import certify
     from rtphys.cli.assets import BuildBar
+    from rtphys.studies.certify import certify
 
     with BuildBar() as building:
         pack = default_pack(building)

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rtphys.campaign.workers.local import cores
 from rtphys.cli.options import domain_of, expand, split
-from rtphys.errors import BadFile, NoRenderer
-from rtphys.runners.local import cores
+from rtphys.core.errors import BadFile, NoRenderer
 
 if TYPE_CHECKING:
-    from rtphys.check import CheckPlan, Score
+    from rtphys.studies.check import CheckPlan, Score
 
 Tasks = Annotated[list[str], typer.Argument(help="Tasks or patterns.")]
 Protocols = Annotated[str, typer.Option(help="clean, phys_random; several with commas.")]
@@ -49,7 +49,7 @@ def check(
     fail. Exit code 1: a robot that sees nothing succeeded, or a seed gave two outcomes.
     """
     names = expand(tasks)
-    from rtphys.check import CheckPlan
+    from rtphys.studies.check import CheckPlan
 
     workers = cores() if workers is None else workers
     ranges = domain_of(domain)
@@ -98,8 +98,8 @@ def _run(plan: "CheckPlan") -> "list[Score]":
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     from rtphys.assets.pack import default_pack
-    from rtphys.check import check
     from rtphys.cli.assets import BuildBar
+    from rtphys.studies.check import check
 
     with BuildBar() as building:
         pack = default_pack(building)
@@ -150,8 +150,8 @@ def _reasons(rejected: Counter[str]) -> str:
 
 def _draw(plan: "CheckPlan", scores: "Sequence[Score]", out: Path) -> None:
     from rtphys.assets.pack import default_pack
-    from rtphys.check import sheet
     from rtphys.data.files import make_folder, replace_file
+    from rtphys.studies.check import sheet
 
     single = len(scores) == 1 and out.suffix == ".png"
     make_folder(out.parent if single else out)

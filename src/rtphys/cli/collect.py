@@ -12,7 +12,7 @@ from rtphys.cli.options import taking
 from rtphys.cli.stopping import Incomplete, resumable
 
 if TYPE_CHECKING:
-    from rtphys.collect import CollectPlan, Summary
+    from rtphys.studies.collect import CollectPlan, Summary
 
 
 @taking(CollectOptions)
@@ -53,7 +53,7 @@ def _collect_all(plans: Sequence["CollectPlan"]) -> None:
 
 def _run(plan: "CollectPlan") -> "Summary":
     from rtphys.cli.collect_progress import Lines, Live
-    from rtphys.collect import collect as run
+    from rtphys.studies.collect import collect as run
 
     with resumable(), Live() if sys.stderr.isatty() else Lines() as shown:
         return run(plan, shown)

@@ -10,10 +10,10 @@ import typer
 
 from rtphys.cli.collect_progress import Lines
 from rtphys.cli.fitting import fitting_table, wide_console
-from rtphys.collect import Estimate, bytes_below, estimate, probe, size_of
+from rtphys.studies.collect import Estimate, bytes_below, estimate, probe, size_of
 
 if TYPE_CHECKING:
-    from rtphys.collect import CollectPlan
+    from rtphys.studies.collect import CollectPlan
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtphys.cli.options import domain_of, expand, split
-from rtphys.errors import BadValue
+from rtphys.core.errors import BadValue
 
 if TYPE_CHECKING:
-    from rtphys.collect import CollectPlan
+    from rtphys.studies.collect import CollectPlan
 
 
 BESIDE_MANIFEST = ("manifest", "estimate", "out", "workers", "runner", "address", "shard")
@@ -89,8 +89,8 @@ class CollectOptions:
             told = "name at least one task, or a --manifest; `rtphys tasks` lists them"
             raise BadValue("--task", None, told)
         names = expand(self.task or [])
-        from rtphys.collect import CollectPlan, dealt, find_collection, plans_of, swept
         from rtphys.physics.overrides import parse_overrides
+        from rtphys.studies.collect import CollectPlan, dealt, find_collection, plans_of, swept
 
         plan = CollectPlan(
             tasks=names,

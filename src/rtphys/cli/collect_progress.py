@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from rtphys.cli.fitting import fitting_table
-from rtphys.collect import Listener, Tally
+from rtphys.studies.collect import Listener, Tally
 
 LINE_EVERY = 10.0  # [s] between plain lines
 REFRESH = 0.5  # [s] between redraws

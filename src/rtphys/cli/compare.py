@@ -11,7 +11,7 @@ from rich.table import Table
 
 from rtphys.compare import Column, Duel, columns_of, duels, per_task, settings
 from rtphys.compare.published import PROTOCOLS
-from rtphys.figures.rates import draw_rates
+from rtphys.report.figures.rates import draw_rates
 from rtphys.results import read_results
 from rtphys.results.statistics import Rate
 

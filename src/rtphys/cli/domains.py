@@ -8,8 +8,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from rtphys import library
-from rtphys.errors import UnknownName
+from rtphys.core import library
+from rtphys.core.errors import UnknownName
 from rtphys.physics import Domain, attributes, domain_for_task, load_domain
 from rtphys.physics.auxiliary import AUXILIARY
 

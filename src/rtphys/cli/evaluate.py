@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from rtphys.campaign.workers.local import cores
 from rtphys.cli.options import expand, split, taking
 from rtphys.cli.progress import progress_bar
 from rtphys.cli.stopping import resumable
-from rtphys.errors import BadValue
-from rtphys.runners.local import cores
+from rtphys.core.errors import BadValue
 
 if TYPE_CHECKING:
-    from rtphys.evaluate import EvaluatePlan, Table
     from rtphys.results.summary import Summary
+    from rtphys.studies.evaluate import EvaluatePlan, Table
 
 
 @dataclass(frozen=True)
@@ -53,9 +53,9 @@ class EvaluateOptions:
         names = expand(self.task)
         from dataclasses import replace
 
-        from rtphys.evaluate import EvaluatePlan
-        from rtphys.evaluate.plan import WATCHDOG
         from rtphys.policies import short_name
+        from rtphys.studies.evaluate import EvaluatePlan
+        from rtphys.studies.evaluate.plan import WATCHDOG
 
         return EvaluatePlan(
             policy=self.policy,
@@ -102,7 +102,7 @@ def evaluate(options: EvaluateOptions) -> None:
 def _run(plan: "EvaluatePlan") -> "Summary":
     from rtphys.assets.pack import default_pack
     from rtphys.cli.assets import BuildBar
-    from rtphys.evaluate import evaluate
+    from rtphys.studies.evaluate import evaluate
 
     with BuildBar() as building:
         pack = default_pack(building)

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from rtphys.dataset import Dataset
+from rtphys.data.dataset import Dataset
 
 app = typer.Typer(no_args_is_help=True, help="Write a dataset in the format of another tool.")
 

@@ -8,7 +8,7 @@ from importlib import import_module
 import typer
 from typer.core import TyperGroup
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 # Package -> the optional part of rtphys that brings it.
 EXTRAS = {

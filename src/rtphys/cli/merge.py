@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from rtphys.cli.stopping import Incomplete, resumable
-from rtphys.errors import BadValue
+from rtphys.core.errors import BadValue
 
 
 def merge(
@@ -24,7 +24,7 @@ def merge(
     if any(part.resolve() == out.resolve() for part in parts):
         raise BadValue("--out", str(out), "it is one of the shards; name another folder")
     from rtphys.cli.collect_progress import Lines, Live
-    from rtphys.collect import merge as join
+    from rtphys.studies.collect import merge as join
 
     with resumable(), Live() if sys.stderr.isatty() else Lines() as shown:
         tallies = join(parts, out, workers, shown)

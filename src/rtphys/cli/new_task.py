@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from rtphys import library
-from rtphys.errors import BadFile, BadValue
+from rtphys.core import library
+from rtphys.core.errors import BadFile, BadValue
 
 TEMPLATE = '''"""Put the block on the pad.
 

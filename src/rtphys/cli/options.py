@@ -6,7 +6,7 @@ from functools import wraps
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, TypeVar
 
-from rtphys import library
+from rtphys.core import library
 
 if TYPE_CHECKING:
     from rtphys.physics.domain import Domain

@@ -8,15 +8,15 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from rtphys import library
 from rtphys.cli.domains import AsJson, domain_named
 from rtphys.cli.options import split
-from rtphys.errors import Infeasible
+from rtphys.core import library
+from rtphys.core.errors import Infeasible
 from rtphys.physics import Physics, Value, attributes, parse_overrides
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rtphys.dataset import Dataset
+    from rtphys.data.dataset import Dataset
     from rtphys.proofs.proof import Trial
 
 app = typer.Typer(no_args_is_help=True, help="The physical attributes.")
@@ -70,7 +70,7 @@ def prove(
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
         _tell(law.key, law.law, trials if every else worst(trials))
         if out is not None:
-            from rtphys.figures.laws import draw_law
+            from rtphys.report.figures.laws import draw_law
 
             out.mkdir(parents=True, exist_ok=True)
             draw_law(law, trials, out / f"{law.key}.png")
@@ -86,7 +86,7 @@ def audit(
     labels: Annotated[bool, typer.Option(help="Rebuild worlds and compare labels.")] = True,
 ) -> None:
     """Build each episode's world again from its label, and tell where feasibility cut."""
-    from rtphys.dataset import Dataset
+    from rtphys.data.dataset import Dataset
     from rtphys.proofs.audit import selections_by_leaf
 
     data = Dataset(dataset)
@@ -100,7 +100,7 @@ def audit(
                 f"  {one.key:24} {counts:>12} {one.distance:6.3f} {one.p:8.2g}  {one.sentence}"
             )
         if out is not None:
-            from rtphys.figures.selection import draw_selections
+            from rtphys.report.figures.selection import draw_selections
 
             out.mkdir(parents=True, exist_ok=True)
             draw_selections(found, leaf, out / f"{leaf.replace('/', '_')}.png")
@@ -148,7 +148,7 @@ def _inside_bodies(recipe: Recipe, first: Physics) -> Physics:
     if "center_of_mass" not in first.varied:
         return first
     from rtphys.assets.pack import default_pack
-    from rtphys.instance import prepare
+    from rtphys.episode.instance import prepare
     from rtphys.task.spec import load_task
 
     try:

@@ -7,8 +7,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from rtphys.protocol import Protocol, VisualRules
-from rtphys.protocol import protocols as known
+from rtphys.setting.protocol import Protocol, VisualRules
+from rtphys.setting.protocol import protocols as known
 
 
 def protocols(

@@ -7,7 +7,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from rtphys.dataset import Dataset
+from rtphys.data.dataset import Dataset
 from rtphys.report.write import write_report
 
 

@@ -9,10 +9,10 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from rtphys.core.errors import BadValue
 from rtphys.data import jpeg
+from rtphys.data.dataset import Dataset, Episode, find_episode
 from rtphys.data.files import make_folder, replace_file
-from rtphys.dataset import Dataset, Episode, find_episode
-from rtphys.errors import BadValue
 from rtphys.report.joint_plot import joint_plot
 from rtphys.report.sheet import contact_sheet
 

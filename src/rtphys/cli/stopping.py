@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 
 class Incomplete(RtphysError):

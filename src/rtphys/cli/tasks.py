@@ -7,8 +7,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from rtphys import library
-from rtphys.errors import RtphysError
+from rtphys.core import library
+from rtphys.core.errors import RtphysError
 from rtphys.task.props import Articulated, Mesh, Prop
 from rtphys.task.rates import rates
 from rtphys.task.spec import Task, load_task

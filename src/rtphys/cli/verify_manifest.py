@@ -9,15 +9,15 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from rtphys.core.errors import BadValue
 from rtphys.data.check_episode import Effort
+from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
 from rtphys.data.verified import default_path
-from rtphys.dataset import Dataset
-from rtphys.errors import BadValue
+from rtphys.data.verify import Problem, Report, verify
 from rtphys.physics.domain import Domain
 from rtphys.physics.values import plain_value
-from rtphys.recipe import Recipe
-from rtphys.verify import Problem, Report, verify
+from rtphys.setting.recipe import Recipe
 
 
 def verify_manifest(
@@ -81,7 +81,7 @@ def _replayed(dataset: Dataset, count: int) -> list[Problem]:
     """Makes episodes anew from their recipes, spread evenly over the dataset."""
     # Imported here: all other checks need no simulator.
     from rtphys.assets.pack import default_pack, pack_with
-    from rtphys.generate import attempt
+    from rtphys.episode.generate import attempt
     from rtphys.task.spec import load_task
 
     usual = default_pack()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rtphys.errors import UnknownName
+from rtphys.core.errors import UnknownName
 from rtphys.policies import short_name
 from rtphys.results.folder import Results
 from rtphys.results.statistics import Rate

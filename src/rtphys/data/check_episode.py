@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
 from rtphys.data import files, schema, video
 from rtphys.data.check_hdf5 import Hdf5Facts, check_hdf5
 from rtphys.data.check_meaning import check_meaning, check_video
@@ -12,7 +13,6 @@ from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import EpisodePaths
 from rtphys.data.schema import Instructions, LeafEntry, PhysMeta
-from rtphys.errors import BadFile
 
 
 class Effort(IntEnum):

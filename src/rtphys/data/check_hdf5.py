@@ -8,6 +8,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from rtphys.core.errors import BadFile
 from rtphys.data import jpeg
 from rtphys.data.episode import FRAME_STEPS, Frames
 from rtphys.data.hdf5_file import array, note, open_read, text
@@ -15,7 +16,6 @@ from rtphys.data.hdf5_legacy import legacy_streams, unshifted
 from rtphys.data.hdf5_native import FORMAT_VERSION, native_sentences, native_streams, shifted
 from rtphys.data.hdf5_record import read_record
 from rtphys.data.streams import Streams
-from rtphys.errors import BadFile
 
 PERIOD = FRAME_STEPS / 250  # [s] between two frames
 UNIT_QUATERNION = 1e-3  # how far a stored quaternion's length may be from 1

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 from rtphys.assets.pack import Pack, pack_with
+from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.data.schema import LeafEntry, PhysMeta
-from rtphys.errors import Infeasible, RtphysError
-from rtphys.protocol import VisualRules
+from rtphys.setting.protocol import VisualRules
 from rtphys.task.spec import Task, load_task
 from rtphys.visual import draw_look
 from rtphys.visual.look import problems

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from rtphys.assets.embodiment import ALOHA_LIMITS
+from rtphys.core.poses import quat_to_matrix
 from rtphys.data import files, video
 from rtphys.data.episode import Floats, Frames
 from rtphys.data.layout import embodiment_folder
 from rtphys.data.schema import PhysMeta
-from rtphys.poses import quat_to_matrix
 
 WRIST = {"left": "left_camera", "right": "right_camera"}
 RIGID = 1e-4  # [m] and [1]: calibration is stored in single precision

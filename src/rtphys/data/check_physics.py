@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
+from rtphys.core.errors import RtphysError
 from rtphys.data.episode import JSON
 from rtphys.data.schema import LeafEntry, PhysMeta
-from rtphys.errors import RtphysError
 from rtphys.physics import Domain, Physics, after, attributes
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.values import REDRAWS, Value, plain_value

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
 from rtphys.data import files, schema
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
@@ -12,7 +13,6 @@ from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import JOURNAL, MANIFEST, STAGING, Leaf, episode_number
 from rtphys.data.manifest import LeafHistory, journals_below, leaf_of, manifest_of
 from rtphys.data.schema import LeafEntry, Manifest
-from rtphys.errors import BadFile
 
 
 @dataclass

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
+from rtphys.core.errors import UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
 from rtphys.data.layout import EMBODIMENT, LAYOUTS, Leaf
 from rtphys.data.schema import DATASET_VERSION
-from rtphys.errors import UnknownName
 
 
 @dataclass(frozen=True)

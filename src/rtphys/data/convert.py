@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data import files, schema
 from rtphys.data.conditions import Conditions
 from rtphys.data.encode import EncodedImages
@@ -17,7 +18,6 @@ from rtphys.data.layout import LAYOUTS, MANIFEST, EpisodePaths, Leaf
 from rtphys.data.schema import AttemptEntry, LeafEntry, Manifest
 from rtphys.data.staging import EncodedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
-from rtphys.errors import BadFile, UnknownName
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
 

@@ -3,7 +3,7 @@
 import errno
 from pathlib import Path
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 
 class DatasetError(RtphysError):

@@ -7,8 +7,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
 from rtphys.data.faults import CannotWrite
-from rtphys.errors import BadFile
 
 TEMPORARY = ".part"  # suffix of files that are not finished
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from rtphys.errors import BadFile
+from rtphys.core.errors import BadFile
 
 TEXT = h5py.string_dtype("utf-8")
 

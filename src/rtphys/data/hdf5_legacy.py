@@ -7,13 +7,13 @@ writer always makes `pointcloud`, with shape (T, 0) when there is none, and read
 import h5py
 import numpy as np
 
+from rtphys.core.errors import BadFile
 from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import ARMS, Frames
 from rtphys.data.hdf5_file import build, put
 from rtphys.data.hdf5_record import CALIBRATION, read_record, write_record
 from rtphys.data.streams import Streams, stream_rows
-from rtphys.errors import BadFile
 
 
 def legacy_bytes(frames: Frames, images: EncodedImages) -> bytes:

@@ -11,13 +11,13 @@ from collections.abc import Sequence
 import h5py
 import numpy as np
 
+from rtphys.core.errors import BadFile
 from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import ARMS, FRAME_STEPS, Frames
 from rtphys.data.hdf5_file import array, build, group, put, text
 from rtphys.data.hdf5_record import GROUP, read_record, write_record
 from rtphys.data.streams import Streams, stream_rows
-from rtphys.errors import BadFile
 
 FORMAT_VERSION = "v1.0"
 CAMERA_KEYS = {

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import h5py
 
+from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_file import array, group, open_read
 from rtphys.data.hdf5_native import CAMERA_KEYS
 from rtphys.data.hdf5_record import GROUP, read_record
-from rtphys.errors import BadFile, UnknownName
 
 
 @dataclass(frozen=True)

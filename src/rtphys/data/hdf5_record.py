@@ -10,9 +10,9 @@ import json
 import h5py
 import numpy as np
 
+from rtphys.core.errors import BadFile
 from rtphys.data.episode import ARMS, CameraFrames, Frames
 from rtphys.data.hdf5_file import array, arrays, group, note, put
-from rtphys.errors import BadFile
 
 GROUP = "rtphys"
 RECORD_VERSION = "1.0"

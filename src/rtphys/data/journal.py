@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
 from rtphys.data import files
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import compact, parse_mapping
-from rtphys.errors import BadFile
 
 START = "0" * 64
 

@@ -7,7 +7,7 @@ import numpy as np
 import simplejpeg
 from numpy.typing import NDArray
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 QUALITY = 95
 # The official writer hands RGB to an encoder that takes BGR, and every official reader depends on

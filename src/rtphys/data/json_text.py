@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from rtphys.core.errors import BadFile, BadValue
 from rtphys.data.episode import JSON
-from rtphys.errors import BadFile, BadValue
 
 
 def plain(value: object, where: str = "value") -> JSON:

@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
 from rtphys.data import files, staging
 from rtphys.data.conditions import Conditions, differences
 from rtphys.data.episode import JSON
@@ -15,7 +16,6 @@ from rtphys.data.journal import Journal
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import EpisodePaths, Leaf, episode_number
 from rtphys.data.staging import StagedEpisode
-from rtphys.errors import BadFile
 
 EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
 

@@ -4,6 +4,7 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
 from rtphys.data import files, staging
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
@@ -11,7 +12,6 @@ from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import Leaf
 from rtphys.data.leaf_writer import Rejection
 from rtphys.data.staging import StagedEpisode
-from rtphys.errors import BadFile
 
 Entry = Mapping[str, JSON]
 

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 Seed = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=0)]

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtphys.core.timing import Laps
 from rtphys.data import files, schema
 from rtphys.data.encode import EncodedImages, encode_images
 from rtphys.data.episode import JSON, Episode, Frames
@@ -15,7 +16,6 @@ from rtphys.data.hdf5_legacy import legacy_bytes
 from rtphys.data.hdf5_native import native_bytes
 from rtphys.data.hdf5_record import read_record
 from rtphys.data.json_text import plain, pretty
-from rtphys.laps import Laps
 
 HDF5, VIDEO, INSTRUCTION = "data.hdf5", "video.mp4", "instruction.json"
 PHYS_META = "phys_meta.json"  # written at commit, when the number is known

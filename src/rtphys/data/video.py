@@ -13,7 +13,7 @@ from av.error import FFmpegError
 from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 FPS = 30  # official: plays 1.8 times faster than the 16.67 Hz of the frames
 CRF = "23"

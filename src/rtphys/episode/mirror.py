@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from rtphys.assets.pack import Pack
+from rtphys.episode.instance import Instance, prepare
 from rtphys.episode.observation import CameraView
-from rtphys.instance import Instance, prepare
 from rtphys.sim import renderer
 from rtphys.sim.camera import SHORT
 from rtphys.sim.studio import Studio, matrices

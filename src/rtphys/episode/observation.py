@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.poses import Array
+from rtphys.core.poses import Array
 
 
 @dataclass(frozen=True, eq=False)

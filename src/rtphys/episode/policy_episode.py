@@ -4,15 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rtphys.assemble import describer
 from rtphys.assets.pack import Pack
-from rtphys.control import ActionKind, PolicyControl
+from rtphys.core.poses import Array
+from rtphys.episode.assemble import describer
+from rtphys.episode.control import ActionKind, PolicyControl
+from rtphys.episode.generate import start
+from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.episode.mirror import Mirror
 from rtphys.episode.observation import Observation
-from rtphys.generate import start
-from rtphys.instance import Instance, prepare, settle
-from rtphys.poses import Array
-from rtphys.recipe import Recipe
+from rtphys.setting.recipe import Recipe
 from rtphys.sim.recorder import FRAME_STEPS, flat
 from rtphys.sim.rollout import Outcome, Rollout
 from rtphys.task.instructions import instructions

@@ -1,7 +1,7 @@
 """What no camera shows: where things are. For state-based learning, never for a benchmark."""
 
+from rtphys.core.poses import Array
 from rtphys.episode.policy_episode import PolicyEpisode
-from rtphys.poses import Array
 from rtphys.sim.recorder import flat
 
 

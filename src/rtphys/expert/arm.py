@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Pose, axis_angle
 from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, candidates
 from rtphys.expert.place import Held, goals
-from rtphys.poses import Pose, axis_angle
 from rtphys.task.arm import Aim, Follow, Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
 from rtphys.task.props import TABLE_TOP
 

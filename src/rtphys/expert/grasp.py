@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rtphys.poses import Array, Pose, axis_angle, quat_multiply
+from rtphys.core.poses import Array, Pose, axis_angle, quat_multiply
 
 TCP_OFFSET = 0.12  # [m] ee to TCP along x
 TIP_OFFSET = 0.1556  # [m] ee to fingertip along x (aloha-agilex)

@@ -5,11 +5,11 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from rtphys.errors import Infeasible, UnknownName
+from rtphys.core.errors import Infeasible, UnknownName
+from rtphys.core.poses import Array, Pose
 from rtphys.expert.pace import hold_margin, pace_of
 from rtphys.expert.planner import SIDES, DualArmPlanner
 from rtphys.plan.online import gripper_ramp
-from rtphys.poses import Array, Pose
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Grip

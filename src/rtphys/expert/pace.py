@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.physics.handles import GRAVITY
-from rtphys.poses import Array
 from rtphys.sim.body import SimBody
 from rtphys.sim.engine import from_sapien
 from rtphys.sim.world import World

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rtphys.poses import Array, Pose, axis_angle, quat_multiply, rotation_between
+from rtphys.core.poses import Array, Pose, axis_angle, quat_multiply, rotation_between
 from rtphys.task.arm import Placing
 
 

@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 
 from rtphys.assets.embodiment import Embodiment, Limb
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Array, Pose
 from rtphys.plan.arms import arm_kinematics
 from rtphys.plan.collision import CollisionChecker, Obstacle
 from rtphys.plan.path import TIME_STEP, JointLimits, Trajectory, retime
 from rtphys.plan.robot_shapes import ArmJoints
 from rtphys.plan.rrt import connect, straight_is_clear
-from rtphys.poses import Array, Pose
 
 SIDES = ("left", "right")
 # The arm's real servos reach about 3 rad/s; accelerations keep finger loads near 1 g.

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
 from rtphys.expert.planner import SIDES
 
 if TYPE_CHECKING:

@@ -5,14 +5,14 @@ from contextlib import contextmanager, nullcontext
 
 import numpy as np
 
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Array, Pose
 from rtphys.expert.arm import ExpertArm
 from rtphys.expert.hands import Hands
 from rtphys.expert.planner import SIDES, ArmGoal, DualArmPlanner
 from rtphys.expert.recovery import PLANNING, retake
 from rtphys.expert.surroundings import obstacles_of
 from rtphys.plan.path import Trajectory
-from rtphys.poses import Array, Pose
 from rtphys.sim.recorder import RECOVER
 from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Arm, Follow, Grip, Home, Line, Motion, Reach, Shift, Step, Wait

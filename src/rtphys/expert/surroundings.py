@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rtphys.core.poses import Pose
 from rtphys.plan.collision import Obstacle
-from rtphys.poses import Pose
 from rtphys.sim.room import TOP, TOP_HALF
 from rtphys.sim.world import World
 from rtphys.task.props import Ball

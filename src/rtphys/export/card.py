@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from rtphys.data.dataset import Dataset
 from rtphys.data.files import FileFacts, replace_file
 from rtphys.data.json_text import plain, pretty
-from rtphys.dataset import Dataset
 from rtphys.export.croissant import CROISSANT, CardText, croissant
 from rtphys.physics import attributes
 

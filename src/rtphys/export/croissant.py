@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.files import facts_of
 from rtphys.data.layout import MANIFEST
-from rtphys.dataset import Dataset, Episode
 
 CROISSANT = "croissant.json"
 CONTEXT = {

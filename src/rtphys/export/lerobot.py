@@ -8,10 +8,10 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
+from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetExists
 from rtphys.data.files import make_folder
-from rtphys.dataset import Dataset
-from rtphys.errors import BadFile
 from rtphys.export.lerobot_plan import plan_for
 from rtphys.export.lerobot_v2 import WriterV2
 from rtphys.export.lerobot_v3 import WriterV3

@@ -7,8 +7,8 @@ from itertools import islice
 
 import numpy as np
 
+from rtphys.data.dataset import Episode
 from rtphys.data.video import VideoWriter
-from rtphys.dataset import Episode
 from rtphys.export.lerobot_plan import RATE, Plan
 from rtphys.export.statistics import PixelCounts, Stats, of_numbers, sampled
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from rtphys.dataset import Episode
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, UnknownName
+from rtphys.data.dataset import Episode
 
 VERSIONS = ("v3.0", "v2.1")
 CAMERA_NAMES: dict[str, dict[str, str]] = {

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from rtphys.data.dataset import Episode
 from rtphys.data.files import make_folder, write_synced
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.video import VideoWriter
-from rtphys.dataset import Episode
 from rtphys.export import lerobot_episode as one
 from rtphys.export.lerobot_plan import CHUNK, RATE, ROBOT, Plan
 from rtphys.export.statistics import PixelCounts, of_numbers, to_json

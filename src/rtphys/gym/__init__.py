@@ -1,6 +1,6 @@
 """The tasks as Gymnasium environments.
 
-import rtphys.gym, gymnasium as gym  # this order: see `rtphys.arithmetic`
+import rtphys.gym, gymnasium as gym  # this order: see `rtphys.core.arithmetic`
 env = gym.make("rtphys/click_bell-v0", protocol="phys_random")
 
 Importing this registers them; `gym.make("rtphys.gym:rtphys/click_bell-v0")` imports it by itself.

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from rtphys import library
-from rtphys.benchmark import instance_file, read_instances
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core import library
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.physics import attributes
 from rtphys.physics.values import Value, plain_value
-from rtphys.protocol import load_protocol
-from rtphys.recipe import Recipe
+from rtphys.results.instance_file import instance_file, read_instances
+from rtphys.setting.protocol import load_protocol
+from rtphys.setting.recipe import Recipe
 
 OPTIONS = ("protocol", "physics", "index", "split")
 BENCHMARK = "benchmark_v1"  # certified lists that ship with rtphys

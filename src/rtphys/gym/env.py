@@ -9,14 +9,14 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from rtphys.assets.pack import default_pack
-from rtphys.control import ActionKind
+from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.episode import Observation, PolicyEpisode, begin
+from rtphys.episode.control import ActionKind
 from rtphys.episode.privileged import joint_positions, object_poses
-from rtphys.errors import Infeasible, UnknownName
 from rtphys.gym import spaces as shapes
 from rtphys.gym.choice import Choice, certified_seed, choose
 from rtphys.gym.physics import numbers
-from rtphys.protocol import load_protocol
+from rtphys.setting.protocol import load_protocol
 from rtphys.task.spec import load_task
 
 Seen = dict[str, object]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.instance import Instance
+from rtphys.episode.instance import Instance
 from rtphys.physics import attributes
 
 

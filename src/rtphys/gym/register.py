@@ -2,7 +2,7 @@
 
 import gymnasium
 
-from rtphys import library
+from rtphys.core import library
 
 NAMESPACE = "rtphys"
 ENTRY_POINT = "rtphys.gym.env:TaskEnv"

@@ -6,7 +6,7 @@ from typing import ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
-from rtphys.errors import BadValue
+from rtphys.core.errors import BadValue
 from rtphys.physics.handles import Blueprint, World
 from rtphys.physics.interval import Interval
 from rtphys.physics.values import Physics, Value, Vector

@@ -4,9 +4,9 @@ from typing import Literal
 
 import numpy as np
 
+from rtphys.core.poses import Array, Pose, axis_angle, quat_multiply, rotation_between
 from rtphys.physics.handles import Camera
 from rtphys.physics.values import Vector
-from rtphys.poses import Array, Pose, axis_angle, quat_multiply, rotation_between
 
 Mode = Literal["orbit", "shift", "rotate"]
 MODES: tuple[Mode, ...] = ("orbit", "shift", "rotate")

@@ -11,7 +11,7 @@ from typing import Literal, Protocol
 
 from numpy.typing import ArrayLike
 
-from rtphys.poses import Array, Pose
+from rtphys.core.poses import Array, Pose
 
 GRAVITY = 9.81  # [m/s^2] along -z, SAPIEN's default
 

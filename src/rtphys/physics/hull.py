@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, Delaunay
 
+from rtphys.core.poses import Array
 from rtphys.physics.values import Vector
-from rtphys.poses import Array
 
 SHRINK = 0.1  # a real body has a shell: nothing balances on its very surface
 

@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from rtphys import library
-from rtphys.errors import BadFile, BadValue, UnknownName
+from rtphys.core import library
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import (
     By,

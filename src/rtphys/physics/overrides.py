@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.registry import attributes
 from rtphys.physics.sampling import check_overrides

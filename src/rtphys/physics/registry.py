@@ -8,11 +8,11 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from types import MappingProxyType, ModuleType
 
-from rtphys import library
-from rtphys.errors import BadFile, UnknownName
+from rtphys.core import library
+from rtphys.core.errors import BadFile, UnknownName
+from rtphys.core.python_file import load_file
 from rtphys.physics import attributes as bundled
 from rtphys.physics.attribute import Attribute, Attributes
-from rtphys.python_file import load_file
 
 ENTRY_POINTS = "rtphys.attributes"
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from rtphys.errors import BadValue
+from rtphys.core.errors import BadValue
 from rtphys.physics.distribution import (
     By,
     Choice,

@@ -3,13 +3,13 @@
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
-from rtphys.errors import BadValue, Infeasible, UnknownName
+from rtphys.core.errors import BadValue, Infeasible, UnknownName
+from rtphys.core.seeds import stream
 from rtphys.physics.attribute import Attribute
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import By, Choice, Distribution, Fixed, SameAs, extremes
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import REDRAWS, Physics, Value, Vector
-from rtphys.seeds import stream
 
 Rules = Mapping[str, Distribution]
 CENTER_OF_MASS = "center_of_mass"

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rtphys.poses import Array
+from rtphys.core.poses import Array
 
 CORNER = 0.1  # [rad, joint-space 2-norm] of a segment given to a corner; deviation <= half of it
 SAME_POINT = 1e-9  # [rad]

@@ -8,7 +8,8 @@ import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.poses import Array, Pose
 from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.pair_model import Item, PairModel
 from rtphys.plan.pairs import (
@@ -20,7 +21,6 @@ from rtphys.plan.pairs import (
     robot_pairs,
 )
 from rtphys.plan.robot_shapes import ALOHA, HAND_DEPTH, SIDES, ArmJoints, RobotShapes, Side, hull
-from rtphys.poses import Array, Pose
 
 OPEN_FINGERS = (0.045, 0.045)  # [m] each finger of a hand from closed: the nominal opening
 _KEPT_PAIRS = 24_000  # of all models kept for use again: 5 KB each

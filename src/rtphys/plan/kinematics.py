@@ -10,9 +10,9 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 from scipy.linalg import get_lapack_funcs
 
-from rtphys.errors import BadFile, UnknownName
-from rtphys.poses import Array, Pose
-from rtphys.seeds import stream
+from rtphys.core.errors import BadFile, UnknownName
+from rtphys.core.poses import Array, Pose
+from rtphys.core.seeds import stream
 
 # A posture with the elbow up and the tool pitched down, from which most of the table is reached.
 HOME_SEED = np.array([0.0, 1.2, 1.0, -0.8, 0.0, 0.0])

@@ -5,11 +5,11 @@ from math import ceil, sqrt
 import numpy as np
 from ruckig import InputParameter, OutputParameter, Result, Ruckig, Synchronization
 
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Array
 from rtphys.plan.blend import SAME_POINT
 from rtphys.plan.path import TIME_STEP
 from rtphys.plan.trajectory import JointLimits, Trajectory
-from rtphys.poses import Array
 
 
 class Straight:

@@ -7,9 +7,9 @@ import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
+from rtphys.core.poses import Array
 from rtphys.plan.pairs import Body, Rules, margins
 from rtphys.plan.robot_shapes import RobotShapes, bounding_sphere
-from rtphys.poses import Array
 
 _SLACK = 1e-4  # [m] more than any rounding
 

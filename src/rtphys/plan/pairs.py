@@ -6,8 +6,8 @@ from itertools import combinations
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.plan.robot_shapes import HAND_DEPTH, STATIC, RobotShapes, Side
-from rtphys.poses import Array
 
 OBSTACLE = "obstacle"
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from toppra.interpolator import AbstractGeometricPath
 
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Array
 from rtphys.plan.blend import BlendedPath
 from rtphys.plan.speed import fastest
 from rtphys.plan.trajectory import JointLimits, Trajectory
-from rtphys.poses import Array
 
 __all__ = ["JointLimits", "Trajectory", "retime"]
 

@@ -8,8 +8,8 @@ import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
-from rtphys.errors import BadFile, BadValue, UnknownName
-from rtphys.poses import Array, Pose
+from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.core.poses import Array, Pose
 
 Side = str  # "left" or "right"
 SIDES = ("left", "right")

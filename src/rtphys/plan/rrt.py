@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.plan.blend import CORNER, BlendedPath, distinct
-from rtphys.poses import Array
 
 IsClear = Callable[[Array], bool]
 

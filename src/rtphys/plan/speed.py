@@ -18,8 +18,8 @@ from toppra.solverwrapper.cy_seidel_solverwrapper import (
     seidelWrapper,  # pyright: ignore[reportMissingImports]  (compiled)
 )
 
+from rtphys.core.poses import Array
 from rtphys.plan.trajectory import JointLimits
-from rtphys.poses import Array
 
 # Of toppra's numerical safeguards.
 _TINY = 1e-8

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rtphys.errors import BadValue
-from rtphys.poses import Array
+from rtphys.core.errors import BadValue
+from rtphys.core.poses import Array
 
 
 def _frozen(value: ArrayLike) -> Array:

@@ -2,11 +2,11 @@
 
 from contextlib import suppress
 
+from rtphys.core.errors import Infeasible
+from rtphys.core.seeds import stream
 from rtphys.episode import PolicyEpisode
-from rtphys.errors import Infeasible
 from rtphys.expert.robot import ExpertRobot
 from rtphys.policies.policy import PolicySetup
-from rtphys.seeds import stream
 from rtphys.sim.recorder import FRAME_STEPS
 
 

@@ -1,8 +1,8 @@
 """A robot that does nothing. A task that it solves is no task."""
 
+from rtphys.core.poses import Array
 from rtphys.episode import Observation
 from rtphys.policies.policy import PolicySetup, Stepwise
-from rtphys.poses import Array
 
 
 class Idle(Stepwise):

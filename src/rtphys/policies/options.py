@@ -4,7 +4,7 @@ import ast
 from collections.abc import Iterable, Mapping
 from urllib.parse import parse_qsl
 
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, UnknownName
 
 Options = dict[str, object]
 

@@ -7,9 +7,9 @@ from typing import Protocol
 
 import numpy as np
 
+from rtphys.core.errors import RtphysError
+from rtphys.core.poses import Array
 from rtphys.episode import Observation, PolicyEpisode
-from rtphys.errors import RtphysError
-from rtphys.poses import Array
 
 
 class PolicyGone(RtphysError):

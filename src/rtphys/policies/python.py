@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-from rtphys.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.python_file import load_file
 from rtphys.policies.policy import Policy, PolicySetup
-from rtphys.python_file import load_file
 
 
 def open_python(argument: str, setup: PolicySetup) -> Policy:

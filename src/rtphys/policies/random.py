@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from rtphys.core.poses import Array
+from rtphys.core.seeds import stream
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies.policy import PolicySetup, Stepwise
-from rtphys.poses import Array
-from rtphys.seeds import stream
 
 # Standard deviations of one action's step. An arm does a step of 0.013 rad within one frame; with
 # the drift, 400 actions wander about 0.6 rad.

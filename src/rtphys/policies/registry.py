@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import PurePath
 from typing import NamedTuple
 
-from rtphys.errors import UnknownName
+from rtphys.core.errors import UnknownName
 from rtphys.policies.policy import Policy, PolicyGone, PolicySetup
 
 Opener = Callable[[str, PolicySetup], Policy]

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from rtphys.dataset import Dataset
-from rtphys.dataset import Episode as Stored
+from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.data.dataset import Dataset
+from rtphys.data.dataset import Episode as Stored
 from rtphys.episode import PolicyEpisode
-from rtphys.errors import BadFile, BadValue, UnknownName
 from rtphys.policies.policy import PolicyGone, PolicySetup
 
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rtphys.data.convert import leaf_at
+from rtphys.data.dataset import Dataset
 from rtphys.data.journal import read_journal
-from rtphys.dataset import Dataset
 from rtphys.physics.registry import attributes
 from rtphys.proofs.audit_selection import Selection, selections
 

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from rtphys.assets.pack import Pack
+from rtphys.core.poses import Pose
+from rtphys.data.dataset import Episode
 from rtphys.data.schema import CameraPose, PhysMeta
-from rtphys.dataset import Episode
 from rtphys.physics.enforce import disagreements, enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.readback import readback
 from rtphys.physics.values import Physics
-from rtphys.poses import Pose
 from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
 from rtphys.task.spec import load_task

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
-from rtphys.poses import Array
+from rtphys.core.poses import Array
 
 FIFTHS = 5
 UNLIKELY = 0.01  # p below which a difference is told as one

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.physics.gaze import gaze_point
 from rtphys.physics.handles import Camera
 from rtphys.physics.values import Value
-from rtphys.poses import Array
 from rtphys.proofs.lab import Lab
 from rtphys.proofs.proof import Company, Proof, Trial, number
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.core.poses import Array, Pose
 from rtphys.physics.values import Value
-from rtphys.poses import Array, Pose
 from rtphys.proofs.lab import Lab, block, floating, pose_of, record, slope
 from rtphys.proofs.object_mass import HALF, block_inertia
 from rtphys.proofs.proof import Company, Proof, Trace, Trial

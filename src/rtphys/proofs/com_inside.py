@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from rtphys import library
 from rtphys.assets.pack import Pack
-from rtphys.errors import Infeasible
+from rtphys.core import library
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Pose
 from rtphys.physics import Domain, load_domain
 from rtphys.physics.hull import Solid, inside
-from rtphys.poses import Pose
 from rtphys.sim.engine import new_scene
 from rtphys.sim.factory import ObjectFactory
 from rtphys.task.props import Prop

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from rtphys.assets.pack import Pack
+from rtphys.core.poses import Array, Pose
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.enforce import disagreements, enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import Physics, Value
-from rtphys.poses import Array, Pose
 from rtphys.sim.body import SimBody
 from rtphys.sim.engine import TIME_STEP, from_sapien
 from rtphys.sim.world import World, WorldPlan

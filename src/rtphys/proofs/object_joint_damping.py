@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rtphys.core.poses import Array, Pose
 from rtphys.physics.values import Value
-from rtphys.poses import Array, Pose
 from rtphys.proofs.hinge import inertia_about
 from rtphys.proofs.lab import Lab, record
 from rtphys.proofs.proof import Company, Proof, Trace, Trial

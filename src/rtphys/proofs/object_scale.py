@@ -1,7 +1,7 @@
 """Twice as large is eight times as heavy and 32 times as hard to turn."""
 
+from rtphys.core.poses import Pose
 from rtphys.physics.values import Value
-from rtphys.poses import Pose
 from rtphys.proofs.lab import Lab, pose_of
 from rtphys.proofs.object_mass import FORCE, HALF, TORQUE, block_inertia, block_mass, spin, weigh
 from rtphys.proofs.proof import Company, Proof, Trial, number

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.physics.values import Value
-from rtphys.poses import Array
 from rtphys.proofs.lab import Lab
 
 Company = Mapping[str, Value]  # other attributes held at the same time

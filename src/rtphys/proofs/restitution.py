@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from rtphys.core.poses import Pose
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
-from rtphys.poses import Pose
 from rtphys.proofs.lab import Lab, pose_of, record
 from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
 from rtphys.task.props import TABLE_TOP, Ball

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 
-from rtphys.errors import UnknownName
+from rtphys.core.errors import UnknownName
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab

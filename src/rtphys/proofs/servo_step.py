@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rtphys.poses import Array
+from rtphys.core.poses import Array
 from rtphys.proofs.lab import record
 from rtphys.proofs.proof import Trace, Trial
 from rtphys.sim.engine import RATE

@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rtphys.core.errors import BadFile
 from rtphys.data.check_physics import Redraw
 from rtphys.data.convert import leaf_at
+from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.episode import JSON
 from rtphys.data.journal import read_journal
 from rtphys.data.schema import LeafEntry
-from rtphys.dataset import Dataset, Episode
-from rtphys.errors import BadFile
 from rtphys.physics import attributes
 
 JOINTS = tuple(f"{side} {part}" for side in ("left", "right") for part in (*"123456", "gripper"))

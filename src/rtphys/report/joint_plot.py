@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.data.dataset import Episode
 from rtphys.data.episode import Floats, Frames
-from rtphys.dataset import Episode
 
 WIDTH, HEIGHT, LEFT, TOP = 460, 92, 78, 40  # of one panel, and around them [px]
 TARGET, MEASURED = "#d1495b", "#1f7a8c"

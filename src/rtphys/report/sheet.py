@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.dataset import Episode
+from rtphys.data.dataset import Episode
 
 COLUMNS = 8
 GAP = 4  # [px]

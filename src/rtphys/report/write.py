@@ -8,9 +8,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 from rtphys.data import jpeg
+from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.files import make_folder, replace_file
-from rtphys.dataset import Dataset, Episode
 from rtphys.report.facts import Progress, gather
 
 THUMBNAIL = 200  # [px]

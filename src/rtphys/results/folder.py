@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtphys.benchmark import InstanceList, instance_file, read_instances
+from rtphys.core.errors import BadFile
 from rtphys.data import files
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import parse_mapping
-from rtphys.errors import BadFile
+from rtphys.results.instance_file import instance_file, read_instances
+from rtphys.results.instances import InstanceList
 from rtphys.results.record import EpisodeRecord
 from rtphys.results.record_file import read_records
 

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
-from rtphys.errors import BadFile
 
 REASONS: dict[str, str] = {
     "step_limit": "the task's number of actions was used up",

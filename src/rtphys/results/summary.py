@@ -7,9 +7,9 @@ from itertools import combinations
 
 import numpy as np
 
-from rtphys.benchmark import InstanceList
 from rtphys.data.episode import JSON
 from rtphys.results.breaks import Break, breaks
+from rtphys.results.instances import InstanceList
 from rtphys.results.record import EpisodeRecord
 from rtphys.results.statistics import Paired, Rate, paired
 

@@ -5,13 +5,13 @@ from subprocess import Popen
 from numpy.typing import ArrayLike
 
 from rtphys.assets.pack import Pack, default_pack
-from rtphys.control import ActionKind
+from rtphys.core.errors import Infeasible, RtphysError, UnknownName
 from rtphys.episode import begin
-from rtphys.errors import Infeasible, RtphysError, UnknownName
-from rtphys.generate import attempt
+from rtphys.episode.control import ActionKind
+from rtphys.episode.generate import attempt
 from rtphys.policies.robotwin.task_env import TaskEnv
-from rtphys.protocol import protocol_names
-from rtphys.recipe import Recipe
+from rtphys.setting.protocol import protocol_names
+from rtphys.setting.recipe import Recipe
 from rtphys.task.instructions import scene_info
 from rtphys.task.spec import Task, load_task
 

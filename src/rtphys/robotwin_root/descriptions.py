@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from rtphys.assemble import describer
 from rtphys.assets.pack import default_pack
-from rtphys.errors import BadValue
+from rtphys.core.errors import BadValue
+from rtphys.episode.assemble import describer
 from rtphys.robotwin_root.base_task import SEED
 from rtphys.task.instructions import instructions
 from rtphys.task.spec import load_task

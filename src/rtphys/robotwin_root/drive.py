@@ -10,12 +10,13 @@ from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
 
-from rtphys import library
-from rtphys.benchmark import FIRST_SEED, instance_file, read_instances
+from rtphys.core import library
 from rtphys.data import files
 from rtphys.policies.robotwin.options import pairs, user_args
 from rtphys.policies.robotwin.plugin import Plugin, plugin_named
 from rtphys.policies.robotwin.policy import SKIP, play
+from rtphys.results.instance_file import instance_file, read_instances
+from rtphys.results.instances import FIRST_SEED
 from rtphys.results.official import result_text
 from rtphys.robotwin_root.base_task import Base_Task, UnStableError, protocol_of
 

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from rtphys.assets.pack import Pack
+from rtphys.core.errors import RtphysError
 from rtphys.data import files
-from rtphys.errors import RtphysError
-from rtphys.protocol import Protocol, VisualRules, load_protocol, protocol_names
 from rtphys.robotwin_root import sources
 from rtphys.robotwin_root.base_task import OFFICIAL, PROTOCOL
+from rtphys.setting.protocol import Protocol, VisualRules, load_protocol, protocol_names
 from rtphys.sim.camera import KINDS
 from rtphys.task.spec import load_task, task_names
 

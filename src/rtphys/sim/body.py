@@ -8,8 +8,8 @@ import sapien
 from numpy.typing import ArrayLike
 from sapien import physx
 
+from rtphys.core.poses import Array
 from rtphys.physics.handles import Material
-from rtphys.poses import Array
 
 Component = physx.PhysxRigidDynamicComponent | physx.PhysxArticulationLinkComponent
 AnyBody = Component | physx.PhysxRigidStaticComponent

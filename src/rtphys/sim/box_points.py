@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rtphys.poses import Pose, axis_angle, quat_multiply
+from rtphys.core.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.props import Box
 
 

@@ -13,8 +13,8 @@ import sapien
 from numpy.typing import NDArray
 
 from rtphys.assets.embodiment import Embodiment, StaticCamera
-from rtphys.errors import MissingAsset, UnknownName
-from rtphys.poses import Pose
+from rtphys.core.errors import MissingAsset, UnknownName
+from rtphys.core.poses import Pose
 from rtphys.sim import renderer
 from rtphys.sim.engine import from_sapien, to_sapien
 

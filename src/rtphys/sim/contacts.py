@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from sapien import physx
 
-from rtphys.poses import Array
+from rtphys.core.poses import Array
 from rtphys.sim.world import World
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import sapien
 from sapien import physx
 
+from rtphys.core.poses import Pose
 from rtphys.physics.handles import GRAVITY
-from rtphys.poses import Pose
 
 # One warning a mesh that PhysX loads from a multi-part file says nothing that a test does not.
 sapien.set_log_level("error")

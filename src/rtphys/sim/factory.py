@@ -7,8 +7,8 @@ from sapien.wrapper.actor_builder import ActorBuilder
 
 from rtphys.assets.model import Model
 from rtphys.assets.pack import Pack
-from rtphys.errors import BadFile
-from rtphys.poses import Array, Pose
+from rtphys.core.errors import BadFile
+from rtphys.core.poses import Array, Pose
 from rtphys.sim.body import SimBody, SimJoint, SimSurface
 from rtphys.sim.box_points import box_points
 from rtphys.sim.engine import renders, to_sapien

@@ -3,7 +3,7 @@
 import numpy as np
 
 from rtphys.assets.embodiment import Embodiment
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 from rtphys.sim.room import TOP
 
 

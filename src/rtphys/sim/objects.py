@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from sapien import physx
 
-from rtphys.poses import Array, Pose, axis_angle
+from rtphys.core.poses import Array, Pose, axis_angle
 from rtphys.sim.body import (
     AnyBody,
     SimBody,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rtphys.poses import Array, Pose
+from rtphys.core.poses import Array, Pose
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.world import World

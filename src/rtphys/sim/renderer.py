@@ -17,7 +17,7 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from rtphys.errors import BadValue, NoRenderer
+from rtphys.core.errors import BadValue, NoRenderer
 from rtphys.sim.shader import ShaderMismatch, cache_folder, slim_pack
 
 SHADERS = ("slim", "default", "minimal", "rt")

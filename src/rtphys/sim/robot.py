@@ -7,8 +7,8 @@ import sapien
 from sapien import physx
 
 from rtphys.assets.embodiment import Embodiment, Limb
-from rtphys.errors import BadFile
-from rtphys.poses import Array, Pose
+from rtphys.core.errors import BadFile
+from rtphys.core.poses import Array, Pose
 from rtphys.sim.body import SimServo, SimSurface
 from rtphys.sim.engine import from_sapien
 from rtphys.sim.self_contact import Shapes, chain_shapes, overlook, shapes_of

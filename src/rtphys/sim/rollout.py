@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from rtphys.errors import Infeasible
+from rtphys.core.errors import Infeasible
 from rtphys.physics.values import Physics
 from rtphys.sim.engine import RATE
 from rtphys.sim.recorder import FRAME_STEPS, Recorder

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import sapien
 
+from rtphys.core.poses import Pose, axis_angle
 from rtphys.physics.handles import Blueprint
-from rtphys.poses import Pose, axis_angle
 from rtphys.sim.engine import from_sapien, renders, to_sapien
 
 TOP = 0.74  # [m] nominal height of the table's surface

@@ -14,7 +14,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 from rtphys.sim.shader_edits import EDITS, UNUSED_FILES, Edit
 
 

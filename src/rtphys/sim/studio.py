@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 from rtphys.sim import renderer
 from rtphys.sim.camera import CameraSpec, SimCamera, cam2world_gl, camera_specs, extrinsic_cv
 from rtphys.sim.world import World

@@ -11,8 +11,8 @@ import sapien
 from sapien.wrapper.articulation_builder import ArticulationBuilder
 from sapien.wrapper.urdf_loader import URDFLoader
 
-from rtphys.errors import BadFile
-from rtphys.poses import Pose
+from rtphys.core.errors import BadFile
+from rtphys.core.poses import Pose
 from rtphys.sim.engine import renders, to_sapien
 from rtphys.sim.fold import fold_into_root
 

@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rtphys.errors import UnknownName
+from rtphys.core.errors import UnknownName
+from rtphys.core.poses import Array, Pose
 from rtphys.physics.values import Physics
-from rtphys.poses import Array, Pose
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.objects import Point

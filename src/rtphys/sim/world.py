@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from sapien import physx
 
 from rtphys.assets.pack import Pack
-from rtphys.errors import Infeasible, UnknownName
+from rtphys.core.errors import Infeasible, UnknownName
+from rtphys.core.poses import Pose
 from rtphys.physics.handles import GRAVITY, Blueprint
-from rtphys.poses import Pose
 from rtphys.sim.body import SimBody, SimJoint, SimServo, SimSurface
 from rtphys.sim.engine import RATE, new_scene
 from rtphys.sim.factory import ObjectFactory

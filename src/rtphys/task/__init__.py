@@ -1,7 +1,7 @@
 """Everything a task file may import."""
 
-from rtphys.errors import Infeasible
-from rtphys.poses import Pose, axis_angle, quat_multiply
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.alternatives import place_at_first
 from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
 from rtphys.task.baskets import carrying_basket, fill_and_lift, filled_and_lifted

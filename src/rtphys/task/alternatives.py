@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from rtphys.errors import Infeasible
-from rtphys.poses import Pose
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Pose
 from rtphys.task.arm import Arm, Motion, Placing
 
 

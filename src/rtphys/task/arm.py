@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 from rtphys.task.scene import Scene
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from rtphys.errors import Infeasible
-from rtphys.poses import Pose, axis_angle, quat_multiply
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.arm import Aim, Arm, Placing, Robot
 from rtphys.task.draw import Draw
 from rtphys.task.orientation import DOWN, UP_Y

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 from rtphys.task.alternatives import place_at_first
 from rtphys.task.arm import Aim, Motion, Placing, Robot
 from rtphys.task.draw import Draw

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from rtphys.errors import Infeasible
-from rtphys.poses import Pose
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Pose
 from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
 from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
 from rtphys.task.orientation import DOWN, UP_Y

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import hypot
 
-from rtphys.errors import Infeasible
-from rtphys.poses import Array, Pose
-from rtphys.seeds import stream
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Array, Pose
+from rtphys.core.seeds import stream
 from rtphys.task.orientation import IDENTITY, yawed
 from rtphys.task.props import TABLE_TOP
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from math import pi
 
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 from rtphys.task.draw import Draw, Spot, clear_of
 from rtphys.task.orientation import UP_Y
 from rtphys.task.props import Mesh

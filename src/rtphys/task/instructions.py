@@ -8,8 +8,8 @@ any arm, or if it has none at all.
 import re
 from collections.abc import Callable, Mapping, Sequence
 
-from rtphys.errors import BadValue
-from rtphys.seeds import stream
+from rtphys.core.errors import BadValue
+from rtphys.core.seeds import stream
 from rtphys.task.props import Articulated, Mesh, Prop
 from rtphys.task.spec import Phrases, Task
 

@@ -3,7 +3,7 @@
 Official models are y-up in their own frame; each constant says where the model's x, y, z go.
 """
 
-from rtphys.poses import Array, axis_angle, quat_multiply
+from rtphys.core.poses import Array, axis_angle, quat_multiply
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 UP_Y = (0.5, 0.5, 0.5, 0.5)  # x -> +y, y -> up, z -> +x

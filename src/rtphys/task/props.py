@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rtphys.poses import Array, Pose
+from rtphys.core.poses import Array, Pose
 
 TABLE_TOP = 0.74  # [m] task-frame height of the table's surface (RoboTwin)
 PINE = 450.0  # [kg/m^3] what wooden toy blocks are made of

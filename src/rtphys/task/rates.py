@@ -2,8 +2,8 @@
 
 from dataclasses import astuple, dataclass
 
-from rtphys import library
-from rtphys.errors import BadFile
+from rtphys.core import library
+from rtphys.core.errors import BadFile
 
 FILE = "rates"  # manifests/rates.yaml, written by scripts/rates.py
 

@@ -2,8 +2,8 @@
 
 from typing import Protocol
 
+from rtphys.core.poses import Array, Pose
 from rtphys.physics.values import Physics
-from rtphys.poses import Array, Pose
 
 LEFT, RIGHT = "left", "right"
 

@@ -1,6 +1,6 @@
 """One thing put directly beside another: what two tasks differ in is the side."""
 
-from rtphys.poses import Pose
+from rtphys.core.poses import Pose
 from rtphys.task.arm import Aim, Placing, Robot
 from rtphys.task.orientation import IDENTITY
 from rtphys.task.props import TABLE_TOP

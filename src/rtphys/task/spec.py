@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtphys import library
-from rtphys.errors import BadFile, Infeasible
-from rtphys.python_file import load_file
+from rtphys.core import library
+from rtphys.core.errors import BadFile, Infeasible
+from rtphys.core.python_file import load_file
 from rtphys.task.arm import Robot
 from rtphys.task.draw import Draw
 from rtphys.task.props import Prop

@@ -8,8 +8,8 @@ from math import hypot, pi
 import numpy as np
 
 from rtphys.assets.pack import Pack
-from rtphys.poses import Pose
-from rtphys.seeds import stream
+from rtphys.core.poses import Pose
+from rtphys.core.seeds import stream
 from rtphys.task.draw import Spot
 from rtphys.task.orientation import UP_Z
 from rtphys.task.props import Articulated, Ball, Box, Mesh, Prop

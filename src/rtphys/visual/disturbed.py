@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rtphys.poses import Array, quat_to_matrix
+from rtphys.core.poses import Array, quat_to_matrix
 
 MOVED = 0.02  # [m] from where it stood when the policy stage began, and
 TIPPED = np.radians(15.0)  # that its upright axis leans from where it pointed then

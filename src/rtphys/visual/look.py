@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from rtphys.assets.pack import Pack
-from rtphys.errors import UnknownName
-from rtphys.poses import Pose, axis_angle
-from rtphys.protocol import VisualRules
-from rtphys.seeds import stream
+from rtphys.core.errors import UnknownName
+from rtphys.core.poses import Pose, axis_angle
+from rtphys.core.seeds import stream
+from rtphys.setting.protocol import VisualRules
 from rtphys.task.props import Mesh, Prop
 from rtphys.task.spec import Task
 from rtphys.visual.clutter import scatter

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Inertial, Joint, Machine, Part
 from rtphys.assets.embodiment import ALOHA_LIMITS
 from rtphys.assets.embodiments import aloha_arm, aloha_base
-from rtphys.assets.thing import Body, Inertial, Joint, Machine, Part
 from rtphys.assets.urdf import placed
 from rtphys.assets.write import write_links
 

@@ -4,10 +4,10 @@ Every function returns (visible parts, convex collision parts). Collision bodies
 of links that are no direct neighbours: only parent and child are exempt from contact.
 """
 
+from rtphys.assets.asset_model import Part
 from rtphys.assets.geometry import box, cylinder, extrude, rounded_box
 from rtphys.assets.material import matt, metal, plastic
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Part
 
 Shape = tuple[tuple[Part, ...], tuple[Solid, ...]]
 

@@ -1,10 +1,10 @@
 """Scenery of the machine: wheeled base, frame, camera tower, rear arms (as in aloha_arm)."""
 
+from rtphys.assets.asset_model import Part
 from rtphys.assets.embodiments.aloha_arm import ACCENT, MOTOR, PAD, SHELL, STEEL, Shape, drum
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import plastic
 from rtphys.assets.solid import together
-from rtphys.assets.thing import Part
 
 BODY = plastic((0.20, 0.21, 0.24), 0.5)
 

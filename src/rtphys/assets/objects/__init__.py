@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import import_module
 
-from rtphys.assets.thing import Machine, Thing
+from rtphys.assets.asset_model import Machine, Thing
 
 Maker = Callable[[], Thing | Machine]
 Models = Mapping[str, Mapping[int, Maker]]

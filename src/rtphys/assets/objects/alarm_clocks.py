@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import box, cylinder, lathe, rounded_box
 from rtphys.assets.lettering import dots
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic, tint
@@ -16,7 +17,6 @@ from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid, hull, together
 from rtphys.assets.swept import bevelled
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 FOOT = 0.004  # [m]
 

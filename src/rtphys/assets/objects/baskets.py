@@ -10,11 +10,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.material import Colour, Finish, matt, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 from rtphys.assets.tub import Tub
 from rtphys.assets.weaves import wicker
 from rtphys.assets.words import phrases

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import cone, cylinder, lathe, rounded
 from rtphys.assets.material import Colour, Finish, metal, plastic
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 
 @dataclass(frozen=True)

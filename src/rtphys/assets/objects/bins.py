@@ -6,11 +6,11 @@ that the throwing tasks ask for (balls 13 to 25 cm, bottles 20 to 70 cm).
 
 from functools import partial
 
+from rtphys.assets.asset_model import Array, Body, Part, Thing, contact
 from rtphys.assets.geometry import cylinder
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import together
-from rtphys.assets.thing import Array, Body, Part, Thing, contact
 from rtphys.assets.tub import Tub
 from rtphys.assets.vessel import Vessel, band
 from rtphys.assets.weaves import slats

@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box, tube
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, matt, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import together
-from rtphys.assets.thing import Body, Part, Thing
 
 PAPER = matt((0.95, 0.93, 0.86))
 

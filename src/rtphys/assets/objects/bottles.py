@@ -8,9 +8,9 @@ contact points where the official ones have the first four.
 from collections.abc import Sequence
 from functools import partial
 
+from rtphys.assets.asset_model import Thing, from_sides, functional
 from rtphys.assets.bottle import Bottle, Look, bottle_body, with_handle
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Thing, from_sides, functional
 from rtphys.assets.words import phrases
 
 AZIMUTHS = (270, 0, 90, 180, 315, 45, 135, 225)  # official order

@@ -9,9 +9,9 @@ stacking: its shoulder centres it on the next one's rim, 2.7 cm up, so that rims
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, functional
 from rtphys.assets.material import Colour, plastic
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Body, Part, Thing, functional
 from rtphys.assets.vessel import Vessel, band, pinch
 from rtphys.assets.words import phrases
 

@@ -6,11 +6,11 @@ official ones of some models hang beside it.
 
 from functools import partial
 
+from rtphys.assets.asset_model import Array, Body, Part, Thing, contact, functional
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
-from rtphys.assets.thing import Array, Body, Part, Thing, contact, functional
 from rtphys.assets.tub import Tub
 from rtphys.assets.words import phrases
 

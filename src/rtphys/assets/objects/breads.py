@@ -5,13 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.assets.asset_model import Array, Body, Part, Thing, contact, from_above
 from rtphys.assets.geometry import box, extrude, lathe, rounded
 from rtphys.assets.loaf import crust, loaf, scored
 from rtphys.assets.material import Colour, Finish, matt
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Array, Body, Part, Thing, contact, from_above
 from rtphys.assets.words import phrases
 
 GOLD, BROWN, CRUMB = (0.80, 0.52, 0.22), (0.58, 0.33, 0.13), (0.95, 0.87, 0.68)

@@ -5,12 +5,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Array, Body, Part, Thing, from_above, functional
 from rtphys.assets.geometry import ball, box, capsule, circle, extrude, lathe, tube
 from rtphys.assets.loaf import crust, loaf
 from rtphys.assets.material import Colour, Finish, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, together
-from rtphys.assets.thing import Array, Body, Part, Thing, from_above, functional
 from rtphys.assets.words import phrases
 
 BUN, CRUMB, SEED = (0.85, 0.55, 0.24), (0.96, 0.85, 0.62), (0.98, 0.93, 0.78)

@@ -8,12 +8,12 @@ Its functional point is 3 cm behind the official one: in the middle of what 16 c
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, metal, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
 from rtphys.assets.solid import Solid, together
-from rtphys.assets.thing import Body, Joint, Machine, Part, contact, functional
 from rtphys.assets.upright import upright_joint
 from rtphys.assets.urdf import placed
 

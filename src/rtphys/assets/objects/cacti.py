@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import ball, capsule, cone, cylinder
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import stripes
 from rtphys.assets.solid import Solid, together
-from rtphys.assets.thing import Body, Part, Thing
 
 SIDES = 16
 

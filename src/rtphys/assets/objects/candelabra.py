@@ -6,11 +6,11 @@ The branched one is held below its arms.
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, from_sides
 from rtphys.assets.geometry import cylinder, tube
 from rtphys.assets.material import Colour, matt, metal
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing, from_sides
 from rtphys.assets.turned import turned, turned_parts
 from rtphys.assets.words import phrases
 

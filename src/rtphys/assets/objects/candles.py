@@ -4,11 +4,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import cone, cylinder, lathe, rounded, tube
 from rtphys.assets.material import Colour, Finish, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
-from rtphys.assets.thing import Body, Part, Thing
 
 SIDES = 16
 

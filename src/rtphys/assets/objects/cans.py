@@ -7,10 +7,10 @@ the width of the tin. Weights are those of opened, partly used cans.
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Array, Body, Part, Thing, from_above, from_sides
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Array, Body, Part, Thing, from_above, from_sides
 from rtphys.assets.turned import disc, ring, turned, turned_parts
 from rtphys.assets.words import phrases
 

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, from_sides
 from rtphys.assets.geometry import box, cylinder, tube
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, Picture, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Body, Part, Thing, contact, from_sides
 from rtphys.assets.words import phrases
 
 Words = tuple[str, str, str]

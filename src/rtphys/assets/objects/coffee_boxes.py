@@ -5,12 +5,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Thing, from_above, from_sides
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture
 from rtphys.assets.objects import Models
 from rtphys.assets.packets import Packet, Print, packet
 from rtphys.assets.pictures import plain, to_picture
-from rtphys.assets.thing import Body, Thing, from_above, from_sides
 
 Label = tuple[Colour, Colour]  # page and ink
 

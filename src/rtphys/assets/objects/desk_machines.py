@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic, tint
@@ -12,7 +13,6 @@ from rtphys.assets.objects import Models
 from rtphys.assets.pictures import keys, plain, to_picture
 from rtphys.assets.solid import Solid
 from rtphys.assets.swept import bevelled
-from rtphys.assets.thing import Body, Part, Thing
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain, speckle
 from rtphys.assets.solid import Solid, hull
 from rtphys.assets.swept import oval
-from rtphys.assets.thing import Body, Part, Thing, functional
 
 
 @dataclass(frozen=True)

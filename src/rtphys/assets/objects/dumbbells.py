@@ -5,11 +5,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
 from rtphys.assets.swept import lying, rod
-from rtphys.assets.thing import Body, Part, Thing
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import box, cone, cylinder, rounded_box, tube
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 SIDES = 16
 

@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, matt
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 from rtphys.assets.words import phrases
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 
 @dataclass(frozen=True)

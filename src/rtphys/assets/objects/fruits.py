@@ -6,12 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, from_above
 from rtphys.assets.geometry import cylinder, lathe
 from rtphys.assets.material import Colour, Finish, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
 from rtphys.assets.solid import hull, together
-from rtphys.assets.thing import Body, Part, Thing, from_above
 from rtphys.assets.turned import turned_parts
 from rtphys.assets.words import phrases
 

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box, cone, lathe, rounded
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic
@@ -12,7 +13,6 @@ from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid, hull
 from rtphys.assets.swept import loft, oval, rod, slabs
-from rtphys.assets.thing import Body, Part, Thing
 
 SIDES = 20
 

@@ -4,11 +4,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box, extrude, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 
 HEAD = 0.0632  # [m] y of the head's axis
 FACE = 0.0550  # [m] z of the striking face; its functional point lies 3.7 mm inside, for a firm hit

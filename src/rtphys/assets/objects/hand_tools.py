@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box, circle, cylinder, extrude, rounded_box
 from rtphys.assets.material import Colour, matt, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
 from rtphys.assets.solid import Solid, hull, together
 from rtphys.assets.swept import bevelled, lying, rod
-from rtphys.assets.thing import Body, Part, Thing
 
 STEEL = metal((0.78, 0.79, 0.82), 0.3)
 

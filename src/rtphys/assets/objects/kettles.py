@@ -2,12 +2,12 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.bottle import with_handle
 from rtphys.assets.geometry import ball, lathe, tube
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 from rtphys.assets.turned import turned_parts
 from rtphys.assets.vessel import Vessel
 from rtphys.assets.words import phrases

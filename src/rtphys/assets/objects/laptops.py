@@ -9,12 +9,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import keys, screen
 from rtphys.assets.solid import together
-from rtphys.assets.thing import Body, Joint, Machine, Part, contact
 from rtphys.assets.upright import upright_joint
 from rtphys.assets.urdf import placed
 

@@ -5,11 +5,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import box, cylinder
 from rtphys.assets.material import Colour, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.swept import dome, loft, slabs
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 # Along the mouse: place, width and height as shares of its sizes.
 ROUND = (

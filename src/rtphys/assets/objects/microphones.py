@@ -10,12 +10,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box, cylinder, lathe, rounded
 from rtphys.assets.material import Colour, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 
 SIDES = 16  # a facet underneath
 # Directions of the grasps, in turns of 45 degrees about the axis from -x over +y.

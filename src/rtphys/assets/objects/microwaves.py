@@ -10,13 +10,13 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid, together
-from rtphys.assets.thing import Body, Joint, Machine, Part, contact, functional
 from rtphys.assets.upright import upright_joint
 from rtphys.assets.urdf import placed
 

@@ -10,12 +10,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.bottle import with_handle
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, Picture, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import bands, stripes
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 from rtphys.assets.vessel import Vessel
 from rtphys.assets.words import phrases
 

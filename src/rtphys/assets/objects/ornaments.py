@@ -4,14 +4,14 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import ball, box, cone, cylinder, lathe, rounded, rounded_box, tube
 from rtphys.assets.material import Colour, Finish, Picture, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.parts import shell_parts
 from rtphys.assets.pictures import to_picture
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 SIDES = 16
 

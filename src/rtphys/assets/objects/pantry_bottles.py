@@ -3,9 +3,9 @@ in kitchens and bathrooms. Clutter: the first four have no contact points."""
 
 from functools import partial
 
+from rtphys.assets.asset_model import Thing, from_sides
 from rtphys.assets.bottle import Bottle, Look, bottle_body
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Thing, from_sides
 from rtphys.assets.words import phrases
 
 Words = tuple[str, str, str]

@@ -8,14 +8,14 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 
 @dataclass(frozen=True)

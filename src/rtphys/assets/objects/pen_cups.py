@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import circle, cone, cylinder, extrude
 from rtphys.assets.material import Colour, Finish, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.parts import shell_parts, tray_parts
 from rtphys.assets.pictures import grain, stripes
 from rtphys.assets.solid import Solid
-from rtphys.assets.thing import Body, Part, Thing
 
 WALL = 0.004  # [m]
 INKS = ((0.85, 0.15, 0.12), (0.12, 0.35, 0.78), (0.95, 0.78, 0.15), (0.15, 0.58, 0.32))

@@ -9,11 +9,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 
 LEAN = np.array([0.0, 0.888, -0.459])  # up along the back plate
 FRONT = np.array([0.0, 0.459, 0.888])  # out of it, towards the viewer

@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import to_picture
 from rtphys.assets.solid import together
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 from rtphys.assets.urdf import placed
 
 BEHIND = 0.003  # [m] how far behind the back its functional point lies: room to lean in a stand

@@ -4,12 +4,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Finish, Picture, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import to_picture
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Body, Part, Thing
 
 LEAN_DEG = 15.0
 THICK = 0.010  # [m]

@@ -5,14 +5,14 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import cylinder
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.thing import Body, Part, Thing
 from rtphys.assets.tub import Tub
 from rtphys.assets.words import phrases
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 
 @dataclass(frozen=True)

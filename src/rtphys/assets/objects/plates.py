@@ -3,11 +3,11 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, functional
 from rtphys.assets.geometry import cylinder, lathe
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
-from rtphys.assets.thing import Body, Part, Thing, functional
 from rtphys.assets.vessel import Vessel, band
 from rtphys.assets.words import phrases
 

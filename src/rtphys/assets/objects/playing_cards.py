@@ -4,11 +4,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Picture, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import to_picture
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 LENGTH = 0.0966  # [m]
 GRIP = 0.0085  # [m] height of the grasps

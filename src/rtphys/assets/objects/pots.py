@@ -10,11 +10,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Array, Body, Joint, Machine, Part, contact
 from rtphys.assets.geometry import ball, box, cylinder, lathe, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
-from rtphys.assets.thing import Array, Body, Joint, Machine, Part, contact
 from rtphys.assets.upright import upright_joint
 from rtphys.assets.urdf import placed
 from rtphys.assets.vessel import Vessel, band

@@ -11,12 +11,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, functional
 from rtphys.assets.geometry import ball, cone, cylinder, tube
 from rtphys.assets.material import matt
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
 from rtphys.assets.solid import hull, together
-from rtphys.assets.thing import Body, Part, Thing, functional
 from rtphys.assets.words import phrases
 
 TIP = (0.0652, 0.1945, 0.0)  # [m]

@@ -4,12 +4,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box, cone, cylinder
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
-from rtphys.assets.thing import Body, Part, Thing
 
 SIDES = 20
 

@@ -5,12 +5,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.swept import dome, loft, slabs
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 
 LENGTH = 0.193  # [m]
 # Along the remote, head last: place, width and height as shares.

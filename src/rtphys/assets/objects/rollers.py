@@ -10,12 +10,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import extrude, lathe, rounded
 from rtphys.assets.material import Finish, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
 from rtphys.assets.solid import Solid
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 SIDES = 16  # a multiple of 4 puts a facet underneath and on both flanks; at most 24
 

@@ -2,12 +2,12 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, from_above, from_sides
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Picture, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
-from rtphys.assets.thing import Body, Part, Thing, from_above, from_sides
-from rtphys.seeds import stream
+from rtphys.core.seeds import stream
 
 WHITE, YELLOW, RED = (0.95, 0.95, 0.95), (0.98, 0.84, 0.08), (0.80, 0.07, 0.10)
 ORANGE, GREEN, BLUE = (0.98, 0.45, 0.05), (0.05, 0.60, 0.25), (0.05, 0.25, 0.70)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic
@@ -10,7 +11,6 @@ from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid, together
 from rtphys.assets.swept import bevelled
-from rtphys.assets.thing import Body, Part, Thing, functional
 
 FOOT = 0.003  # [m]
 

@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid, hull
 from rtphys.assets.swept import bevelled
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 
 Array = NDArray[np.float64]
 WINDOW = 0.034  # [m] length of the window

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, from_above, from_sides
 from rtphys.assets.geometry import box, cone, lathe, rounded, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.thing import Body, Part, Thing, from_above, from_sides
 
 RUBBER = 0.004  # [m] thickness of the printing face
 INK = plastic((0.75, 0.10, 0.10), 0.3)

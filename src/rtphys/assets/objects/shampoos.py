@@ -2,9 +2,9 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.bottle import Bottle, Look, bottle_body
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Body, Part, Thing, contact
 from rtphys.assets.words import phrases
 
 

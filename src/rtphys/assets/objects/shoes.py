@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, matt, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, together
 from rtphys.assets.swept import dome, loft, slabs
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 
 # From heel to toe: place along the shoe, width and height as shares.
 LOW = (

@@ -8,11 +8,11 @@ from its middle, needs three times that: so handles are thick and heavy, and the
 from dataclasses import dataclass
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import together
-from rtphys.assets.thing import Body, Part, Thing, contact, functional
 from rtphys.assets.vessel import Vessel
 from rtphys.assets.words import phrases
 

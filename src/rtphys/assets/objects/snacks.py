@@ -2,12 +2,12 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, from_sides
 from rtphys.assets.geometry import box, tube
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, Finish, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import hull
-from rtphys.assets.thing import Body, Part, Thing, from_sides
 from rtphys.assets.turned import disc, ring, turned, turned_parts
 from rtphys.assets.words import phrases
 

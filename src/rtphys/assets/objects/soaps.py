@@ -7,13 +7,13 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.lettering import dots
 from rtphys.assets.material import Colour, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
 from rtphys.assets.swept import oval
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 Size = tuple[float, float, float]  # x, y, z [m]
 

@@ -2,13 +2,13 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box, cylinder, extrude, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid
 from rtphys.assets.swept import oval
-from rtphys.assets.thing import Body, Part, Thing
 
 
 def cube(edge: float, colour: Colour, words: tuple[str, ...]) -> Thing:

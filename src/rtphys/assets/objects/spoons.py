@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Finish, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import hull
-from rtphys.assets.thing import Body, Part, Thing
 from rtphys.assets.vessel import Vessel
 from rtphys.assets.words import phrases
 

@@ -8,11 +8,11 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.swept import bevelled, side_profile
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 LENGTH = 0.096  # [m]
 STEEL = metal((0.80, 0.81, 0.83), 0.3)

@@ -4,12 +4,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
 from rtphys.assets.swept import dome, loft, lying, rod, slabs
-from rtphys.assets.thing import Body, Part, Thing
 
 
 def marker(radius: float, length: float, ink: Colour, words: tuple[str, ...]) -> Thing:

@@ -10,12 +10,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
 from rtphys.assets.swept import bevelled
-from rtphys.assets.thing import Body, Joint, Machine, Part, contact
 from rtphys.assets.upright import upright_joint
 from rtphys.assets.urdf import placed
 

@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box, circle, extrude
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, matt, metal, plastic
@@ -12,7 +13,6 @@ from rtphys.assets.parts import shell_parts
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid
 from rtphys.assets.swept import bevelled
-from rtphys.assets.thing import Body, Part, Thing
 
 SIDES = 20
 

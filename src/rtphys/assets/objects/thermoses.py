@@ -2,9 +2,9 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing, from_sides
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Body, Part, Thing, from_sides
 from rtphys.assets.turned import disc, ring, turned, turned_parts
 from rtphys.assets.words import phrases
 

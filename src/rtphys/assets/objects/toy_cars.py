@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, contact
 from rtphys.assets.geometry import box, cylinder
 from rtphys.assets.material import Colour, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
 from rtphys.assets.swept import bevelled
-from rtphys.assets.thing import Body, Part, Thing, contact
 
 TYRE, GLASS = matt((0.06, 0.06, 0.07)), plastic((0.12, 0.17, 0.22), 0.9)
 HUB = metal((0.80, 0.81, 0.83), 0.3)

@@ -2,12 +2,12 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.material import Colour, matt, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, speckle, to_picture
 from rtphys.assets.solid import hull, together
-from rtphys.assets.thing import Body, Part, Thing
 
 
 def wallet(

@@ -2,9 +2,9 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Thing, from_sides, functional
 from rtphys.assets.bottle import Bottle, Look, bottle_body
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Thing, from_sides, functional
 from rtphys.assets.words import phrases
 
 FROM_BEHIND = (180, 225, 270, 315, 0, 45, 90, 135)  # official orders of the side grasps

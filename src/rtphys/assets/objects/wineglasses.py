@@ -2,10 +2,10 @@
 
 from functools import partial
 
+from rtphys.assets.asset_model import Body, Part, Thing
 from rtphys.assets.geometry import cone, cylinder, lathe
 from rtphys.assets.material import Colour, plastic
 from rtphys.assets.objects import Models
-from rtphys.assets.thing import Body, Part, Thing
 from rtphys.assets.vessel import Vessel
 from rtphys.assets.words import phrases
 

@@ -9,13 +9,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from rtphys.assets.asset_model import Body, Part, Thing, functional
 from rtphys.assets.geometry import box, circle, extrude, rounded_box
 from rtphys.assets.material import Colour, matt
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
 from rtphys.assets.solid import Solid, hull
 from rtphys.assets.swept import side_profile
-from rtphys.assets.thing import Body, Part, Thing, functional
 
 SIDES = 20
 Shape = Callable[[], tuple[Solid, tuple[Solid, ...], float]]  # visual, convex parts, top

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rtphys import library
-from rtphys.errors import BadValue
+from rtphys.core import library
+from rtphys.core.errors import BadValue
 from rtphys.policies.options import literal
 
 ARM_JOINTS = 6  # of each arm of the aloha-agilex

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.core.poses import Pose
 from rtphys.episode import PolicyEpisode
-from rtphys.poses import Pose
 from rtphys.sim.camera import SHORT
 from rtphys.sim.recorder import flat
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-from rtphys.errors import BadFile, RtphysError
+from rtphys.core.errors import BadFile, RtphysError
 
 CONTRACT = ("get_model", "eval", "reset_model")
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from contextlib import chdir
 from pathlib import Path
 
+from rtphys.core.errors import RtphysError
 from rtphys.episode import PolicyEpisode
-from rtphys.errors import RtphysError
 from rtphys.policies import options
 from rtphys.policies.policy import PolicySetup
 from rtphys.policies.robotwin.options import user_args

@@ -9,8 +9,8 @@ from copy import deepcopy
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rtphys.control import ActionKind
 from rtphys.episode import PolicyEpisode
+from rtphys.episode.control import ActionKind
 from rtphys.policies.robotwin.observation import Robotwin, official
 from rtphys.policies.robotwin.parts import Cameras, Robot
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.policies.served.connection import ServerFailed
-from rtphys.poses import Array
 
 
 def rows(actions: object, size: int, where: str) -> Array:

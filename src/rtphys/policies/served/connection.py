@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from websockets.sync.client import ClientConnection, connect
 
-from rtphys.errors import BadValue, RtphysError
+from rtphys.core.errors import BadValue, RtphysError
 from rtphys.policies.options import Options, number
 from rtphys.policies.policy import PolicyGone
 from rtphys.policies.served.wire import BadFrame, Encoding

@@ -9,8 +9,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from rtphys.control import ACTION_SIZE
+from rtphys.core.poses import Array
 from rtphys.episode import Observation, PolicyEpisode
+from rtphys.episode.control import ACTION_SIZE
 from rtphys.policies import options
 from rtphys.policies.policy import PolicySetup
 from rtphys.policies.served.chunk import rows
@@ -22,7 +23,6 @@ from rtphys.policies.served.connection import (
     endpoint,
 )
 from rtphys.policies.served.wire import OPENPI
-from rtphys.poses import Array
 
 CAMERAS = {"head": "cam_high", "left": "cam_left_wrist", "right": "cam_right_wrist"}
 KEY = "OPENPI_API_KEY"  # environment variable; a spec string would end up in every record

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import msgpack
 import numpy as np
 
-from rtphys.errors import RtphysError
+from rtphys.core.errors import RtphysError
 
 # void, object, complex: openpi refuses all three, XPolicyLab the second; no policy needs any.
 REFUSED = "VOc"

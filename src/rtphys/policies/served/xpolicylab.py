@@ -9,8 +9,8 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from itertools import count
 
+from rtphys.core.errors import BadValue
 from rtphys.episode import Observation, PolicyEpisode
-from rtphys.errors import BadValue
 from rtphys.policies import options
 from rtphys.policies.policy import PolicySetup
 from rtphys.policies.served import xpolicylab_format as fmt

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from rtphys.control import SHAPES, ActionKind
+from rtphys.core.poses import Array, Pose
 from rtphys.episode import Observation
+from rtphys.episode.control import SHAPES, ActionKind
 from rtphys.episode.observation import CameraView
 from rtphys.policies.served.connection import ServerFailed
-from rtphys.poses import Array, Pose
 
 CAMERAS = {
     "head": "cam_head",

@@ -1,0 +1,1 @@
+"""Many independent jobs, committed in order."""

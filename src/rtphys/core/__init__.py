@@ -1,0 +1,1 @@
+"""What everything else stands on: errors, chance, poses, timing, and the library of files."""

@@ -1,0 +1,126 @@
+"""Where tasks, domains and manifests live: a library root is a folder that holds those three.
+
+The bundled library is the checkout (editable install) or the package folder (wheel). A user's own
+library has the same shape and is added with `--library DIR` or `$RTPHYS_LIBRARY`.
+"""
+
+import fnmatch
+import os
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
+from functools import lru_cache
+from pathlib import Path
+
+import yaml
+
+from rtphys.core.errors import BadFile, RtphysError, UnknownName
+
+KINDS = {
+    "tasks": ".py",
+    "domains": ".yaml",
+    "manifests": ".yaml",
+    "attributes": ".py",
+    "protocols": ".yaml",
+}
+
+
+class AmbiguousName(RtphysError):
+    """The same name in two libraries: a dataset's label must mean one thing."""
+
+    def __init__(self, kind: str, name: str, first: Path, second: Path) -> None:
+        super().__init__(f"{kind[:-1]} {name!r} exists twice: {first} and {second}; rename one")
+
+
+@lru_cache(maxsize=1)
+def bundled() -> Path:
+    """Root of the library that ships with rtphys."""
+    package = Path(__file__).resolve().parents[1]
+    return package if (package / "tasks").is_dir() else package.parents[1]
+
+
+def roots() -> tuple[Path, ...]:
+    """Bundled library first, then each folder of `$RTPHYS_LIBRARY` (os.pathsep-separated)."""
+    own = [Path(p) for p in os.environ.get("RTPHYS_LIBRARY", "").split(os.pathsep) if p]
+    for path in own:
+        if not path.is_dir():
+            raise BadFile(path, "the library folder does not exist")
+    return (bundled(), *[p.resolve() for p in own])
+
+
+def names(kind: str) -> dict[str, Path]:
+    """Name -> file of every entry of one kind, over all library roots, sorted by name.
+
+    Only file names are read, so one broken file cannot break the listing.
+
+    Raises:
+        AmbiguousName: two libraries define the same name.
+    """
+    found: dict[str, Path] = {}
+    for root in roots():
+        for path in sorted((root / kind).glob(f"*{KINDS[kind]}")):
+            if path.stem.startswith("_"):
+                continue
+            if path.stem in found:
+                raise AmbiguousName(kind, path.stem, found[path.stem], path)
+            found[path.stem] = path
+    return dict(sorted(found.items()))
+
+
+def matching(kind: str, patterns: Iterable[str], where: str | Path = "") -> tuple[str, ...]:
+    """Names of names and patterns, each once, in the order asked for.
+
+    Raises:
+        UnknownName: one that matches nothing; names the nearest match, and `where` it stands.
+    """
+    known = names(kind)
+    found: dict[str, None] = {}
+    for pattern in patterns:
+        matches = fnmatch.filter(known, pattern)
+        if not matches:
+            raise UnknownName(kind[:-1], pattern, known, where)
+        found |= dict.fromkeys(matches)
+    return tuple(found)
+
+
+def find(kind: str, name: str) -> Path:
+    """The file of one entry.
+
+    Raises:
+        UnknownName: no library has it; the message names the nearest match.
+    """
+    known = names(kind)
+    if name not in known:
+        raise UnknownName(kind[:-1], name, known)
+    return known[name]
+
+
+@lru_cache(maxsize=256)
+def _parsed(text: str) -> object:
+    """Every episode asks for its domain again; parsing it costs more than building the room."""
+    return yaml.safe_load(text)
+
+
+def read_yaml(path: Path) -> dict[str, object]:
+    """One YAML mapping.
+
+    Raises:
+        BadFile: missing, unreadable, not YAML, or not a mapping; names line and column.
+    """
+    try:
+        content = deepcopy(_parsed(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise BadFile(path, error.strerror or "cannot be read") from error
+    except UnicodeDecodeError as error:
+        raise BadFile(path, "is not UTF-8 text") from error
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        problem = getattr(error, "problem", None) or "cannot be parsed"
+        raise BadFile(path, f"broken YAML{where}: {problem}") from error
+    except RecursionError as error:
+        raise BadFile(path, "broken YAML: nested too deeply") from error
+    if content is None:
+        return {}
+    if not isinstance(content, Mapping) or not all(isinstance(k, str) for k in content):
+        raise BadFile(path, "must be a mapping of names to values")
+    return dict(content)

@@ -1,0 +1,233 @@
+"""A dataset as Python objects: lazy, without a simulator, pictures always RGB.
+
+for episode in Dataset("data").where(task="click_bell"):
+    print(episode.seed, episode.physics["friction"], episode.images("head_camera").shape)
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.data import files, jpeg, schema
+from rtphys.data.convert import leaf_at, read_manifest
+from rtphys.data.episode import Frames
+from rtphys.data.hdf5_pictures import EpisodeFile
+from rtphys.data.json_text import parse_mapping
+from rtphys.data.layout import MANIFEST, EpisodePaths
+from rtphys.data.schema import Instructions, LeafEntry, Manifest, PhysMeta
+from rtphys.physics import Physics
+from rtphys.physics.values import plain_value
+
+Order = Literal["wxyz", "xyzw"]
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One stored episode. Reads a file when asked for something in it; pickles small.
+
+    Frames are 0.06 s apart. `state[t]` is the command in force at frame t, `action[t]` the one of
+    frame t + 1, so `action` has one row less than there are pictures.
+    """
+
+    task: str
+    protocol: str
+    number: int
+    seed: int
+    layout: str
+    paths: EpisodePaths
+
+    def __getstate__(self) -> dict[str, object]:
+        # What was read stays behind: a data loader's workers read for themselves.
+        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+
+    @cached_property
+    def frames(self) -> Frames:
+        """Everything but pictures, T rows each; poses are xyz [m] + wxyz, world frame."""
+        return self._file.frames()
+
+    @cached_property
+    def meta(self) -> PhysMeta:
+        """The label file as a typed object. Raises `SchemaError`, `BadFile`."""
+        path = self.paths.phys_meta
+        model = schema.check("phys_meta", parse_mapping(files.read(path), path))
+        assert isinstance(model, PhysMeta)
+        return model
+
+    @property
+    def physics(self) -> Physics:
+        """The 13 attributes and the auxiliary draws by key, each in its own unit."""
+        labels = self.meta.attributes
+        values = {key: plain_value(label.value) for key, label in labels.items()}
+        draws = {key: plain_value(raw) for key, raw in self.meta.draws.items()}
+        return Physics(draws | values, [key for key, label in labels.items() if label.varied])
+
+    @cached_property
+    def instructions(self) -> Instructions:
+        """Sentences, `seen` and `unseen`."""
+        path = self.paths.instruction
+        model = schema.check("instruction", parse_mapping(files.read(path), path))
+        assert isinstance(model, Instructions)
+        return model
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """Official names: head_camera, left_camera, right_camera, front_camera."""
+        return tuple(self.frames.cameras)
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """(T, 14) commanded: left arm (6) [rad], left gripper 0..1, then the right ones."""
+        return self.frames.vector
+
+    @property
+    def action(self) -> NDArray[np.float64]:
+        """(T - 1, 14), row t is the command of frame t + 1."""
+        return self.frames.vector[1:]
+
+    def __len__(self) -> int:
+        """Number of frames T."""
+        return len(self.frames)
+
+    def image(self, camera: str, frame: int) -> NDArray[np.uint8]:
+        """One picture (H, W, 3), RGB. Raises `UnknownName`, `IndexError`."""
+        return jpeg.decode(self._file.stream(camera, frame))
+
+    def images(self, camera: str) -> NDArray[np.uint8]:
+        """All pictures of a camera (T, H, W, 3), RGB. Raises `UnknownName`."""
+        return np.stack([*self.each_image(camera)])
+
+    def each_image(self, camera: str) -> Iterator[NDArray[np.uint8]]:
+        """The pictures of a camera one after the other, (H, W, 3) RGB. Raises `UnknownName`."""
+        return map(jpeg.decode, self._file.streams(camera))
+
+    def poses(self, name: str, order: Order = "wxyz") -> NDArray[np.float64]:
+        """(T, 7) xyz [m] + quaternion in the order asked for, world frame.
+
+        Args:
+            name: "left" or "right" for an end-effector (link6), otherwise an object.
+            order: "wxyz" as stored, or "xyzw".
+        """
+        known = {"left": self.frames.left_endpose, "right": self.frames.right_endpose}
+        known |= dict(self.frames.object_poses)
+        if name not in known:
+            raise UnknownName("pose", name, known, self.paths.hdf5)
+        if order not in ("wxyz", "xyzw"):
+            raise BadValue("order", order, "it is wxyz or xyzw")
+        columns = [0, 1, 2, 3, 4, 5, 6] if order == "wxyz" else [0, 1, 2, 4, 5, 6, 3]
+        return np.asarray(known[name], np.float64)[:, columns]
+
+    @property
+    def _file(self) -> EpisodeFile:
+        return EpisodeFile(self.paths.hdf5, self.layout)
+
+
+class Pair(NamedTuple):
+    """One seed under two protocols."""
+
+    episode: Episode
+    twin: Episode
+
+
+def _episodes(path: Path, entry: LeafEntry) -> Iterator[Episode]:
+    leaf = leaf_at(path, entry)
+    for number, seed in enumerate(entry.seeds):
+        yield Episode(entry.task, entry.config, number, seed, entry.layout, leaf.episode(number))
+
+
+class Dataset(Sequence[Episode]):
+    """The episodes of a folder that holds `manifest.json`, in the manifest's order."""
+
+    def __init__(self, path: str | Path) -> None:
+        """Raises `BadFile` when there is no dataset; reads the manifest, no episode."""
+        given = Path(path)
+        self.path = given.parent if given.name == MANIFEST else given
+        self.manifest: Manifest = read_manifest(self.path)
+        self.leaves: tuple[LeafEntry, ...] = tuple(self.manifest.leaves.values())
+        self._episodes = tuple(self._listed())
+
+    def _listed(self) -> Iterator[Episode]:
+        for entry in self.leaves:
+            yield from _episodes(self.path, entry)
+
+    @property
+    def tasks(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(leaf.task for leaf in self.leaves))
+
+    @property
+    def protocols(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(leaf.config for leaf in self.leaves))
+
+    def where(self, task: str | None = None, protocol: str | None = None) -> "Dataset":
+        """The episodes of one task and/or one protocol, as a dataset of its own.
+
+        Raises:
+            UnknownName: the dataset has none of that name.
+        """
+        for kind, name, known in (
+            ("task", task, self.tasks),
+            ("protocol", protocol, self.protocols),
+        ):
+            if name is not None and name not in known:
+                raise UnknownName(kind, name, known, self.path)
+        part = object.__new__(Dataset)
+        part.path, part.manifest = self.path, self.manifest
+        part.leaves = tuple(
+            leaf
+            for leaf in self.leaves
+            if task in (None, leaf.task) and protocol in (None, leaf.config)
+        )
+        part._episodes = tuple(part._listed())
+        return part
+
+    def pairs(self) -> tuple[Pair, ...]:
+        """Every episode here that was recorded with a twin, and that twin.
+
+        Empty without `collect --twin`. A pair's layout is one, so what differs is the protocol's
+        doing. Works after `where` too: `data.where(protocol="phys_random").pairs()`.
+        """
+        every = self.manifest.leaves.values()
+        twins = {(e.task, e.embodiment, e.config): e for e in every if e.twin_of is not None}
+        found: list[Pair] = []
+        for entry in self.leaves:
+            twin = twins.get((entry.task, entry.embodiment, entry.twin or ""))
+            if twin is not None:
+                found += map(Pair, _episodes(self.path, entry), _episodes(self.path, twin))
+        return tuple(found)
+
+    def __len__(self) -> int:
+        return len(self._episodes)
+
+    @overload
+    def __getitem__(self, index: int) -> Episode: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Episode, ...]: ...
+    def __getitem__(self, index: int | slice) -> Episode | tuple[Episode, ...]:
+        return self._episodes[index]
+
+    def __repr__(self) -> str:
+        return f"Dataset({str(self.path)!r}: {len(self)} episodes of {len(self.tasks)} tasks)"
+
+
+def find_episode(path: Path) -> Episode:
+    """The episode that a file belongs to (any of its four files).
+
+    Raises:
+        BadFile: no dataset above it lists such an episode.
+    """
+    wanted = path.resolve()
+    for folder in wanted.parents:
+        if (folder / MANIFEST).is_file():
+            for episode in Dataset(folder):
+                if wanted in [p.resolve() for p in episode.paths.all()]:
+                    return episode
+            raise BadFile(path, f"is no episode of the dataset {folder}")
+    raise BadFile(path, f"there is no {MANIFEST} in any folder above it")

@@ -1,0 +1,157 @@
+"""Checks a dataset against its own claims, down to the physics that its seeds give.
+
+Needs no simulator: the sampled physics is derived again from the seed and the resolved domain in
+the manifest, the rest is bytes.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from rtphys.assets.pack import pack_with
+from rtphys.core.errors import BadFile
+from rtphys.data import files
+from rtphys.data.check_episode import Effort, EpisodeClaim, check_episode
+from rtphys.data.check_look import LookCheck
+from rtphys.data.check_physics import PhysicsCheck
+from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
+from rtphys.data.layout import EpisodePaths
+from rtphys.data.verified import Verified
+
+Progress = Callable[[int, int], None]  # bytes done, bytes in all
+
+
+class _Meter:
+    """Adds up bytes: a file's once for its checksum, an episode's again for its meaning."""
+
+    def __init__(self, total: int, progress: Progress | None) -> None:
+        self.done, self.total, self.progress = 0, total, progress
+
+    def add(self, size: int) -> None:
+        self.done += size
+        if self.progress:
+            self.progress(self.done, self.total)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong."""
+
+    path: Path
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.text}"
+
+
+@dataclass
+class Report:
+    """Outcome of a verification; sound when there are no problems."""
+
+    problems: list[Problem] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    files: int = 0
+    bytes: int = 0
+    episodes: int = 0
+
+    @property
+    def sound(self) -> bool:
+        return not self.problems
+
+
+def verify(
+    out: Path,
+    effort: Effort = Effort.NORMAL,
+    *,
+    memory: Path | None = None,
+    progress: Progress | None = None,
+) -> Report:
+    """Checks everything that needs no simulator.
+
+    Args:
+        out: the folder that holds `manifest.json`.
+        effort: how much to look at; checksums, tables, labels and their physics always are.
+        memory: file of digests that were found sound before, such as `verified.default_path()`;
+            their content is not looked at again.
+        progress: called with (bytes done, bytes in all).
+    """
+    report, findings = Report(), Findings()
+    try:
+        tree = read_tree(out, findings)
+    except BadFile as error:
+        return Report(problems=[Problem(error.path, error.problem)])
+    sizes = {listed.path: listed.allowed[-1].size for listed in tree.files.values()}
+    inside = sum(sizes.get(path, 0) for paths in _episode_paths(tree) for path in paths.all())
+    meter = _Meter(sum(sizes.values()) + inside, progress)
+    for listed in tree.files.values():
+        report.files += 1
+        report.bytes += sizes[listed.path]
+        if reason := _file_problem(listed):
+            findings.problem(listed.path, reason)
+        meter.add(sizes[listed.path])
+    for paths in _check_episodes(tree, findings, effort, Verified(memory)):
+        report.episodes += 1
+        meter.add(sum(sizes.get(path, 0) for path in paths.all()))
+    report.problems = [Problem(path, text) for path, text in findings.problems]
+    report.notes = findings.notes
+    return report
+
+
+def _file_problem(listed: ListedFile) -> str:
+    path = listed.path
+    try:
+        size = path.stat().st_size
+        if all(size != facts.size for facts in listed.allowed):
+            return f"has {size} bytes, not {listed.allowed[-1].size}"
+        if files.facts_of(path) not in listed.allowed:
+            return "its SHA-256 is not the listed one: the content was changed"
+    except FileNotFoundError:
+        return "is missing"
+    except OSError as error:
+        return f"cannot be read ({error.strerror})"
+    return ""
+
+
+def _episode_paths(tree: Tree) -> Iterator[EpisodePaths]:
+    for name, leaf in tree.leaves.items():
+        yield from (leaf.episode(number) for number in range(tree.episodes[name]))
+
+
+def _check_episodes(
+    tree: Tree, findings: Findings, effort: Effort, memory: Verified
+) -> Iterator[EpisodePaths]:
+    """Yields an episode's paths once its content is checked."""
+    damaged = {path for path, _ in findings.problems}
+    sound: list[str] = []
+    release = version("rtphys")
+    find_pack = cache(pack_with)  # for this call only: packs come and go
+    for name, entry in tree.manifest.leaves.items():
+        physics, look = PhysicsCheck(entry, tree.manifest.domains), LookCheck(entry, find_pack)
+        if look.gap:
+            findings.notes.append(f"{name}: {look.gap}")
+        for number in range(tree.episodes[name]):
+            paths = tree.leaves[name].episode(number)
+            seed = entry.seeds[number] if number < len(entry.seeds) else None
+            claim = EpisodeClaim(entry, number, seed)
+            key = _key(tree, paths, claim, f"{release} {effort.name} {look.gap}")
+            # A file that is damaged was named already; what it holds is worth no second sentence.
+            if key not in memory and not damaged.intersection(paths.all()):
+                before = len(findings.problems)
+                meta = check_episode(paths, claim, findings, effort)
+                for text in (physics.problems(meta) + look.problems(meta)) if meta else ():
+                    findings.problem(paths.phys_meta, text)
+                sound += [key] if len(findings.problems) == before else []
+            yield paths
+    memory.remember(sound)
+
+
+def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> str:
+    """All that the verdict on an episode depends on."""
+    names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
+    digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
+    leaf = claim.leaf
+    drawn = (leaf.only, leaf.overrides, leaf.visual, leaf.split, leaf.recovery)
+    asked = (leaf.task, leaf.config, leaf.layout, leaf.cameras, drawn)
+    return Verified.key(looked, digests, claim.number, claim.seed, leaf.domain, asked)

@@ -1,0 +1,163 @@
+"""An accepted attempt and its pictures as the episode that the files hold."""
+
+import platform
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from importlib import metadata
+
+import numpy as np
+
+from rtphys.assets.pack import Pack
+from rtphys.core.errors import RtphysError
+from rtphys.core.poses import Pose
+from rtphys.data.episode import Episode, Frames
+from rtphys.episode.generate import Attempt
+from rtphys.episode.instance import Instance
+from rtphys.episode.photograph import Photographs
+from rtphys.physics import Physics, attributes, disagreements, readback
+from rtphys.sim.recorder import Recording
+from rtphys.sim.rollout import Outcome
+from rtphys.task.instructions import instructions, scene_info
+from rtphys.task.props import Articulated, Mesh, Prop
+from rtphys.task.spec import Task
+from rtphys.visual import disturbed
+
+# Whatever can change a bit of an episode. The renderer's driver is not among them: states are.
+SHAPING = ("rtphys", "sapien", "numpy", "scipy", "pin", "coal", "toppra", "ruckig")
+
+
+class FalseLabel(RtphysError):
+    """The simulator does not say what the label would say: a bug, never an episode."""
+
+    exit_code = 70  # EX_SOFTWARE
+
+
+def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
+    """Puts an accepted attempt together.
+
+    Raises:
+        FalseLabel: the physics in force is not the physics that was drawn.
+        ValueError: the attempt was rejected.
+    """
+    instance, recording, outcome = attempt.instance, attempt.recording, attempt.outcome
+    if not attempt.accepted or instance is None or recording is None or outcome is None:
+        raise ValueError(f"{attempt.recipe} was rejected: {attempt.reason}")
+    if wrong := disagreements(instance.world, instance.physics):
+        raise FalseLabel(f"{attempt.recipe.task}, seed {attempt.recipe.seed}: {'; '.join(wrong)}")
+    seed, task = attempt.recipe.seed, instance.task
+    return Episode(
+        recipe=attempt.recipe.to_json(),
+        frames=_frames(recording, photographs),
+        phys_meta={
+            **_label(instance),
+            "cameras": {name: _camera(X) for name, X in photographs.first_poses.items()},
+            "verdict": {**_verdict(recording, outcome), **_clutter(instance, recording)},
+            "versions": dict(versions(task)),
+            "state_hash": recording.hash,
+        },
+        instructions=instructions(task, seed, describer(pack)),
+        scene_info={**instance.look.scene_info(), "info": scene_info(task, seed)},
+        images=photographs.images,
+    )
+
+
+def _label(instance: Instance) -> dict[str, object]:
+    recipe, physics = instance.recipe, instance.physics
+    known = attributes()
+    return {
+        "seed": recipe.seed,
+        "task": recipe.task,
+        "protocol": recipe.protocol,
+        "domain": {"name": instance.domain.name, "digest": instance.domain.digest},
+        "attributes": {
+            key: {"value": physics[key], "unit": known[key].unit, "varied": key in physics.varied}
+            for key in known
+        },
+        "draws": {key: physics[key] for key in physics if key not in known},
+        "readback": readback(instance.world),
+        **({} if recipe.visual() is None else {"visual": instance.look.to_json()}),
+    }
+
+
+def _clutter(instance: Instance, recording: Recording) -> dict[str, object]:
+    """Which pieces of clutter the expert disturbed; nothing where there were none."""
+    names = [piece.name for piece in instance.look.clutter]
+    if not names:
+        return {}
+    tracks = {n: np.array([row.objects[n] for row in recording.rows]) for n in names}
+    touched = disturbed(tracks)
+    return {"clutter_disturbed": bool(touched), "disturbed": list(touched)}
+
+
+def _camera(X_WC: Pose) -> dict[str, list[float]]:
+    return {"position": X_WC.p.tolist(), "quaternion_wxyz": X_WC.q.tolist()}
+
+
+def _verdict(recording: Recording, outcome: Outcome) -> dict[str, object]:
+    """Stages with the time [s] of their first frame; one shorter than a frame has none."""
+    first: dict[int, float] = {}
+    for row in recording.rows:
+        first.setdefault(row.stage, row.time)
+    stages = [{"name": recording.stages[i], "time": time} for i, time in first.items()]
+    return {
+        "accepted": True,
+        "recovered": recording.recovered,
+        "first_success_time": outcome.first_success,
+        "held": outcome.held,
+        "stages": stages,
+    }
+
+
+def _frames(recording: Recording, photographs: Photographs) -> Frames:
+    rows = recording.rows
+    arms = np.array([row.arms for row in rows])
+    ends = np.array([row.ee for row in rows])
+    return Frames(
+        time=np.array([row.time for row in rows]),
+        left_arm=arms[:, :6],
+        right_arm=arms[:, 7:13],
+        left_gripper=arms[:, 6],
+        right_gripper=arms[:, 13],
+        left_endpose=ends[:, 0],
+        right_endpose=ends[:, 1],
+        qpos=np.array([row.qpos for row in rows]),
+        qvel=np.array([row.qvel for row in rows]),
+        effort=np.array([row.effort for row in rows]),
+        joint_names=recording.joint_names,
+        object_poses=_by_name([row.objects for row in rows], float),
+        contacts=_by_name([row.touched for row in rows], np.bool_),
+        stage=np.array([row.stage for row in rows], np.int32),
+        stages=tuple(recording.stages),
+        cameras=photographs.cameras,
+    )
+
+
+def _by_name(rows: Sequence[Mapping[str, object]], dtype: type) -> dict[str, np.ndarray]:
+    return {name: np.array([row[name] for row in rows], dtype) for name in rows[0]}
+
+
+def describer(pack: Pack):
+    """What a pack calls the models of props, for `task.instructions`."""
+
+    def describe(prop: Prop) -> tuple[str, ...]:
+        if isinstance(prop, Articulated):
+            return pack.articulation(prop.category, prop.model).description
+        return pack.model(prop.category, prop.model).description if isinstance(prop, Mesh) else ()
+
+    return describe
+
+
+def values(physics: Physics) -> dict[str, object]:
+    """Attribute -> value, for the record of a rejection."""
+    return {key: physics[key] for key in attributes()}
+
+
+def versions(task: Task) -> dict[str, str]:
+    """Everything that decides what a seed of this task looks like, besides assets and domain."""
+    return {**_packages(), "task": task.digest}
+
+
+@lru_cache(maxsize=1)
+def _packages() -> dict[str, str]:
+    found = {name: metadata.version(name) for name in SHAPING}
+    return {**found, "python": platform.python_version(), "machine": platform.machine()}

@@ -1,0 +1,154 @@
+"""The policy interface: what an action does (design section 8, RoboTwin's `take_action`)."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.poses import Array, Pose
+from rtphys.core.seeds import stream
+from rtphys.plan.arms import arm_kinematics
+from rtphys.plan.online import Straight, Tracker
+from rtphys.plan.path import JointLimits, Trajectory
+from rtphys.sim.recorder import FRAME_STEPS
+from rtphys.sim.rollout import Rollout
+
+ActionKind = Literal["qpos", "ee", "delta_ee", "tracked_qpos"]
+_JOINTS = (14, "left arm 6 [rad], left gripper 0..1, right arm 6, right gripper")
+SHAPES = {
+    "qpos": _JOINTS,
+    "ee": (16, "left ee xyz [m] + wxyz, left gripper 0..1, right ee, right gripper"),
+    "delta_ee": (16, "left ee shift xyz [m] + turn wxyz, left gripper 0..1, right ee and gripper"),
+    "tracked_qpos": _JOINTS,
+}
+POSE_KINDS = ("ee", "delta_ee")
+QUATERNIONS = np.array([[3, 4, 5, 6], [11, 12, 13, 14]])  # where they stand in 16 numbers
+ACTION_SIZE = SHAPES["qpos"][0]
+# [rad/s], [rad/s^2] of one action: no harsher than the expert, whose loads would be shaken loose.
+LIMITS = JointLimits(np.full(6, 3.0), np.full(6, 10.0))
+LOST_STEPS = 50  # what an action takes when no arm can do it (RoboTwin idles as long)
+
+
+@dataclass
+class PolicyControl:
+    """Carries out actions at 250 Hz, each from rest to rest but those that are tracked.
+
+    Args:
+        rollout: of a settled world.
+        seed: of the episode; inverse kinematics draws its restarts from a stream of its own.
+    """
+
+    rollout: Rollout
+    seed: int = 0
+    actions: int = 0
+    unreachable: int = field(default=0, init=False)  # arms sent where they cannot go
+    _trackers: list[Tracker] = field(default_factory=list, init=False)  # while actions are tracked
+
+    def __post_init__(self) -> None:
+        self._rng = stream(self.seed, "policy", "kinematics")
+
+    def act(self, action: Array, kind: ActionKind = "qpos") -> bool:
+        """One action; True as soon as the success condition holds.
+
+        The arms go straight in joint space from the present targets to the action's; the gripper
+        command is interpolated over the same time. An action lasts at least one frame.
+
+        Args:
+            action: "qpos": (14,) absolute joint targets and openings. "ee": (16,) absolute world
+                poses of the ee frames (link6) and openings; an arm that cannot get there keeps
+                still. "delta_ee": as "ee", the shift in world axes and the turn about the ee's
+                origin in world axes, both from the pose that is commanded now. "tracked_qpos":
+                as "qpos", but the arms head for the targets for one frame only, and the next
+                such action bends their motion. One of another kind begins with a dead stop.
+
+        Raises:
+            BadValue: wrong shape, not finite, or a quaternion without length.
+            UnknownName: no such kind.
+            Infeasible: "too_slow", past the rollout's own limit of steps.
+        """
+        action = self._checked(action, kind)
+        arms = self.rollout.world.robot.arms
+        if kind not in POSE_KINDS:
+            goals, grips = [action[:6], action[7:13]], action[[6, 13]]
+            lost = 0
+        else:
+            found = [self._posture(0, action[:7], kind), self._posture(1, action[8:15], kind)]
+            grips = action[[7, 15]]
+            lost = sum(goal is None for goal in found)
+            goals = [arm.target if q is None else q for arm, q in zip(arms, found, strict=True)]
+        self.actions += 1
+        self.unreachable += lost
+        paths = self._tracked(goals) if kind == "tracked_qpos" else self._paths(goals)
+        least = LOST_STEPS if lost == len(arms) else FRAME_STEPS
+        return self._run(paths, np.clip(grips, 0.0, 1.0), least)
+
+    def commanded_ee(self) -> tuple[Pose, Pose]:
+        """World poses of the ee frames at the commanded postures, left and right."""
+        robot = self.rollout.world.robot
+        known = arm_kinematics(robot.embodiment)
+        left, right = (known[arm.side].ee_pose(arm.target) for arm in robot.arms)
+        return left, right
+
+    def _posture(self, index: int, numbers: Array, kind: ActionKind) -> Array | None:
+        robot = self.rollout.world.robot
+        goal = Pose(numbers[:3], numbers[3:])
+        if kind == "delta_ee":
+            now = self.commanded_ee()[index]
+            goal = Pose(now.p + goal.p, (Pose(q=goal.q) @ Pose(q=now.q)).q)
+        arm = robot.arms[index]
+        return arm_kinematics(robot.embodiment)[arm.side].solve_near(goal, arm.target, self._rng)
+
+    @staticmethod
+    def _checked(action: Array, kind: str) -> Array:
+        if kind not in SHAPES:
+            raise UnknownName("kind of action", kind, SHAPES)
+        size, what = SHAPES[kind]
+        action = np.asarray(action, float)
+        if action.shape != (size,) or not np.isfinite(action).all():
+            raise BadValue("action", action.tolist(), f"it is {size} finite numbers: {what}")
+        if kind in POSE_KINDS and np.linalg.norm(action[QUATERNIONS], axis=1).min() < 0.1:
+            raise BadValue("action", action.tolist(), "its quaternions have length 1")
+        return action
+
+    def _paths(self, goals: list[Array]) -> list[Trajectory]:
+        """Straight motions of both arms from rest, of equal length: a frame at least.
+
+        A small motion fills its frame: at full acceleration and with a rest after it, every frame
+        of a slow transfer would shake the load.
+        """
+        self._trackers = []
+        arms = self.rollout.world.robot.arms
+        ways = [
+            Straight(arm.target, np.clip(goal, *arm.limb.limits.T), LIMITS)
+            for arm, goal in zip(arms, goals, strict=True)
+        ]
+        steps = max(FRAME_STEPS, *(way.steps for way in ways))
+        return [way.sampled(steps) for way in ways]
+
+    def _tracked(self, goals: list[Array]) -> list[Trajectory]:
+        """The next frame of motions towards these targets, from whatever speed the arms have."""
+        arms = self.rollout.world.robot.arms
+        if not self._trackers:
+            self._trackers = [Tracker(arm.target, LIMITS) for arm in arms]
+        for arm, tracker, goal in zip(arms, self._trackers, goals, strict=True):
+            tracker.follow(np.clip(goal, *arm.limb.limits.T))
+        return [tracker.advance(FRAME_STEPS) for tracker in self._trackers]
+
+    def _run(self, paths: list[Trajectory], grips: Array, least: int) -> bool:
+        arms = self.rollout.world.robot.arms
+        # A motion's first sample is where the arm already is.
+        length = max(least, *(len(path) - 1 for path in paths))
+        ways = [
+            (arm, path.q.tolist(), path.qd.tolist(), len(path) - 1, arm.gripper, opening)
+            for arm, path, opening in zip(arms, paths, grips.tolist(), strict=True)
+        ]
+        for k in range(1, length + 1):
+            share = k / length
+            for arm, q, qd, last, g0, g1 in ways:
+                row = min(k, last)
+                arm.drive(q[row], qd[row])
+                arm.grip(g0 + share * (g1 - g0))
+            if self.rollout.tick():
+                return True
+        return False

@@ -1,0 +1,55 @@
+"""The video of an evaluated episode: the head camera over both wrist cameras, at real speed."""
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rtphys.assets.pack import Pack
+from rtphys.data.episode import Images
+from rtphys.data.files import make_folder, replace_file
+from rtphys.data.video import VideoWriter
+from rtphys.episode import PolicyEpisode
+from rtphys.episode.photograph import photograph
+from rtphys.sim import renderer
+from rtphys.sim.engine import RATE
+from rtphys.sim.recorder import FRAME_STEPS
+
+CAMERAS = ("head_camera", "left_camera", "right_camera")
+KEYFRAMES = 50  # at least every three seconds, so that a player can jump
+
+
+def film(episode: PolicyEpisode, pack: Pack, path: Path) -> None:
+    """Draws what the recorder has kept and writes an MP4, 320 x 360 at 16.67 Hz.
+
+    Raises:
+        NoRenderer: no device to draw with.
+        CannotWrite: the file system refuses.
+    """
+    renderer.hold_anchor()
+    recording, task = episode.rollout.recorder.recording, episode.instance.task
+    shots = photograph(episode.recipe, task, pack, recording, CAMERAS)
+    writer: VideoWriter | None = None
+    for images in shots.images:
+        picture = montage(images)
+        if writer is None:
+            height, width, _ = picture.shape
+            writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+        writer.add(picture)
+    if writer is not None:
+        make_folder(path.parent)
+        replace_file(path, writer.finish())
+
+
+def montage(images: Images) -> NDArray[np.uint8]:
+    """Head (H, W, 3) over left and right wrist at half size: (3 H / 2, W, 3)."""
+    head, left, right = (images[name] for name in CAMERAS)
+    return np.concatenate([head, np.concatenate([_half(left), _half(right)], axis=1)])
+
+
+def _half(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Every pixel the mean of four."""
+    h, w, c = picture.shape
+    cells = picture.reshape(h // 2, 2, w // 2, 2, c).astype(np.uint16)
+    return (cells.sum(axis=(1, 3)) // 4).astype(np.uint8)

@@ -1,0 +1,101 @@
+"""A recipe come to life: layout, physics and a world at rest in which both are in force."""
+
+from dataclasses import dataclass
+
+from rtphys.assets.pack import Pack
+from rtphys.core import arithmetic
+from rtphys.core.errors import Infeasible
+from rtphys.core.poses import Pose
+from rtphys.physics.domain import Domain
+from rtphys.physics.enforce import enforce
+from rtphys.physics.handles import Blueprint
+from rtphys.physics.hull import Solid, inside
+from rtphys.physics.values import Physics
+from rtphys.setting.recipe import Recipe
+from rtphys.sim.room import TablePlan
+from rtphys.sim.world import World, WorldPlan
+from rtphys.task.props import Ball, Prop
+from rtphys.task.spec import Task
+from rtphys.visual import CLEAN, Look, draw_look, texture_file
+
+MOST_SLIDE = 0.05  # [m] and
+MOST_TURN = 0.26  # [rad], 15 deg: a thing that settled further away has fallen or run off
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """One episode before anyone acts in it."""
+
+    recipe: Recipe
+    task: Task
+    domain: Domain
+    props: tuple[Prop, ...]
+    physics: Physics
+    world: World
+    look: Look = CLEAN
+
+
+def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> Instance:
+    """Draw, build, enforce.
+
+    Raises:
+        Infeasible: "layout" or "invalid_physics".
+    """
+    arithmetic.warn()
+    domain, props = recipe.domain(), tuple(task.props(recipe.seed))
+    drawn = domain.sample(recipe.seed, recipe.only, recipe.overrides)
+    blueprint = Blueprint()
+    enforce(blueprint, drawn)
+    look = draw_look(recipe.visual(), recipe.seed, (task, props), pack, recipe.split)
+    plan = WorldPlan(
+        pack,
+        props,
+        blueprint,
+        _table(task, look, pack, visuals),
+        recipe.embodiment,
+        clutter=look.clutter,
+        head_jitter=look.backdrop.camera,
+        visuals=visuals,
+    )
+    world = World(plan)
+    # The centre of mass may only be drawn once the bodies it must lie in are known.
+    solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
+    physics = domain.sample(recipe.seed, recipe.only, recipe.overrides, inside(solids))
+    enforce(world, physics)
+    return Instance(recipe, task, domain, props, physics, world, look)
+
+
+def _table(task: Task, look: Look, pack: Pack, visuals: bool) -> TablePlan:
+    names = (look.table_texture, look.wall_texture) if visuals else (None, None)
+    table, wall = (None if name is None else texture_file(pack, name) for name in names)
+    # The look lowers the table beside physics: `table_height` keeps meaning what physics drew.
+    drop = task.table_drop - look.backdrop.table_height
+    return TablePlan(task.table_shift, drop, texture=table, wall_texture=wall)
+
+
+def settle(instance: Instance) -> None:
+    """Let everything come to rest where it was put.
+
+    Raises:
+        Infeasible: "unsettled".
+    """
+    world = instance.world
+    for thing in world.objects.values():
+        thing.roll_down()
+    # Balls are poured in rather than placed: where they end is no matter of the layout.
+    before = {
+        name: thing.pose
+        for name, thing in world.things.items()
+        if thing.bodies and not isinstance(thing.prop, Ball)
+    }
+    world.settle()
+    for name, start in before.items():
+        _check_stayed(name, start, world.things[name].pose)
+
+
+def _check_stayed(name: str, start: Pose, now: Pose) -> None:
+    slid = float(((now.p - start.p) ** 2).sum() ** 0.5)
+    turned = start.angle_to(now)
+    if slid > MOST_SLIDE or turned > MOST_TURN:
+        moved = f"{name} moved {100 * slid:.1f} cm and turned {turned:.2f} rad while settling"
+        raise Infeasible("unsettled", moved)

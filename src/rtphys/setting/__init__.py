@@ -1,0 +1,1 @@
+"""What decides an episode: protocol, ranges and what is held."""

@@ -1,0 +1,1 @@
+"""The main commands, one call each."""

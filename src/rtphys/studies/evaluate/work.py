@@ -1,0 +1,119 @@
+"""What a worker does: one policy on one certified instance."""
+
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtphys.assets.pack import Pack
+from rtphys.core.errors import Infeasible
+from rtphys.data.episode import JSON
+from rtphys.data.json_text import plain
+from rtphys.episode import PolicyEpisode, begin
+from rtphys.episode.film import film
+from rtphys.physics import Physics
+from rtphys.policies import Policy, PolicyGone, PolicySetup, open_policy
+from rtphys.results import EpisodeRecord
+from rtphys.setting.recipe import Recipe
+from rtphys.sim import renderer
+from rtphys.task.spec import Task, load_task
+
+
+@dataclass(frozen=True)
+class Job:
+    """One episode, and where its video goes."""
+
+    recipe: Recipe
+    setup: PolicySetup
+    video: Path | None = None
+
+
+@dataclass
+class Stage:
+    """A worker's equipment: picklable, set up once in each process by calling it."""
+
+    pack: Pack
+    policy: str
+    tasks: dict[str, Task] = field(default_factory=dict)
+    _open: tuple[PolicySetup, Policy] | None = None
+
+    def __call__(self) -> Callable[[Job], EpisodeRecord]:
+        return self.do
+
+    def do(self, job: Job) -> EpisodeRecord:
+        """Plays one episode.
+
+        Raises:
+            RtphysError: the policy cannot be opened, or is gone: no result of anybody's.
+            NoRenderer: it needs pictures, and there is no device.
+        """
+        recipe = job.recipe
+        if recipe.task not in self.tasks:
+            self.tasks[recipe.task] = load_task(recipe.task)
+        policy = self._opened(job.setup)
+        try:
+            episode = begin(recipe, self.tasks[recipe.task], self.pack)
+        except Infeasible as problem:
+            return lost(recipe, "infeasible", str(problem))
+        trace = self._play(policy, episode)
+        record = _judged(episode, trace)
+        if job.video is not None:
+            film(episode, self.pack, job.video)
+        return record
+
+    def _play(self, policy: Policy, episode: PolicyEpisode) -> str:
+        """The traceback of a policy that raised; its crash is its failure, not ours."""
+        try:
+            policy.play(episode)
+        except PolicyGone:
+            raise
+        except (Exception, SystemExit):
+            self._close()  # whatever it remembers now, the next episode must not depend on it
+            return traceback.format_exc()
+        return ""
+
+    def _opened(self, setup: PolicySetup) -> Policy:
+        if self._open is None or self._open[0] != setup:
+            self._close()
+            policy = open_policy(self.policy, setup)
+            if policy.needs_images:
+                renderer.hold_anchor()
+            self._open = (setup, policy)
+        return self._open[1]
+
+    def _close(self) -> None:
+        if self._open is not None:
+            self._open[1].close()
+        self._open = None
+
+
+def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
+    time = episode.rollout.scene.time
+    outcome = episode.finish()
+    success = episode.success and not trace
+    return EpisodeRecord(
+        task=episode.task,
+        protocol=episode.protocol,
+        seed=episode.seed,
+        success=success,
+        held=success and outcome.held,
+        reason="policy_error" if trace else episode.reason,
+        first_touch=episode.rollout.first_success,
+        steps=episode.taken,
+        time=time,
+        unreachable=episode.unreachable,
+        physics=_values(episode.instance.physics),
+        state=episode.rollout.recorder.recording.hash,
+        detail=trace or "; ".join(outcome.missing),
+    )
+
+
+def lost(recipe: Recipe, reason: str, detail: str) -> EpisodeRecord:
+    """The record of an episode that nobody saw to its end."""
+    return EpisodeRecord(
+        recipe.task, recipe.protocol, recipe.seed, False, reason=reason, detail=detail
+    )
+
+
+def _values(physics: Physics) -> dict[str, JSON]:
+    return {key: plain(value, key) for key, value in physics.items()}

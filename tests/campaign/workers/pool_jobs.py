@@ -1,0 +1,67 @@
+"""What the crews of test_local_runner do; workers import this file."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtphys.core.errors import BadValue
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """A job: `what` happens the first `times` times, then it succeeds."""
+
+    what: str = ""
+    marks: str = ""  # a folder in which tries are counted
+    times: int = 1_000_000
+
+
+def setup() -> Callable[[Trouble], int]:
+    return do
+
+
+def broken_setup() -> Callable[[Trouble], int]:
+    raise BadValue("pack", "nowhere", "it must be somewhere")
+
+
+def dying_setup() -> Callable[[Trouble], int]:
+    print("no driver, no cry", flush=True)
+    os.abort()
+
+
+def do(job: Trouble) -> int:
+    if job.what and _tries(job) < job.times:
+        act(job.what)
+    return os.getpid()
+
+
+def _tries(job: Trouble) -> int:
+    if not job.marks:
+        return 0
+    number = len(list(Path(job.marks).iterdir()))
+    (Path(job.marks) / str(number)).touch()
+    return number
+
+
+def act(what: str) -> None:
+    if what == "abort":
+        os.abort()
+    elif what == "killed":
+        os.kill(os.getpid(), signal.SIGKILL)
+    elif what == "exit":
+        os._exit(3)
+    elif what == "hang":
+        while True:
+            time.sleep(60)
+    elif what == "bug":
+        raise TypeError("a cat is no dog")
+    elif what == "refusal":
+        raise BadValue("friction", -1, "it is a number in [0, 4]")
+    elif what == "leak":
+        hoard.append(bytearray(200_000_000))
+
+
+hoard: list[bytearray] = []

@@ -1,0 +1,141 @@
+"""Workers that crash, hang, leak and raise; and a supervisor that does not mind."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from pool_jobs import Trouble, broken_setup, dying_setup, setup
+
+from rtphys.campaign.workers.local import Crew
+from rtphys.campaign.workers.pool import Done, Limits, Lost, WorkerFailed
+
+QUICK = Limits(seconds=20)
+
+
+def run(jobs: list[Trouble], size: int = 2, limits: Limits = QUICK) -> dict[int, Done | Lost]:
+    """Job number -> what came of it."""
+    found: dict[int, Done | Lost] = {}
+    with Crew[Trouble, int](setup, size, limits) as crew:
+        waiting = list(enumerate(jobs))
+        while waiting or crew.busy:
+            while waiting and crew.room:
+                crew.submit(*waiting.pop(0))
+            found |= {int(str(event.name)): event for event in crew.wait()}
+    return found
+
+
+def test_every_job_is_done_by_as_many_processes_as_asked_for() -> None:
+    found = run([Trouble()] * 12, size=2)
+    assert sorted(found) == list(range(12))
+    pids = {event.result for event in found.values() if isinstance(event, Done)}
+    assert 1 <= len(pids) <= 2
+    assert os.getpid() not in pids
+
+
+@pytest.mark.parametrize("death", ["abort", "exit", "killed"])
+def test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done(death: str) -> None:
+    found = run([Trouble(), Trouble(death), Trouble(), Trouble()])
+    lost = found.pop(1)
+    assert isinstance(lost, Lost)
+    assert lost.reason == "worker_crash"
+    assert all(isinstance(event, Done) for event in found.values())
+
+
+@pytest.mark.parametrize(("death", "times"), [("abort", 1), ("exit", 1), ("killed", 3)])
+def test_a_worker_may_die(tmp_path: Path, death: str, times: int) -> None:
+    """Once by the job's own doing; more often when somebody else kills it."""
+    found = run([Trouble(death, str(tmp_path), times)], size=1)
+    assert isinstance(found[0], Done)
+    assert len(list(tmp_path.iterdir())) == times + 1
+
+
+def test_a_hang_is_ended_twice_and_then_given_up(tmp_path: Path) -> None:
+    found = run([Trouble("hang", str(tmp_path)), Trouble()], limits=Limits(seconds=1.5))
+    assert isinstance(found[0], Lost)
+    assert found[0].reason == "worker_hang"
+    assert isinstance(found[1], Done)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_leaking_worker_is_replaced() -> None:
+    small = Limits(seconds=20, memory=150e6)
+    found = run([Trouble("leak"), Trouble("leak"), Trouble()], size=1, limits=small)
+    pids = [event.result for event in found.values() if isinstance(event, Done)]
+    assert len(set(pids)) == 3
+
+
+def test_a_worker_is_replaced_after_some_jobs() -> None:
+    found = run([Trouble()] * 4, size=1, limits=Limits(seconds=20, jobs=2))
+    pids = [event.result for event in found.values() if isinstance(event, Done)]
+    assert pids[0] == pids[1] != pids[2] == pids[3]
+
+
+def test_an_unexpected_exception_comes_out_with_its_traceback() -> None:
+    with pytest.raises(WorkerFailed, match="0: TypeError: a cat is no dog") as caught:
+        run([Trouble("bug")])
+    assert "pool_jobs.py" in caught.value.trace
+
+
+def test_a_refusal_comes_out_as_the_sentence_it_is() -> None:
+    with pytest.raises(WorkerFailed, match=r"friction = -1 is not allowed") as caught:
+        run([Trouble("refusal")])
+    assert caught.value.trace == ""
+    assert caught.value.exit_code == 2
+
+
+def test_a_setup_that_fails_ends_the_run() -> None:
+    with (
+        pytest.raises(WorkerFailed, match="pack = 'nowhere'"),
+        Crew[Trouble, int](broken_setup, 1, QUICK) as crew,
+    ):
+        crew.submit(0, Trouble())
+        while crew.busy:
+            crew.wait()
+
+
+def test_workers_that_die_while_they_start_end_the_run_with_their_last_words() -> None:
+    with (
+        pytest.raises(WorkerFailed, match=r"while they start: no driver, no cry"),
+        Crew[Trouble, int](dying_setup, 2, QUICK) as crew,
+    ):
+        crew.submit(0, Trouble())
+        while crew.busy:
+            crew.wait()
+
+
+ORPHAN = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from pool_jobs import Trouble, setup
+from rtphys.campaign.workers.local import Crew
+with Crew(setup, 1) as crew:
+    crew.submit(0, Trouble("hang"))
+    print(crew._workers[0].process.pid, flush=True)
+    while crew.busy:
+        crew.wait()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the kernel's promise is Linux's")
+def test_workers_die_with_a_supervisor_that_is_killed() -> None:
+    command = [sys.executable, "-c", ORPHAN, str(Path(__file__).parent)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as supervisor:
+        assert supervisor.stdout is not None
+        worker = Path(f"/proc/{int(supervisor.stdout.readline())}")
+        time.sleep(0.5)
+        assert worker.exists()
+        supervisor.kill()
+    deadline = time.monotonic() + 10
+    while alive(worker) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert not alive(worker)
+
+
+def alive(process: Path) -> bool:
+    try:
+        return (process / "stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

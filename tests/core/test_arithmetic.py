@@ -1,0 +1,125 @@
+"""A state's last bit must not tell the processor it was computed on."""
+
+import os
+import subprocess
+import sys
+import warnings
+
+import pytest
+
+from rtphys import doctor
+from rtphys.core import arithmetic
+
+PLAIN = frozenset({"avx2", "fma"})
+WIDE = PLAIN | {arithmetic.AVX512}
+
+# Lengths that reach the wide loops and their remainders.
+SUMS = """
+import hashlib
+import numpy as np
+import scipy.linalg
+rng = np.random.default_rng(7)
+total = hashlib.sha256()
+for n in (3, 6, 14, 33, 200):
+    a, v = rng.normal(size=(n, n)), rng.normal(size=n)
+    for found in (np.sin(9 * v), np.cos(9 * v), np.exp(v), np.arctan2(v, a[0]), a @ a, a @ v, v @ v,
+                  np.linalg.inv(a), *np.linalg.svd(a), scipy.linalg.lu(a)[2], a.sum(axis=1)):
+        total.update(np.ascontiguousarray(found).tobytes())
+print(total.hexdigest())
+"""
+
+
+def run(code: str, environment: dict[str, str]) -> str:
+    """What fresh Python prints, without what this process was told."""
+    clean = {name: value for name, value in os.environ.items() if name not in arithmetic.PINS}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=clean | environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_sums_end_in_the_bits_that_processors_with_avx2_share() -> None:
+    pinned = run("import rtphys" + SUMS, {})
+    assert pinned == run(SUMS, arithmetic.PINS)
+    assert pinned == run("import rtphys" + SUMS, arithmetic.PINS)
+
+
+def test_numpy_leaves_avx512_unused() -> None:
+    code = "import rtphys, numpy; print(*numpy.show_config('dicts')['SIMD Extensions']['found'])"
+    groups = run(code, {}).split()
+    assert not [group for group in groups if group not in ("X86_V3", "X86_V2")]
+
+
+def test_these_tests_compute_as_rtphys_does() -> None:
+    assert arithmetic.unlike() == ""
+    assert doctor.check_arithmetic().status == "ok"
+
+
+def test_the_flags_are_those_of_the_first_processor() -> None:
+    lines = ["processor\t: 0\n", "flags\t\t: fpu avx2 fma\n", "\n", "flags\t\t: fpu avx512f\n"]
+    assert arithmetic.flags(lines) == {"fpu", "avx2", "fma"}
+    assert arithmetic.flags(["Features : neon\n"]) == frozenset()
+
+
+@pytest.fixture
+def processor(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
+    """Of x86-64; the test says what it can do. Nothing is set, nothing came too late."""
+    for name in arithmetic.PINS:
+        monkeypatch.setenv(name, "")  # so that what `pin` sets is taken back where nothing was set
+        monkeypatch.delenv(name)
+    monkeypatch.setattr(arithmetic.platform, "machine", lambda: "x86_64")
+    monkeypatch.setattr(arithmetic, "_loaded_before", set())
+    return monkeypatch
+
+
+def able(processor: pytest.MonkeyPatch, names: frozenset[str]) -> None:
+    processor.setattr(arithmetic, "abilities", lambda: names)
+
+
+def test_without_avx512_there_is_nothing_to_pin(processor: pytest.MonkeyPatch) -> None:
+    able(processor, PLAIN)
+    arithmetic.pin()
+    assert not arithmetic.PINS.keys() & os.environ.keys()
+    assert arithmetic.unlike() == ""
+
+
+def test_pinning_before_numpy_is_complete(processor: pytest.MonkeyPatch) -> None:
+    able(processor, WIDE)
+    processor.delitem(sys.modules, "numpy")
+    arithmetic.pin()
+    assert arithmetic.unlike() == ""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        arithmetic.warn()
+
+
+def test_pinning_after_numpy_is_told_with_the_cure(processor: pytest.MonkeyPatch) -> None:
+    able(processor, WIDE)
+    arithmetic.pin()
+    assert "import rtphys first" in arithmetic.unlike()
+    with pytest.warns(UserWarning, match='OPENBLAS_CORETYPE="Haswell"'):
+        arithmetic.warn()
+    assert doctor.check_arithmetic().status == "note"
+    assert os.environ["OPENBLAS_CORETYPE"] == "Haswell"  # for child processes
+
+
+def test_what_somebody_has_set_is_kept_and_told(processor: pytest.MonkeyPatch) -> None:
+    able(processor, WIDE)
+    processor.setenv("OPENBLAS_CORETYPE", "SkylakeX")
+    processor.delitem(sys.modules, "numpy")
+    arithmetic.pin()
+    assert os.environ["OPENBLAS_CORETYPE"] == "SkylakeX"
+    assert 'OPENBLAS_CORETYPE="SkylakeX"' in arithmetic.unlike()
+
+
+@pytest.mark.parametrize(
+    ("machine", "names", "told"),
+    [("aarch64", WIDE, "aarch64"), ("x86_64", frozenset({"fma"}), "avx2")],
+)
+def test_other_processors_are_told(
+    processor: pytest.MonkeyPatch, machine: str, names: frozenset[str], told: str
+) -> None:
+    able(processor, names)
+    processor.setattr(arithmetic.platform, "machine", lambda: machine)
+    assert told in arithmetic.unlike()

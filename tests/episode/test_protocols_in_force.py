@@ -1,0 +1,121 @@
+"""The same seed under every protocol: one layout, one look, and both in force."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rtphys.assets.pack import Pack, default_pack
+from rtphys.episode.generate import attempt
+from rtphys.episode.instance import Instance, prepare, settle
+from rtphys.physics import disagreements
+from rtphys.setting.protocol import BUILTIN, OFFICIAL
+from rtphys.setting.recipe import Recipe
+from rtphys.task.spec import load_task
+
+pytestmark = pytest.mark.sim
+
+NAMES = tuple(row.name for row in BUILTIN)
+TASKS = ("click_bell", "grab_roller", "stack_blocks_two")
+
+
+@pytest.fixture(scope="module")
+def pack() -> Pack:
+    return default_pack()
+
+
+def under(name: str, seed: int, protocol: str, pack: Pack) -> Instance:
+    return prepare(Recipe(name, seed, protocol), load_task(name), pack)
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_the_layout_of_a_seed_is_the_same_in_all_four(name: str, pack: Pack) -> None:
+    for seed in range(3):
+        places = []
+        for protocol in NAMES:
+            world = under(name, seed, protocol, pack).world
+            # Heights follow object_scale; where a thing stands on the table does not.
+            places.append({n: world.to_task(o.pose) for n, o in world.objects.items()})
+        for other in places[1:]:
+            assert other.keys() == places[0].keys()
+            for n, pose in places[0].items():
+                assert np.allclose(other[n].p[:2], pose.p[:2], atol=1e-6), n
+                assert other[n].angle_to(pose) < 1e-3, n
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_the_look_of_a_seed_is_the_same_with_and_without_physics(name: str, pack: Pack) -> None:
+    for seed in range(3):
+        plain, both = (under(name, seed, p, pack) for p in ("official_random", "phys_random_all"))
+        assert plain.look.to_json() == both.look.to_json()
+        assert plain.world.clutter.keys() == both.world.clutter.keys()
+        for n, thing in plain.world.clutter.items():
+            p = plain.world.to_task(thing.pose).p
+            q = both.world.to_task(both.world.clutter[n].pose).p
+            assert np.allclose(p, q, atol=1e-6), "object_scale or tilt moved clutter on the table"
+        assert not under(name, seed, "phys_random", pack).world.clutter
+
+
+def test_physics_of_a_seed_is_the_same_with_and_without_a_look(pack: Pack) -> None:
+    for name in TASKS:
+        plain, both = (under(name, 1, p, pack) for p in ("phys_random", "phys_random_all"))
+        assert plain.physics == both.physics
+        assert disagreements(both.world, both.physics) == []
+
+
+def test_clutter_rests_obeys_friction_and_tilt_but_not_the_objects_own_physics(pack: Pack) -> None:
+    held = {"friction": 0.37, "table_tilt": 1.5, "object_scale": 0.9, "object_mass": 3.0}
+    plain = Recipe("click_bell", 2, "official_random")
+    recipe = Recipe("click_bell", 2, "phys_random_all", tuple(held), held)
+    task = load_task("click_bell")
+    nominal, varied = (prepare(r, task, pack).world for r in (plain, recipe))
+    assert len(varied.clutter) >= 3
+    for name, thing in varied.clutter.items():
+        friction = {m[:2] for s in thing.surfaces for m in s.materials()}
+        assert np.allclose(list(friction), 0.37)
+        own = nominal.clutter[name]
+        assert [b.mass for b in thing.bodies] == [b.mass for b in own.bodies]
+        up = varied.X_WT.R[:, 2]
+        assert np.allclose(thing.pose.R[:, 1], up, atol=1e-5), "it stands on the tilted table"
+    instance = prepare(recipe, task, pack)
+    settle(instance)
+    for thing in instance.world.clutter.values():
+        assert np.linalg.norm(thing.bodies[0].component.linear_velocity) < 0.01
+
+
+def test_the_look_lowers_the_table_beside_physics(pack: Pack) -> None:
+    both = under("click_bell", 4, "phys_random_all", pack)
+    drop, drawn = both.look.backdrop.table_height, both.physics.scalar("table_height")
+    assert -OFFICIAL.table_drop < drop < 0
+    centre = both.world.X_WT @ np.array([0, 0, 0.74])
+    assert centre[2] == pytest.approx(0.74 + drawn + drop, abs=1e-9)
+    assert both.world.measured_table()[1] == pytest.approx(drawn, abs=1e-6)
+
+
+def test_camera_jitter_comes_on_top_of_physics(pack: Pack) -> None:
+    plain, both = (under("click_bell", 6, p, pack) for p in ("phys_random", "phys_random_all"))
+    jitter = both.look.backdrop.camera
+    assert jitter is not None
+    head = both.world.head_camera
+    expected = plain.world.head_camera.pose @ jitter
+    assert np.allclose(head.in_force.p, expected.p)
+    assert head.in_force.angle_to(expected) < 1e-6
+    assert plain.world.head_camera.in_force is plain.world.head_camera.pose
+
+
+@pytest.mark.parametrize("physics", [False, True])
+def test_what_is_only_seen_changes_no_state(
+    physics: bool, pack: Pack, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "protocols").mkdir()
+    rules = "{textures: true, light_colours: true, flicker_rate: 1, camera_shift: 0.01}"
+    text = f"physics: {str(physics).lower()}\nvisual: {rules}\n"
+    (tmp_path / "protocols" / "seen_only.yaml").write_text(text)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    task, hashes = load_task("click_bell"), []
+    for protocol in ("phys_random" if physics else "clean", "seen_only", "official_random"):
+        tried = attempt(Recipe("click_bell", 0, protocol), task, pack)
+        assert tried.recording is not None
+        hashes.append(tried.recording.hash)
+    assert hashes[0] == hashes[1]
+    assert hashes[0] != hashes[2], "clutter and the table's height are part of the state"

@@ -1,0 +1,102 @@
+"""A load that is lost may be taken again, once; recipes can exclude it."""
+
+from dataclasses import replace
+
+import pytest
+
+from rtphys.assets.pack import default_pack
+from rtphys.core.errors import Infeasible
+from rtphys.episode.generate import Attempt, attempt
+from rtphys.expert.robot import ExpertRobot
+from rtphys.setting.recipe import Recipe
+from rtphys.studies.collect.plan import CollectPlan
+from rtphys.task import Robot, lifted
+from rtphys.task.reasons import PHYSICS_REASONS, REASONS
+from rtphys.task.spec import load_task
+
+
+def clumsy(robot: Robot, losses: int) -> None:
+    """Lifts the red block, and opens the hand behind the expert's back the first few times."""
+    assert isinstance(robot, ExpertRobot)
+    arm = robot.nearest("red")
+    left = losses
+
+    def take() -> None:
+        nonlocal left
+        robot.do(arm.grasp("red", pre=0.08))
+        if left:
+            left -= 1
+            robot.world.robot.arm(arm.side).grip(1.0)
+        robot.do(arm.lift(0.08))
+
+    robot.retake(take)
+
+
+def tried(losses: int, recovery: bool = True) -> Attempt:
+    task = load_task("stack_blocks_two")
+    up = lifted("red", 0.05)
+    scripted = replace(task, script=lambda robot: clumsy(robot, losses), success=up)
+    return attempt(Recipe("stack_blocks_two", 3, recovery=recovery), scripted, default_pack())
+
+
+@pytest.mark.sim
+def test_a_lost_load_is_taken_again_in_stages_of_its_own() -> None:
+    found = tried(losses=1)
+    assert found.accepted, (found.reason, found.detail)
+    assert found.recording is not None
+    assert found.recording.recovered
+    told = [stage.startswith("recover ") for stage in found.recording.stages]
+    first = told.index(True)
+    assert all(told[first : told.index(False, first)])
+    assert any("grasp red" in stage for stage in found.recording.stages[first:])
+
+
+@pytest.mark.sim
+def test_a_load_that_is_never_lost_leaves_no_trace() -> None:
+    found = tried(losses=0, recovery=False)
+    assert found.accepted
+    assert found.recording is not None
+    assert not found.recording.recovered
+
+
+@pytest.mark.sim
+def test_there_is_one_second_try() -> None:
+    found = tried(losses=2)
+    assert found.reason == "slipped"
+    assert found.recording is not None
+    assert found.recording.recovered
+
+
+@pytest.mark.sim
+def test_a_recipe_can_exclude_it() -> None:
+    found = tried(losses=1, recovery=False)
+    assert found.reason == "recovered"
+    assert found.recording is not None
+    assert not found.recording.recovered
+
+
+def test_what_no_second_try_cures_is_raised_at_once() -> None:
+    class Once:
+        recovering, may_recover = False, True
+
+    def fail() -> None:
+        raise Infeasible("stalled", "a door")
+
+    with pytest.raises(Infeasible, match="stalled"):
+        ExpertRobot.retake(Once(), fail)  # type: ignore[arg-type]
+
+
+def test_the_reason_is_typed_and_physical() -> None:
+    assert "recovered" in REASONS
+    assert "recovered" in PHYSICS_REASONS
+
+
+def test_collections_with_and_without_it_do_not_mix(tmp_path) -> None:
+    plan = CollectPlan(("click_bell",), 1, tmp_path)
+    task, pack = load_task("click_bell"), default_pack()
+    without = replace(plan, recovery=False)
+    assert plan.recipe("click_bell", 0).recovery
+    assert not without.recipe("click_bell", 0).recovery
+    assert plan.conditions(task, pack).recovery is None
+    assert without.conditions(task, pack).recovery is False
+    assert without.conditions(task, pack).to_json() != plan.conditions(task, pack).to_json()

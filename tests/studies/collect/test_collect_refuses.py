@@ -1,0 +1,142 @@
+"""What `collect` refuses before any work, and tasks that do not work."""
+
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from collecting import PLAN, content
+from typer.testing import CliRunner
+
+import rtphys.studies.collect.plan as plan_module
+from rtphys.cli.main import app
+from rtphys.data.faults import DatasetMismatch
+from rtphys.data.verify import verify
+from rtphys.doctor import Finding
+from rtphys.studies.collect import CollectPlan, collect
+from rtphys.studies.collect.run import Bug
+
+pytestmark = [pytest.mark.sim, pytest.mark.render]
+
+
+WRONG = {
+    "--task click_bel": "did you mean 'click_bell'?",
+    "--task click_bell --protocol cleen": "did you mean 'clean'?",
+    "--task click_bell --cameras head,lft": "did you mean 'left'?",
+    "--task click_bell --cameras left": "head is needed",
+    "--task click_bell --cameras head,head": "each camera once",
+    "--task click_bell --layout nativ": "did you mean 'native'?",
+    "--task click_bell --split sen": "did you mean 'seen'?",
+    "--task click_bell --twin cleen": "did you mean 'clean'?",
+    "--task click_bell --twin clean": "it is the protocol itself",
+    "--task click_bell --fallback builtin": "it needs --assets",
+    "--task click_bell --assets / --fallback bultin": "did you mean 'builtin'?",
+    "--task click_bell --shader slm": "did you mean 'slim'?",
+    "--task click_bell --set frction=1": "did you mean 'friction'?",
+    "--task click_bell --set friction=-1": "friction = -1.0 is not allowed",
+    "--task click_bell --set friction": "write key=value",
+    "--task click_bell --only friction": "varies no physics",
+    "--task click_bell --protocol phys_random --only friktion": "did you mean 'friction'?",
+    "--task click_bell --domain globl --protocol phys_random": "did you mean 'global'?",
+    "--task click_bell --domain global": "varies no physics",
+    "--task click_bell --domain no/such.yaml": "no/such.yaml",
+    "--task click_bell --episodes 0": "--episodes = 0 is not allowed",
+    "--task click_bell --runner rey": "did you mean 'ray'?",
+    "--task click_bell --address 1.2.3.4:6379": "it belongs to `--runner ray`",
+    "--task click_bell --shard 0/2": "from 1/n to n/n",
+    "--task click_bell --workers 0": "--workers = 0 is not allowed",
+    "--task click_bell --seed -1": "--first-seed = -1 is not allowed",
+    "--task click_bell --episodes 100000000": "GB are needed",
+}
+
+
+@pytest.mark.parametrize("options", WRONG)
+def test_what_cannot_work_is_one_clear_line_and_no_file(options: str, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    done = CliRunner().invoke(app, ["collect", *options.split(), "--out", str(out)])
+    assert done.exit_code == 2
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert WRONG[options] in done.stderr
+    assert not out.exists()
+
+
+def test_a_file_in_the_way_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    out = tmp_path / "file" / "data"
+    done = CliRunner().invoke(app, ["collect", "--task", "click_bell", "--out", str(out)])
+    assert done.exit_code == 2
+    assert str(out) in done.stderr
+
+
+def test_without_a_renderer_the_cure_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken = Finding("renderer", "fail", "no_driver", "the Vulkan loader finds no device")
+    monkeypatch.setattr(plan_module, "check_renderer", lambda command: broken)
+    out = tmp_path / "data"
+    done = CliRunner().invoke(app, ["collect", "--task", "click_bell", "--out", str(out)])
+    assert done.exit_code == 3
+    assert "mesa-vulkan-drivers" in done.stderr
+    assert not out.exists()
+
+
+def test_a_folder_collected_under_other_conditions_is_refused(
+    undisturbed: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "data"
+    shutil.copytree(undisturbed, out)
+    with pytest.raises(DatasetMismatch, match="first_seed was 0, now 1"):
+        collect(replace(PLAN, out=out, first_seed=1))
+    assert content(out) == content(undisturbed)
+
+
+HOPELESS = '''
+"""Do what cannot be done."""
+from dataclasses import replace
+from rtphys.task import Infeasible, load_task
+
+def script(robot):
+    {script}
+
+task = replace(load_task("click_bell"), script=script)
+'''
+
+
+@pytest.fixture
+def make_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Adds a library with one task, whose script is given."""
+
+    def make(script: str) -> None:
+        (tmp_path / "own" / "tasks").mkdir(parents=True)
+        (tmp_path / "own" / "tasks" / "hopeless.py").write_text(HOPELESS.format(script=script))
+        monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "own"))
+
+    return make
+
+
+def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(make_task, tmp_path: Path) -> None:
+    make_task('raise Infeasible("unreachable", "for all eternity")')
+    out = tmp_path / "data"
+    options = ["--task", "hopeless", "--out", str(out), "--max-attempts", "3", "--workers", "1"]
+    done = CliRunner().invoke(app, ["collect", *options])
+    assert done.exit_code == 4
+    assert "hopeless: 3 attempts were made" in done.stderr
+    assert verify(out).problems == []
+    leaf = json.loads((out / "manifest.json").read_text())["leaves"]["clean/hopeless/aloha_agilex"]
+    assert leaf["rejections"] == {"unreachable": 3}
+    assert leaf["episodes"] == 0
+
+
+def test_a_bug_in_a_script_stops_the_run_with_a_traceback_in_a_file(
+    make_task, tmp_path: Path
+) -> None:
+    make_task("robot.dance()")
+    out = tmp_path / "data"
+    with pytest.raises(Bug, match=r"hopeless, seed 0: AttributeError: .*dance") as caught:
+        collect(CollectPlan(("hopeless",), 1, out))
+    log = out / "error.log"
+    assert str(log) in str(caught.value)
+    assert "robot.dance()" in log.read_text()
+    assert not list(out.rglob("*.hdf5"))

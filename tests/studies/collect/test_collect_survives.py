@@ -1,0 +1,93 @@
+"""A collection that is killed, resumed or repeated: the same files whatever happens."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from collecting import PLAN, children, content
+from killing import survive
+
+from rtphys.data.dataset import Dataset
+from rtphys.data.verify import verify
+from rtphys.studies.collect import Listener, collect
+
+pytestmark = [pytest.mark.sim, pytest.mark.render]
+
+
+class Killer(Listener):
+    """Kills one worker at the given tick."""
+
+    def __init__(self, tick: int) -> None:
+        self.left = tick
+        self.killed = 0
+        self.deaths: list[str] = []
+
+    def ticked(self) -> None:
+        self.left -= 1
+        workers = children(os.getpid())
+        if self.left <= 0 and workers and not self.killed:
+            self.killed = workers[0]
+            os.kill(workers[0], signal.SIGKILL)
+
+    def noticed(self, text: str) -> None:
+        self.deaths.append(text)
+
+
+def test_two_workers_one_of_them_killed_give_the_same_files(
+    undisturbed: Path, tmp_path: Path
+) -> None:
+    killer = Killer(tick=1)  # later it may be one with nothing left to do, whom nobody misses
+    summary = collect(replace(PLAN, out=tmp_path / "data", workers=2), killer)
+    assert summary.complete
+    assert killer.killed
+    assert len(killer.deaths) == 1
+    assert content(tmp_path / "data") == content(undisturbed)
+
+
+def test_a_resumed_run_gives_the_same_files(undisturbed: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    assert collect(replace(PLAN, out=out, episodes=1)).complete
+    assert len(Dataset(out)) == 1
+    summary = collect(replace(PLAN, out=out, episodes=2, workers=2))
+    assert summary.tallies[0].found_episodes == 1
+    assert content(out) == content(undisturbed)
+
+
+def test_a_complete_dataset_is_left_alone(undisturbed: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    shutil.copytree(undisturbed, out)
+    summary = collect(replace(PLAN, out=out))
+    assert summary.tallies[0].new_attempts == 0
+    assert content(out) == content(undisturbed)
+
+
+COMMAND = ["--task", "click_bell", "--episodes", "2", "--protocol", "phys_random", "--workers", "2"]
+
+
+@pytest.mark.slow
+def test_killed_runs_end_in_the_same_files(tmp_path: Path) -> None:
+    """`python tests/collect/killing.py 200` does it two hundred times."""
+    count = survive(8, tmp_path, seed=1)
+    assert count.kills["supervisor"] > 0 and count.kills["worker"] > 0
+
+
+@pytest.mark.slow
+def test_ctrl_c_stops_cleanly_and_says_how_to_go_on(undisturbed: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    command = [sys.executable, "-m", "rtphys.cli.main", "collect", *COMMAND, "--out", str(out)]
+    running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    while not (out / "phys_random").exists():
+        time.sleep(0.1)
+    time.sleep(2)
+    running.send_signal(signal.SIGINT)
+    _, said = running.communicate(timeout=20)
+    assert running.returncode == 130
+    assert "To go on, repeat: rtphys collect" in said.splitlines()[-1]
+    assert "Traceback" not in said
+    assert verify(out).problems == []

@@ -1,0 +1,69 @@
+"""Another domain than the task's own: drawn from, recorded whole, seen by resume and verify."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from rtphys.assets.pack import default_pack
+from rtphys.core.errors import BadValue
+from rtphys.data.dataset import Dataset
+from rtphys.data.faults import DatasetMismatch
+from rtphys.data.verify import verify
+from rtphys.physics import Domain, load_domain
+from rtphys.setting.recipe import Recipe
+from rtphys.studies.collect import CollectPlan, collect
+from rtphys.task.spec import load_task
+
+ICY = """\
+extends: global
+physics:
+  friction: {uniform: [0.3, 0.4]}
+"""
+
+
+@pytest.fixture
+def icy(tmp_path: Path) -> Domain:
+    path = tmp_path / "icy.yaml"
+    path.write_text(ICY)
+    return load_domain(path)
+
+
+def test_a_recipe_draws_from_the_given_domain_and_holds_it_whole(icy: Domain) -> None:
+    recipe = Recipe("click_bell", 3, "phys_random", ranges=icy)
+    assert 0.3 <= recipe.domain().sample(3).scalar("friction", 0.0) <= 0.4
+    stored = recipe.to_json()["ranges"]
+    assert isinstance(stored, dict)
+    assert Domain.from_json(stored).digest == icy.digest
+    assert recipe.domain().digest != Recipe("click_bell", 3, "phys_random").domain().digest
+
+
+def test_a_protocol_without_physics_stays_nominal(icy: Domain) -> None:
+    assert not Recipe("click_bell", 3, "clean", ranges=icy).domain().rules
+    plan = CollectPlan(("click_bell",), 1, Path("data"), protocol="clean", ranges=icy)
+    with pytest.raises(BadValue, match=r"icy.*varies no physics"):
+        plan.check()
+
+
+def test_conditions_name_the_domain(icy: Domain) -> None:
+    plan = CollectPlan(("beat_block_hammer",), 1, Path("data"), protocol="phys_random")
+    task, pack = load_task("beat_block_hammer"), default_pack()
+    own, other = (p.conditions(task, pack) for p in (plan, replace(plan, ranges=icy)))
+    assert (own.domain_name, other.domain_name) == ("beat_block_hammer", "icy")
+    assert other.domain_digest == icy.digest
+
+
+@pytest.mark.sim
+@pytest.mark.render
+def test_episodes_verify_and_another_domain_does_not_continue_them(
+    icy: Domain, tmp_path: Path
+) -> None:
+    out = tmp_path / "data"
+    cameras = ("head",)
+    plan = CollectPlan(("click_bell",), 1, out, protocol="phys_random", ranges=icy, cameras=cameras)
+    assert collect(plan).complete
+    assert verify(out).problems == []
+    (episode,) = Dataset(out)
+    assert 0.3 <= float(str(episode.meta.attributes["friction"].value)) <= 0.4
+    with pytest.raises(DatasetMismatch, match="domain"):
+        collect(replace(plan, episodes=2, ranges=None))

@@ -1,0 +1,62 @@
+"""A cluster of two nodes, one of which is lost."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+ray = pytest.importorskip("ray")
+
+from collecting import PLAN, content, processes  # noqa: E402
+from ray.cluster_utils import Cluster  # noqa: E402
+
+from rtphys.studies.collect import Listener, Tally, collect  # noqa: E402
+
+pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
+
+STORE = 100_000_000  # [bytes]
+
+
+@pytest.fixture
+def cluster() -> Iterator[Cluster]:
+    """Two nodes of one CPU each; this process joins them as a user would."""
+    assert not ray.is_initialized()
+    made = Cluster()
+    for _ in range(2):
+        made.add_node(num_cpus=1, object_store_memory=STORE, include_dashboard=False)
+    yield made
+    ray.shutdown()
+    made.shutdown()
+
+
+class Thunder(Listener):
+    """Strikes the second node when an attempt is done and both nodes have a worker."""
+
+    def __init__(self, cluster: Cluster) -> None:
+        self.cluster, self.struck = cluster, False
+        self.told: list[str] = []
+        self.tallies: list[Tally] = []
+
+    def started(self, tallies: list[Tally]) -> None:
+        self.tallies = tallies
+
+    def ticked(self) -> None:
+        begun = any(tally.attempts for tally in self.tallies)
+        if begun and not self.struck and len(processes("rtphys.campaign.workers.worker")) == 2:
+            self.struck = True
+            node = next(iter(self.cluster.worker_nodes))
+            self.cluster.remove_node(node, allow_graceful=False)
+
+    def noticed(self, text: str) -> None:
+        self.told.append(text)
+
+
+def test_a_lost_node_loses_nothing_and_doubles_nothing(cluster: Cluster, tmp_path: Path) -> None:
+    thunder, out, alone = Thunder(cluster), tmp_path / "data", tmp_path / "alone"
+    plan = replace(PLAN, episodes=6, out=out, runner="ray", address=cluster.address, workers=2)
+    assert collect(plan, thunder).complete
+    assert collect(replace(plan, out=alone, runner="local", address=None)).complete
+    assert thunder.struck
+    assert any("lost a worker" in text for text in thunder.told)
+    assert content(out) == content(alone)

@@ -1,0 +1,149 @@
+"""Twins: each seed under two protocols, recorded under both or under neither."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from collecting import PLAN, content
+
+from rtphys.campaign.workers.pool import Done
+from rtphys.data.dataset import Dataset
+from rtphys.data.faults import DatasetMismatch
+from rtphys.data.journal import read_journal
+from rtphys.data.verify import verify
+from rtphys.data.writer import DatasetWriter
+from rtphys.studies.collect import CollectPlan, Tally, collect
+from rtphys.studies.collect.order import Order
+from rtphys.studies.collect.work import rejection
+
+pytestmark = [pytest.mark.sim, pytest.mark.render]
+
+TWINNED = replace(PLAN, twin="clean")
+OWN, TWIN = "phys_random/click_bell/aloha_agilex", "phys_random.twin=clean/click_bell/aloha_agilex"
+
+
+@pytest.fixture(scope="module")
+def pairs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("pairs") / "data"
+    assert collect(replace(TWINNED, out=out)).complete
+    return out
+
+
+def test_a_pair_is_one_layout_under_two_physics(pairs: Path) -> None:
+    assert verify(pairs).problems == []
+    data = Dataset(pairs)
+    assert len(data) == 4
+    assert len(data.pairs()) == len(data.where(protocol="phys_random").pairs()) == 2
+    assert data.where(protocol="phys_random.twin=clean").pairs() == ()
+    for physical, nominal in data.pairs():
+        assert physical.seed == nominal.seed
+        assert physical.physics.varied
+        assert not nominal.physics.varied
+        assert nominal.meta.protocol == "clean"
+        here, there = (e.poses("bell")[0, :2] for e in (physical, nominal))
+        assert np.allclose(here, there, atol=0.005), "tilt, height and settling alone move it"
+
+
+def test_its_two_halves_are_what_each_protocol_gives_alone(pairs: Path, undisturbed: Path) -> None:
+    alone = Dataset(undisturbed)
+    for (physical, _), single in zip(Dataset(pairs).pairs(), alone, strict=True):
+        assert physical.meta.state_hash == single.meta.state_hash
+
+
+def test_resumed_with_other_workers_it_is_the_same(pairs: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    assert collect(replace(TWINNED, out=out, episodes=1)).complete
+    assert collect(replace(TWINNED, out=out, workers=2)).complete
+    assert content(out) == content(pairs)
+
+
+@pytest.mark.parametrize("lacking", [OWN, TWIN])
+def test_a_kill_between_the_two_commits_is_mended(
+    pairs: Path, tmp_path: Path, lacking: str
+) -> None:
+    out = tmp_path / "data"
+    shutil.copytree(pairs, out)
+    journal = out / lacking / "journal.jsonl"
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines[:-1]))
+    (out / "manifest.json").unlink()
+    assert collect(replace(TWINNED, out=out)).complete
+    assert content(out) == content(pairs)
+
+
+def test_a_leaf_without_twins_is_not_continued_with_them(undisturbed: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    shutil.copytree(undisturbed, out)
+    with pytest.raises(DatasetMismatch, match="twin was None, now 'phys_random"):
+        collect(replace(TWINNED, out=out))
+    assert content(out) == content(undisturbed)
+
+
+def test_pairs_of_other_seeds_are_found(pairs: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    shutil.copytree(pairs, out)
+    manifest = (out / "manifest.json").read_text()
+    (out / "manifest.json").write_text(manifest.replace('"seeds": [\n', '"seeds": [\n 7,', 1))
+    assert any("pair other seeds" in str(problem) for problem in verify(out).problems)
+
+
+HARD = '''
+"""A bell that can be rung under nominal physics alone."""
+from dataclasses import replace
+from rtphys.task import Infeasible, load_task
+
+bell = load_task("click_bell")
+
+def script(robot):
+    if robot.scene.physics.varied:
+        raise Infeasible("slipped", "as told")
+    bell.script(robot)
+
+task = replace(bell, script=script)
+'''
+
+
+@pytest.fixture
+def hard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> CollectPlan:
+    (tmp_path / "own" / "tasks").mkdir(parents=True)
+    (tmp_path / "own" / "tasks" / "hard.py").write_text(HARD)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "own"))
+    return replace(TWINNED, tasks=("hard",), out=tmp_path / "data", most_attempts=2)
+
+
+def test_half_a_pair_is_no_episode(hard: CollectPlan) -> None:
+    summary = collect(hard)
+    assert not summary.complete
+    assert verify(hard.out).problems == []
+    told = {
+        config: Dataset(hard.out).manifest.leaves[f"{config}/hard/aloha_agilex"].rejections
+        for config in ("phys_random", "phys_random.twin=clean")
+    }
+    assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"untwinned": 2}}
+    journal = hard.out / "phys_random.twin=clean/hard/aloha_agilex/journal.jsonl"
+    assert read_journal(journal).lines[1].entry["detail"] == "under phys_random: slipped"
+
+
+def test_an_attempt_that_comes_out_otherwise_is_an_error(pairs: Path, tmp_path: Path) -> None:
+    """One half is committed; made again for the other half, it must be the same."""
+    out = tmp_path / "data"
+    shutil.copytree(pairs, out)
+    journal = out / TWIN / "journal.jsonl"
+    journal.write_bytes(b"".join(journal.read_bytes().splitlines(keepends=True)[:-1]))
+    own, twin = replace(TWINNED, out=out), replace(TWINNED, out=out).twin_plan
+    assert twin is not None
+    from rtphys.assets.pack import default_pack
+    from rtphys.task.spec import load_task
+
+    task, pack = load_task("click_bell"), default_pack()
+    with DatasetWriter(out) as data:
+        writers = tuple(data.task(p.conditions(task, pack), 2) for p in (own, twin))
+        order = Order.open(own, task, writers)
+        assert isinstance(order.tally, Tally)
+        assert order.tally.episodes == 1
+        name, job = order.begin()
+        lost = tuple(rejection(one, "worker_crash", "") for one in job.recipes)
+        with pytest.raises(DatasetMismatch, match="was not before"):
+            order.take(name.seed, Done(name, lost))

@@ -1,0 +1,284 @@
+"""Evaluation: the same records on every run, whatever the policy and the machine do."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from rtphys.assets.pack import Pack, default_pack
+from rtphys.campaign.workers.pool import Limits, WorkerFailed
+from rtphys.cli.main import app
+from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.data.video import probe
+from rtphys.episode.film import montage
+from rtphys.episode.fingerprint import ground_of
+from rtphys.policies import PolicySetup, short_name
+from rtphys.results import read_results
+from rtphys.results.folder import SUMMARY, record_file
+from rtphys.results.instance_file import instance_file, write_instances
+from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
+from rtphys.results.record_file import read_records
+from rtphys.setting.recipe import Recipe
+from rtphys.studies.certify.work import Bench
+from rtphys.studies.certify.work import Job as Trial
+from rtphys.studies.evaluate import EvaluatePlan, evaluate
+from rtphys.studies.evaluate.lists import NotCertified, OtherGround
+from rtphys.studies.evaluate.run import OtherRun
+from rtphys.studies.evaluate.work import Job, Stage
+from rtphys.task.spec import load_task
+
+pytestmark = pytest.mark.sim
+TASK, PROTOCOLS = "click_bell", ("clean", "phys_random")
+FEW = f"python:{Path(__file__).parent / 'still_life.py'}:make"
+SEEDS = (FIRST_SEED, FIRST_SEED + 2)  # the one between them is infeasible
+
+
+@pytest.fixture(scope="module")
+def pack() -> Pack:
+    return default_pack()
+
+
+@pytest.fixture(scope="module")
+def lists(pack: Pack, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Lists that look certified; only what the expert does with them needs real ones."""
+    out = tmp_path_factory.mktemp("lists")
+    slots = (Slot(SEEDS[0], state="0"), Slot(SEEDS[0] + 1, "slipped"), Slot(SEEDS[1], state="0"))
+    for protocol in PROTOCOLS:
+        ground = ground_of(load_task(TASK), protocol, pack).to_json()
+        made = InstanceList(TASK, protocol, ground, slots)
+        write_instances(instance_file(out, protocol, TASK), made)
+    return out
+
+
+def plan(out: Path, lists: Path, **changes) -> EvaluatePlan:
+    return replace(EvaluatePlan(FEW, (TASK,), PROTOCOLS, out, 2, lists), **changes)
+
+
+def files_of(out: Path) -> dict[str, bytes]:
+    """What must be the same on every run."""
+    places = [*sorted(out.rglob("*.jsonl")), out / SUMMARY]
+    return {str(path.relative_to(out)): path.read_bytes() for path in places}
+
+
+def test_records_do_not_depend_on_workers_or_on_a_crash_between_them(
+    tmp_path: Path, lists: Path, pack: Pack
+) -> None:
+    for workers in (1, 2):
+        evaluate(plan(tmp_path / str(workers), lists, workers=workers), pack)
+    whole = files_of(tmp_path / "1")
+    assert len(whole) == 3 and whole == files_of(tmp_path / "2")
+    # A crash has left one and a half records of the first list and nothing of the other.
+    cut = tmp_path / "2"
+    lines = record_file(cut, "clean", TASK).read_bytes().splitlines(keepends=True)
+    record_file(cut, "clean", TASK).write_bytes(lines[0] + lines[1][:50])
+    record_file(cut, "phys_random", TASK).unlink()
+    (cut / SUMMARY).unlink()
+    evaluate(plan(cut, lists, workers=2), pack)
+    assert files_of(cut) == whole
+    found = read_results(cut)
+    for protocol in PROTOCOLS:
+        records = found.records[protocol, TASK]
+        assert [record.seed for record in records] == [*SEEDS]
+        assert {(r.steps, r.reason, r.success) for r in records} == {(3, "gave_up", False)}
+    summary = json.loads(whole[SUMMARY])
+    assert summary["tasks"][0]["of_slots"]["trials"] == 3  # the infeasible seed is a slot too
+    assert summary["pairs"][0]["neither"] == 2
+
+
+def stage(spec: str, pack: Pack) -> Stage:
+    return Stage(pack, spec)
+
+
+def job(seed: int, protocol: str = "clean", **options: str) -> Job:
+    setup = PolicySetup(TASK, protocol, "unseen", 0, options)
+    return Job(Recipe(TASK, seed, protocol, split="unseen"), setup)
+
+
+def test_a_crash_of_the_policy_is_its_failure(pack: Pack) -> None:
+    worker, raising = stage(FEW, pack), {str(SEEDS[0]): "raise", str(SEEDS[1]): "nonsense"}
+    first = worker.do(job(SEEDS[0], **raising))
+    assert (first.reason, first.success, first.steps) == ("policy_error", False, 3)
+    assert "ValueError: nothing comes to mind" in first.detail and "still_life.py" in first.detail
+    second = worker.do(job(SEEDS[1], **raising))
+    assert second.reason == "policy_error" and "14 finite numbers" in second.detail
+    # Nothing of a policy outlives its crash: in another order the record is the same.
+    assert "in episode 1 of this process" in worker.do(job(SEEDS[0], **raising)).detail
+
+
+def test_a_policy_that_is_gone_stops_the_run_and_can_be_resumed(
+    tmp_path: Path, lists: Path, pack: Pack
+) -> None:
+    gone = {str(SEEDS[1]): "gone"}
+    with pytest.raises(WorkerFailed, match="its server does not answer") as told:
+        evaluate(plan(tmp_path, lists, protocols=("clean",), options=gone), pack)
+    assert told.value.exit_code == 5 and not told.value.trace
+    left = read_records(record_file(tmp_path, "clean", TASK))
+    assert [record.seed for record in left] == [SEEDS[0]]
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_is_a_failure_of_its_episode(
+    tmp_path: Path, lists: Path, pack: Pack
+) -> None:
+    dying = {str(SEEDS[0]): "die"}
+    evaluate(plan(tmp_path, lists, protocols=("clean",), options=dying), pack)
+    first, second = read_records(record_file(tmp_path, "clean", TASK))
+    assert first.reason == "worker_crash" and "exit code 3" in first.detail
+    assert second.reason == "gave_up"
+
+
+@pytest.mark.slow
+def test_a_policy_that_hangs_is_given_up(tmp_path: Path, lists: Path, pack: Pack) -> None:
+    hanging, short = {str(SEEDS[0]): "hang"}, Limits(seconds=30.0, retries=0)
+    wanted = plan(tmp_path, lists, protocols=("clean",), options=hanging, limits=short)
+    evaluate(wanted, pack)
+    first, second = read_records(record_file(tmp_path, "clean", TASK))
+    assert first.reason == "worker_hang" and "30 s" in first.detail
+    assert second.reason == "gave_up"
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_the_expert_solves_what_it_has_certified(pack: Pack, protocol: str) -> None:
+    slot = Bench(pack).do(Trial(Recipe(TASK, FIRST_SEED, protocol), ()))
+    record = stage("expert", pack).do(job(FIRST_SEED, protocol))
+    assert slot.feasible and record.success and record.held
+    assert record.first_touch is not None and 0 < record.first_touch < record.time
+    assert record.state.startswith(slot.state)
+    assert set(record.physics) >= {"friction", "center_of_mass", "table_tilt"}
+
+
+def test_what_cannot_be_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> None:
+    def tried(**changes) -> None:
+        evaluate(plan(tmp_path / "out", lists, **changes), pack)
+
+    with pytest.raises(NotCertified, match=r"rtphys certify --task click_bell --protocol clean"):
+        tried(instances=tmp_path)
+    with pytest.raises(NotCertified, match="holds 2 feasible seeds, not 3"):
+        tried(episodes=3)
+    with pytest.raises(BadValue, match="--episodes = 0"):
+        tried(episodes=0)
+    with pytest.raises(UnknownName, match="did you mean 'idle'"):
+        tried(policy="idel")
+    with pytest.raises(UnknownName, match="did you mean 'phys_random'"):
+        tried(protocols=("phys_randon",))
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_list_from_other_ground_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> None:
+    place = instance_file(tmp_path, "clean", TASK)
+    text = instance_file(lists, "clean", TASK).read_text()
+    place.parent.mkdir()
+    place.write_text(text.replace(pack.digest, "0" * 64))
+    known = plan(tmp_path / "out", tmp_path, protocols=("clean",), episodes=1)
+    with pytest.raises(OtherGround, match=r"assets was '0+', now .*--accept-changes"):
+        evaluate(known, pack)
+    # Which numpy it was certified with is told in the list, not enforced.
+    place.write_text(text.replace('"numpy": "', '"numpy": "0.'))
+    evaluate(known, pack)
+
+
+def test_a_list_under_a_wrong_name_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> None:
+    place = instance_file(tmp_path, "clean", TASK)
+    place.parent.mkdir()
+    place.write_bytes(instance_file(lists, "phys_random", TASK).read_bytes())
+    wanted = plan(tmp_path / "out", tmp_path, protocols=("clean",), accept_changes=True)
+    with pytest.raises(BadFile, match=r"is the list of click_bell, phys_random"):
+        evaluate(wanted, pack)
+
+
+def test_a_folder_holds_one_evaluation(tmp_path: Path, lists: Path, pack: Pack) -> None:
+    def run(**changes) -> None:
+        evaluate(plan(tmp_path, lists, protocols=("clean",), **changes), pack)
+
+    run(episodes=1)
+    with pytest.raises(OtherRun, match="policy was"):
+        run(policy="idle")
+    with pytest.raises(OtherRun, match="no-resume"):
+        run(resume=False)
+    run(episodes=None)  # more of the same: all there are
+    assert len(read_records(record_file(tmp_path, "clean", TASK))) == 2
+
+
+def test_a_policy_has_a_short_name() -> None:
+    assert short_name("robotwin:/x/policy/pi0/deploy_policy.py?port=9") == "pi0"
+    assert short_name("replay:runs/clean") == "replay_clean"
+    assert short_name("idle") == "idle"
+
+
+def test_a_video_shows_the_head_over_both_wrists() -> None:
+    pictures = {
+        name: np.full((240, 320, 3), value, np.uint8)
+        for name, value in (("head_camera", 10), ("left_camera", 20), ("right_camera", 30))
+    }
+    frame = montage(pictures)
+    assert frame.shape == (360, 320, 3)
+    assert (frame[:240] == 10).all()
+    assert (frame[240:, :160] == 20).all() and (frame[240:, 160:] == 30).all()
+
+
+@pytest.mark.render
+def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None:
+    options = ["--task", TASK, "--protocol", "clean", "--episodes", "1", "--workers", "1"]
+    options += ["--instances", str(lists), "--out", str(tmp_path), "--video", "--set", "actions=2"]
+    done = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
+    assert done.exit_code == 0, done.output
+    assert " 0 % [0, 79.3] 0/1" in done.output and "gave_up 1" in done.output
+    facts = probe((tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}.mp4").read_bytes())
+    assert (facts.width, facts.height) == (320, 360) and facts.frames > 2
+    (official,) = (tmp_path / "eval_result").rglob("_result_clean.txt")
+    assert official.read_text().rstrip().endswith("0.0")
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_a_dataset_is_replayed_on_its_own_seeds(tmp_path: Path, pack: Pack) -> None:
+    data = tmp_path / "data"
+    options = ["--task", TASK, "--episodes", "1", "--out", str(data), "--workers", "1"]
+    done = CliRunner().invoke(app, ["collect", *options, "--cameras", "head"])
+    assert done.exit_code == 0, done.output
+    out, policy = tmp_path / "out", f"replay:{data}"
+    evaluate(plan(out, data, policy=policy, protocols=("clean",), episodes=1), pack)
+    (record,) = read_records(record_file(out, "clean", TASK))
+    assert record.success
+    # The same actions under physics that they know nothing of: a result, whatever it is.
+    evaluate(plan(tmp_path / "twin", data, policy=policy, episodes=1), pack)
+    (twin,) = read_records(record_file(tmp_path / "twin", "phys_random", TASK))
+    assert twin.seed == record.seed and twin.physics != record.physics
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_what_a_policy_sees_does_not_depend_on_the_process(
+    tmp_path: Path, pack: Pack, lists: Path
+) -> None:
+    looking = {"look": "yes", "actions": "8"}
+    for workers in (1, 2):
+        out = tmp_path / str(workers)
+        evaluate(plan(out, lists, options=looking, workers=workers), pack)
+    evaluate(plan(tmp_path / "blind", lists, options={"actions": "8"}), pack)
+    assert files_of(tmp_path / "1") == files_of(tmp_path / "2")
+    assert files_of(tmp_path / "1") != files_of(tmp_path / "blind")  # it did look
+
+
+@pytest.mark.slow
+def test_a_killed_run_ends_up_with_the_same_summary(tmp_path: Path, lists: Path) -> None:
+    options = ["--task", TASK, "--protocol", ",".join(PROTOCOLS), "--episodes", "2"]
+    options += ["--policy", FEW, "--instances", str(lists), "--workers", "2"]
+    command = [sys.executable, "-m", "rtphys.cli.main", "evaluate", *options, "--out"]
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    subprocess.run([*command, str(whole)], check=True, capture_output=True)
+    process = subprocess.Popen([*command, str(killed)], stderr=subprocess.DEVNULL)
+    while not list(killed.rglob("*.jsonl")):
+        assert process.poll() is None, "it ended before it could be killed"
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    subprocess.run([*command, str(killed)], check=True, capture_output=True)
+    assert files_of(whole) == files_of(killed)

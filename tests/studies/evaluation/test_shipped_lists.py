@@ -1,0 +1,66 @@
+"""The certified lists that come with rtphys: they are of this version's tasks, domains and pack."""
+
+from pathlib import Path
+
+import pytest
+
+from rtphys.assets.pack import Pack, default_pack
+from rtphys.core import library
+from rtphys.episode.fingerprint import ground_of
+from rtphys.episode.generate import attempt
+from rtphys.results.instance_file import read_instances
+from rtphys.setting.protocol import BUILTIN
+from rtphys.setting.recipe import Recipe
+from rtphys.studies.evaluate.lists import certified
+from rtphys.studies.evaluate.plan import BENCHMARK, EvaluatePlan
+from rtphys.task.spec import load_task
+
+LISTS = sorted(p for root in library.roots() for p in root.glob(f"manifests/{BENCHMARK}/*/*.yaml"))
+QUICK = ("click_alarmclock", "place_shoe")
+
+
+@pytest.fixture(scope="module")
+def pack() -> Pack:
+    return default_pack()
+
+
+@pytest.mark.parametrize("protocol", [row.name for row in BUILTIN])
+def test_fifty_tasks_have_a_hundred_each(protocol: str) -> None:
+    lists = {p.stem: read_instances(p) for p in LISTS if p.parent.name == protocol}
+    assert len(lists) >= 50  # a new task may be certified later, but then under every protocol
+    assert lists.keys() == {path.stem for path in LISTS}
+    assert min(len(found.feasible) for found in lists.values()) >= 100
+
+
+@pytest.mark.parametrize("path", LISTS, ids=lambda p: f"{p.parent.name}-{p.stem}")
+def test_no_list_is_stale(path: Path, pack: Pack) -> None:
+    task, protocol = path.stem, path.parent.name
+    plan = EvaluatePlan("idle", (task,), (protocol,), Path("unused"))
+    found = certified(plan, task, protocol, ground_of(load_task(task), protocol, pack))
+    seeds = [slot.seed for slot in found.slots]
+    assert seeds == [*range(seeds[0], seeds[0] + len(seeds))]  # every seed tried has its row
+    assert all(slot.replay is not None for slot in found.feasible)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("protocol", [row.name for row in BUILTIN])
+@pytest.mark.parametrize("task", QUICK)
+def test_the_expert_solves_the_first_instance_bit_for_bit(
+    task: str, protocol: str, pack: Pack
+) -> None:
+    (path,) = (p for p in LISTS if (p.stem, p.parent.name) == (task, protocol))
+    first = read_instances(path).feasible[0]
+    generated = attempt(Recipe(task, first.seed, protocol), load_task(task), pack)
+    assert generated.accepted
+    assert generated.recording is not None and generated.recording.hash.startswith(first.state)
+
+
+@pytest.mark.sim
+@pytest.mark.slow
+@pytest.mark.parametrize("path", LISTS, ids=lambda p: f"{p.parent.name}-{p.stem}")
+def test_the_expert_still_moves_as_listed(path: Path, pack: Pack) -> None:
+    """A change of planner, control or simulation shows here, though no task file changed."""
+    first = read_instances(path).feasible[0]
+    recipe = Recipe(path.stem, first.seed, path.parent.name)
+    recording = attempt(recipe, load_task(recipe.task), pack).recording
+    assert recording is not None and recording.hash.startswith(first.state)

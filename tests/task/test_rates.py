@@ -1,0 +1,42 @@
+"""Measured rates: from certified lists to the table that users see."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+import yaml
+
+from rtphys.results.instance_file import instance_file, write_instances
+from rtphys.results.instances import InstanceList, Slot
+from rtphys.task.rates import Rate
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "rates.py"
+
+
+def _script():
+    spec = importlib.util.spec_from_file_location("rates_script", SCRIPT)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_certified_list_gives_its_attempts_and_the_share_that_replays(tmp_path: Path) -> None:
+    slots = (Slot(7, "", "aa", True), Slot(8, "slipped"), Slot(9, "", "bb", False))
+    ground = {"domain": {}, "look": "", "assets": "", "versions": {}}
+    made = InstanceList("click_bell", "clean", ground, slots, ("replay",))
+    write_instances(instance_file(tmp_path, "clean", "click_bell"), made)
+    [(task, protocol, rate)] = _script().measured(tmp_path)
+    assert (task, protocol) == ("click_bell", "clean")
+    assert rate == Rate(3, 2, replayed=2, alone=1)
+    assert rate + Rate(5, 5) == Rate(8, 7, replayed=2, alone=1)
+
+
+def test_a_file_of_check_gives_the_same_columns(tmp_path: Path) -> None:
+    row = {"task": "t", "protocol": "clean", "seeds": 4, "accepted": 3, "replay_success": None}
+    path = tmp_path / "check.json"
+    path.write_text(json.dumps([row]))
+    script = _script()
+    [(task, protocol, rate)] = script.measured(path)
+    written = yaml.safe_load(script.text({task: {protocol: rate}}))
+    assert written == {"t": {"clean": [4, 3, 0, 0]}}
