@@ -14,7 +14,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.core.errors import Infeasible
 from rtphys.episode.instance import prepare
 from rtphys.setting.protocol import OFFICIAL
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.sim.studio import Studio
 from rtphys.sim.world import World
@@ -40,7 +40,7 @@ def cluttered(task: str) -> int:
 
 
 def world(task: str, seed: int, protocol: str) -> World:
-    recipe = Recipe(task, seed, protocol)
+    recipe = Setting(task, protocol).at(seed)
     return prepare(recipe, load_task(task), default_pack(), visuals=True).world
 
 

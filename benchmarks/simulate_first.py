@@ -18,7 +18,7 @@ from rtphys.data.encode import encode_images
 from rtphys.episode.generate import Attempt
 from rtphys.episode.photograph import photograph
 from rtphys.physics.overrides import parse_overrides
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe, Setting
 from rtphys.studies.collect.work import Desk
 from rtphys.task.spec import load_task
 
@@ -36,7 +36,7 @@ def main(task: str, protocol: str, seeds: str, *held: str) -> None:
     overrides = parse_overrides(held)
     desk = Desk(default_pack(), CAMERAS, "native", "slim")
     desk()
-    recipes = [Recipe(task, s, protocol, None, overrides) for s in range(int(seeds) + 1)]
+    recipes = [Setting(task, protocol, None, overrides).at(s) for s in range(int(seeds) + 1)]
     warm(desk, recipes[-1])
     tries, simulated = [], 0.0
     for recipe in recipes[:-1]:

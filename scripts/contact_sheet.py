@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.episode.generate import attempt
 from rtphys.episode.photograph import photograph
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.task.spec import load_task, task_names
 
@@ -23,7 +23,7 @@ def row(name: str, pack: Pack) -> Image.Image | None:
     """Six evenly spaced head-camera pictures of the first accepted seed."""
     task = load_task(name)
     for seed in count():
-        recipe = Recipe(name, seed, PROTOCOL)
+        recipe = Setting(name, PROTOCOL).at(seed)
         tried = attempt(recipe, task, pack)
         if tried.accepted and tried.recording:
             break

@@ -21,7 +21,7 @@ from rtphys.core.errors import Infeasible
 from rtphys.episode.generate import attempt
 from rtphys.episode.instance import prepare, settle
 from rtphys.physics import load_domain
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe, Setting
 from rtphys.task.spec import load_task
 
 PROTOCOL = "phys_random"
@@ -31,7 +31,7 @@ SAVED = 10  # [seeds] between two files
 
 def recipe_of(task: str, seed: int, domain: str) -> Recipe:
     """One seed under the task's own domain or another."""
-    return Recipe(task, seed, PROTOCOL, ranges=load_domain(task if domain == "own" else domain))
+    return Setting(task, PROTOCOL, ranges=load_domain(task if domain == "own" else domain)).at(seed)
 
 
 def settled(recipe: Recipe, pack: Pack) -> str:

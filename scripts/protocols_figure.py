@@ -11,7 +11,7 @@ from rtphys.episode.generate import start
 from rtphys.episode.instance import prepare, settle
 from rtphys.episode.photograph import photograph
 from rtphys.setting.protocol import BUILTIN
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.task.spec import load_task
 
@@ -32,7 +32,7 @@ HEAD = 22  # [px] the line of protocol names
 
 def picture(task: str, seed: int, protocol: str) -> np.ndarray:
     """Head camera before anyone acts, RGB."""
-    recipe, loaded, pack = Recipe(task, seed, protocol), load_task(task), default_pack()
+    recipe, loaded, pack = Setting(task, protocol).at(seed), load_task(task), default_pack()
     instance = prepare(recipe, loaded, pack)
     settle(instance)
     recording = start(instance).recorder.recording

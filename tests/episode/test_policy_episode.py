@@ -12,7 +12,7 @@ from rtphys.episode import Observation, PolicyEpisode, begin
 from rtphys.episode.control import LOST_STEPS
 from rtphys.episode.generate import attempt
 from rtphys.policies import PolicySetup, Stepwise, open_policy
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.recorder import FRAME_STEPS
 from rtphys.task.spec import load_task
@@ -32,7 +32,7 @@ def episode(pack: Pack) -> Iterator[PolicyEpisode]:
 
 
 def begun(pack: Pack, seed: int = 0, protocol: str = "clean") -> PolicyEpisode:
-    return begin(Recipe(TASK, seed, protocol, split="unseen"), load_task(TASK), pack)
+    return begin(Setting(TASK, protocol, split="unseen").at(seed), load_task(TASK), pack)
 
 
 def test_an_observation_is_what_the_official_one_is(episode: PolicyEpisode) -> None:
@@ -172,7 +172,7 @@ def test_to_stop_early_is_to_give_up(episode: PolicyEpisode) -> None:
 
 
 def test_the_expert_does_what_its_demonstration_did(pack: Pack) -> None:
-    recipe = Recipe(TASK, 0, "phys_random")
+    recipe = Setting(TASK, "phys_random").at(0)
     tried = attempt(recipe, load_task(TASK), pack)
     assert tried.accepted and tried.recording is not None
     episode = begin(recipe, load_task(TASK), pack)

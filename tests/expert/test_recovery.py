@@ -8,7 +8,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.core.errors import Infeasible
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.expert.robot import ExpertRobot
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.collect.plan import CollectPlan
 from rtphys.task import Robot, lifted
 from rtphys.task.reasons import PHYSICS_REASONS, REASONS
@@ -36,7 +36,7 @@ def tried(losses: int, recovery: bool = True) -> Attempt:
     task = load_task("stack_blocks_two")
     up = lifted("red", 0.05)
     scripted = replace(task, script=lambda robot: clumsy(robot, losses), success=up)
-    return attempt(Recipe("stack_blocks_two", 3, recovery=recovery), scripted, default_pack())
+    return attempt(Setting("stack_blocks_two", recovery=recovery).at(3), scripted, default_pack())
 
 
 @pytest.mark.sim

@@ -11,7 +11,7 @@ from rtphys.data.schema import PhysMeta
 from rtphys.episode.instance import prepare
 from rtphys.physics import Physics, attributes, disagreements, readback
 from rtphys.proofs.audit_labels import label_problems
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
@@ -28,7 +28,7 @@ def instances(name, pack):
     task = load_task(name)
     for seed in SEEDS:
         try:
-            yield prepare(Recipe(name, seed, "phys_random"), task, pack)
+            yield prepare(Setting(name, "phys_random").at(seed), task, pack)
         except Infeasible as problem:
             assert problem.reason in ("layout", "invalid_physics")
 
@@ -47,7 +47,7 @@ def test_labels_are_in_force_on_every_body(name, pack):
 def test_physics_never_moves_the_layout(name, pack):
     task = load_task(name)
     for instance in instances(name, pack):
-        clean = prepare(Recipe(name, instance.recipe.seed), task, pack)
+        clean = prepare(Setting(name).at(instance.recipe.seed), task, pack)
         there = {p.name: (p.pose.p.tolist(), p.pose.q.tolist()) for p in clean.props}
         here = {p.name: (p.pose.p.tolist(), p.pose.q.tolist()) for p in instance.props}
         assert here == there
@@ -83,7 +83,7 @@ def stored(instance, **changed):
         "readback": readback(instance.world),
         "cameras": {"head_camera": where},
         "verdict": {"accepted": True},
-        "recipe": {"embodiment": instance.recipe.embodiment},
+        "recipe": {"embodiment": instance.recipe.setting.embodiment},
         "versions": {},
         "state_hash": "",
     }

@@ -11,7 +11,7 @@ from rtphys.episode import CameraView, PolicyEpisode, begin
 from rtphys.episode.generate import attempt
 from rtphys.episode.mirror import Mirror
 from rtphys.episode.replay import actions_of
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
 
 # What needs the extra rtphys[serve] is left out where that is not installed.
@@ -28,7 +28,7 @@ SHADES = {"head": 10, "left": 20, "right": 30}
 @pytest.fixture(scope="session")
 def expert_actions() -> np.ndarray:
     """(n, 14) recorded commands that ring the bell."""
-    done = attempt(Recipe(TASK, SEED), load_task(TASK), default_pack())
+    done = attempt(Setting(TASK).at(SEED), load_task(TASK), default_pack())
     assert done.accepted, done.reason
     assert done.recording is not None
     return actions_of(done.recording)
@@ -54,4 +54,4 @@ def painted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def new_episode(painted: None) -> Callable[[], PolicyEpisode]:
-    return lambda: begin(Recipe(TASK, SEED), load_task(TASK), default_pack())
+    return lambda: begin(Setting(TASK).at(SEED), load_task(TASK), default_pack())

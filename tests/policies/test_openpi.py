@@ -17,7 +17,7 @@ from rtphys.policies import PolicyGone, PolicySetup, open_policy
 from rtphys.policies.served.connection import ServerFailed
 from rtphys.policies.served.openpi import open_openpi, question
 from rtphys.policies.served.wire import OPENPI
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
@@ -178,7 +178,7 @@ def test_it_sees_the_world() -> None:
     seen: list[dict] = []
     with serving(repeating(np.zeros((1, 14)), 1, seen)) as where:
         policy = open_openpi(where, PolicySetup())
-        episode = begin(Recipe("click_bell", 0), load_task("click_bell"), default_pack())
+        episode = begin(Setting("click_bell").at(0), load_task("click_bell"), default_pack())
         policy.infer(question(episode.observe(), episode.instruction))
         policy.close()
     views = seen[0]["images"]

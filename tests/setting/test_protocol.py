@@ -6,7 +6,7 @@ import pytest
 
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.setting.protocol import BUILTIN, OFFICIAL, VisualRules, load_protocol, protocols
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 
 
 @pytest.fixture
@@ -27,8 +27,8 @@ def test_a_library_adds_rows(library: Path) -> None:
     assert load_protocol("dim").visual == VisualRules(clutter=3)
     assert load_protocol("dim").physics
     assert protocols()["all"].visual == OFFICIAL
-    assert Recipe("grab_roller", 0, "dim").domain().name == "grab_roller"
-    assert Recipe("grab_roller", 0, "all").domain().rules == {}
+    assert Setting("grab_roller", "dim").at(0).setting.domain.name == "grab_roller"
+    assert Setting("grab_roller", "all").at(0).setting.domain.rules == {}
 
 
 @pytest.mark.parametrize(
@@ -61,9 +61,9 @@ def test_a_builtin_name_is_not_taken_twice(library: Path) -> None:
 
 def test_an_unknown_name_gets_a_suggestion() -> None:
     with pytest.raises(UnknownName, match="phys_random"):
-        Recipe("click_bell", 0, "phys_randm").domain()
+        _ = Setting("click_bell", "phys_randm").domain
     with pytest.raises(UnknownName, match="unseen"):
-        Recipe("click_bell", 0, split="unsen").visual()
+        Setting("click_bell", split="unsen")
 
 
 def test_rules_survive_json() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from rtphys.assets.pack import default_pack
 from rtphys.episode.instance import prepare
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.sim.room import Room
 from rtphys.sim.studio import Studio
@@ -14,7 +14,7 @@ from rtphys.task.spec import load_task
 
 def pictures() -> list[np.ndarray]:
     """What three cameras see of a cluttered table."""
-    recipe = Recipe("stack_blocks_two", 2, "official_random")
+    recipe = Setting("stack_blocks_two", "official_random").at(2)
     world = prepare(recipe, load_task(recipe.task), default_pack(), visuals=True).world
     studio = Studio(world, ["head", "left", "right"])
     world.scene.update_render()

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.sim
 _SCRIPT = """
 from rtphys.assets.pack import default_pack
 from rtphys.episode.generate import attempt
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 from rtphys.task.spec import load_task
 
 recipe = Recipe("place_dual_shoes", 2, "phys_random_all")

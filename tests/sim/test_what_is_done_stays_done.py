@@ -13,7 +13,7 @@ from rtphys.core.seeds import stream
 from rtphys.episode.generate import start
 from rtphys.episode.instance import prepare, settle
 from rtphys.expert.robot import ExpertRobot
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.sim.engine import RATE, from_sapien, to_sapien
 from rtphys.sim.rollout import Rollout
 from rtphys.task.spec import load_task
@@ -40,7 +40,7 @@ def done(name: str, seeds: Sequence[int] = range(4)) -> Rollout:
     task, pack = load_task(name), default_pack()
     for seed in seeds:
         try:
-            instance = prepare(Recipe(name, seed), task, pack)
+            instance = prepare(Setting(name).at(seed), task, pack)
             settle(instance)
             rollout = start(instance, poll=5)
             task.script(ExpertRobot(rollout, stream(seed, "expert")))
@@ -91,7 +91,7 @@ def test_the_hammer_must_have_struck() -> None:
     rollout = done("beat_block_hammer")
     assert rollout.scene.peak("blow", 0.0) > 0.001  # [N s]
     before = start(
-        prepare(Recipe("beat_block_hammer", 0), load_task("beat_block_hammer"), default_pack())
+        prepare(Setting("beat_block_hammer").at(0), load_task("beat_block_hammer"), default_pack())
     )
     assert "the block was struck" in before.condition.failing(before.scene)
 

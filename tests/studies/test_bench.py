@@ -13,7 +13,7 @@ from rtphys.core import timing as laps_module
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.timing import Laps
 from rtphys.episode.generate import attempt
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.bench import ATTEMPT, OUTSIDE, PICTURES, BenchPlan, Cost, Spent, bench, means
 from rtphys.task.spec import load_task
 
@@ -124,7 +124,11 @@ def test_attempts_are_measured_in_full(tmp_path: Path) -> None:
 
 @pytest.mark.sim
 def test_taking_time_changes_no_state() -> None:
-    task, pack, recipe = load_task("click_bell"), default_pack(), Recipe("click_bell", 3, "clean")
+    task, pack, recipe = (
+        load_task("click_bell"),
+        default_pack(),
+        Setting("click_bell", "clean").at(3),
+    )
     plain, timed = attempt(recipe, task, pack), attempt(recipe, task, pack, Laps())
     assert plain.recording is not None and timed.recording is not None
     assert plain.recording.hash == timed.recording.hash

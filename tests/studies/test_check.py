@@ -10,7 +10,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.cli.check import complaints
 from rtphys.cli.main import app
 from rtphys.policies.random import Walk
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.check import CheckPlan, Job, Score, Trial, check, solves
 from rtphys.task.spec import load_task
 
@@ -129,7 +129,7 @@ def test_scores_do_not_depend_on_the_number_of_workers() -> None:
 def test_a_blind_robot_does_not_ring_the_bell(robot: str) -> None:
     task, pack = load_task("click_bell"), default_pack()
     assert not any(
-        solves(Recipe("click_bell", s, "phys_random"), task, pack, robot) for s in (0, 1)
+        solves(Setting("click_bell", "phys_random").at(s), task, pack, robot) for s in (0, 1)
     )
 
 
@@ -144,7 +144,7 @@ def test_a_blind_robot_does_not_ring_the_bell(robot: str) -> None:
 def test_what_chance_once_solved_it_no_longer_does(name: str, seed: int, protocol: str) -> None:
     """With each task's first success condition these were successes of the random robot."""
     task = load_task(name)
-    assert not solves(Recipe(name, seed, protocol), task, default_pack(), "random")
+    assert not solves(Setting(name, protocol).at(seed), task, default_pack(), "random")
 
 
 @pytest.mark.sim
@@ -160,4 +160,4 @@ def test_a_task_that_holds_at_the_start_is_solved_by_idling(
     )
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
     task, pack = load_task("nothing_to_do"), default_pack()
-    assert solves(Recipe("nothing_to_do", 0), task, pack, "idle")
+    assert solves(Setting("nothing_to_do").at(0), task, pack, "idle")

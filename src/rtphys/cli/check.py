@@ -2,124 +2,85 @@
 
 import json
 import os
-import sys
-from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from rtphys.campaign.workers.local import cores
-from rtphys.cli.options import domain_of, expand, split
+from rtphys.cli.derived import takes
 from rtphys.core.errors import BadFile, NoRenderer
+from rtphys.setting.option import Option
+from rtphys.studies.check import CheckPlan, Score, sheet
+from rtphys.studies.check import check as run_check
 
-if TYPE_CHECKING:
-    from rtphys.studies.check import CheckPlan, Score
-
-Tasks = Annotated[list[str], typer.Argument(help="Tasks or patterns.")]
-Protocols = Annotated[str, typer.Option(help="clean, phys_random; several with commas.")]
-Baselines = Annotated[
-    int, typer.Option(help="Seeds for the idle and the random robot, which cost the most.")
-]
 MOST_FAILURES = 10
 
 
-def check(
-    tasks: Tasks,
-    seeds: Annotated[int, typer.Option(help="How many, of each task and protocol.")] = 20,
-    protocol: Protocols = "clean",
-    domain: Annotated[
-        str, typer.Option(help="Draw from this domain (name or file), not from the task's own.")
-    ] = "",
-    first_seed: Annotated[int, typer.Option(help="Where to start.")] = 0,
-    robots: Baselines = 20,
-    workers: Annotated[int | None, typer.Option(help="Processes; default one a core.")] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Also write the numbers here.")
-    ] = None,
+@dataclass(frozen=True)
+class Output:
+    """Where the results go beside the screen."""
+
+    json_file: Annotated[Path | None, Option("Also write the numbers here.", "--json")] = None
     sheet: Annotated[
         Path | None,
-        typer.Option(help="Write a contact sheet here: a .png for one task, else a folder."),
-    ] = None,
-) -> None:
+        Option("Write a contact sheet here: a .png for one task, else a folder."),
+    ] = None
+
+    def check(self) -> None:
+        """Refuses before minutes of work what cannot be written or drawn after them."""
+        from rtphys.doctor import check_renderer
+
+        if self.json_file and not os.access(self.json_file.absolute().parent, os.W_OK):
+            raise BadFile(self.json_file, "its folder cannot be written, or does not exist")
+        if self.sheet is not None and (finding := check_renderer()).status == "fail":
+            raise NoRenderer(f"no pictures can be drawn: {finding.detail}; cure: {finding.cure}")
+
+
+@takes(CheckPlan, Output)
+def check(plan: CheckPlan, output: Output) -> None:
     """Try a task's expert over many seeds, without pictures.
 
     The expert's actions are replayed open loop; an idle robot and one that moves at random must
     fail. Exit code 1: a robot that sees nothing succeeded, or a seed gave two outcomes.
     """
-    names = expand(tasks)
-    from rtphys.studies.check import CheckPlan
-
-    workers = cores() if workers is None else workers
-    ranges = domain_of(domain)
-    plan = CheckPlan(names, split(protocol), seeds, first_seed, robots, workers, ranges)
     plan.check()
-    _check_outputs(json_file, sheet)
-    scores = _run(plan)
+    output.check()
+    from rtphys.assets.pack import default_pack
+    from rtphys.cli.progress import progress
+
+    with progress("trials") as listener:
+        scores = run_check(plan, default_pack(listener.building), listener)
     _show(scores)
-    if json_file is not None:
+    if output.json_file is not None:
         text = json.dumps([score.to_json() for score in scores], indent=2)
-        json_file.write_text(text + "\n")
-    if sheet is not None:
-        _draw(plan, scores, sheet)
+        output.json_file.write_text(text + "\n")
+    if output.sheet is not None:
+        _draw(plan, scores, output.sheet)
     if wrong := complaints(scores):
         typer.echo("\n".join(wrong), err=True)
         raise typer.Exit(1)
 
 
-def _check_outputs(json_file: Path | None, sheet: Path | None) -> None:
-    """Minutes of work must not end at a folder that cannot be written, or without a renderer."""
-    from rtphys.doctor import check_renderer
-
-    if json_file is not None and not os.access(json_file.absolute().parent, os.W_OK):
-        raise BadFile(json_file, "its folder cannot be written, or does not exist")
-    if sheet is not None and (finding := check_renderer()).status == "fail":
-        raise NoRenderer(f"no pictures can be drawn: {finding.detail}; cure: {finding.cure}")
-
-
-def complaints(scores: "Sequence[Score]") -> list[str]:
+def complaints(scores: Sequence[Score]) -> list[str]:
     """What is wrong with the task itself, not with its expert."""
-    found = []
+    found: list[str] = []
     for score in scores:
         at = f"{score.task}, {score.protocol}"
         found += [
-            f"{at}: the {kind} robot solves {score.solved[kind]} of {score.tried[kind]} seeds"
-            for kind in ("idle", "random")
-            if score.solved[kind]
+            f"{at}: the {robot} robot solves {score.solved[robot]} of {score.tried[robot]} seeds"
+            for robot in ("idle", "random")
+            if score.solved[robot]
         ]
         if not score.deterministic:
             found.append(f"{at}: a seed that was tried twice went through different states")
     return found
 
 
-def _run(plan: "CheckPlan") -> "list[Score]":
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from rtphys.assets.pack import default_pack
-    from rtphys.cli.assets import BuildBar
-    from rtphys.studies.check import check
-
-    with BuildBar() as building:
-        pack = default_pack(building)
-    total = len(list(plan.jobs()))
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty()) as p:
-        row = p.add_task("checking", total=total)
-
-        def told(scores: "list[Score]", left: int) -> None:
-            accepted = sum(score.accepted for score in scores)
-            tried = sum(score.tried["expert"] for score in scores)
-            text = f"{accepted} of {tried} accepted"
-            p.update(row, completed=total - left, description=text)
-
-        return check(plan, pack, told)
-
-
-def _show(scores: "Sequence[Score]") -> None:
+def _show(scores: Sequence[Score]) -> None:
     from rtphys.cli.fitting import fitting_table, wide_console
+    from rtphys.cli.progress import reasons
 
     columns = ("accepted", "replay", "idle", "random", "CPU-s", "rejected")
     table = fitting_table(["task", "protocol"], columns)
@@ -128,9 +89,9 @@ def _show(scores: "Sequence[Score]") -> None:
             score.task,
             score.protocol,
             f"{score.accepted} / {score.seeds}",
-            *(_percent(score.rate(kind)) for kind in ("expert", "idle", "random")),
+            *(_percent(score.rate(robot)) for robot in ("expert", "idle", "random")),
             f"{sum(score.cpu) / len(score.cpu):.2f}",
-            _reasons(score.rejected),
+            reasons(score.rejected),
         )
     wide_console().print(table)
     for score in scores:
@@ -144,14 +105,9 @@ def _percent(rate: float | None) -> str:
     return "-" if rate is None else f"{100 * rate:.0f} %"
 
 
-def _reasons(rejected: Counter[str]) -> str:
-    return ", ".join(f"{reason} {count}" for reason, count in rejected.most_common())
-
-
-def _draw(plan: "CheckPlan", scores: "Sequence[Score]", out: Path) -> None:
+def _draw(plan: CheckPlan, scores: Sequence[Score], out: Path) -> None:
     from rtphys.assets.pack import default_pack
     from rtphys.data.files import make_folder, replace_file
-    from rtphys.studies.check import sheet
 
     single = len(scores) == 1 and out.suffix == ".png"
     make_folder(out.parent if single else out)

@@ -1,71 +1,88 @@
 """`rtphys collect`: verified episodes of one or more tasks."""
 
 import shlex
-import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import Annotated
 
 import typer
 
-from rtphys.cli.collect_options import CollectOptions
-from rtphys.cli.options import taking
+from rtphys.cli.derived import changed, takes
 from rtphys.cli.stopping import Incomplete, resumable
+from rtphys.core import library
+from rtphys.core.errors import BadValue
+from rtphys.setting.option import Option
+from rtphys.studies.collect.plan import Run, TaskPlan
 
-if TYPE_CHECKING:
-    from rtphys.studies.collect import CollectPlan, Summary
+
+@dataclass(frozen=True)
+class Request:
+    """What is collected, and whether it is."""
+
+    task: Annotated[
+        tuple[str, ...], Option("Tasks or patterns; several with commas, or repeated.")
+    ] = ()
+    manifest: Annotated[
+        str, Option("A file that says what to collect, or its name in a library.")
+    ] = ""
+    sweep: Annotated[str, Option("key=value,value: the same seeds under each of these.")] = ""
+    estimate: Annotated[bool, Option("Only say what it will take, after a short probe.")] = False
+    dry_run: Annotated[
+        bool, Option("Only say what would be collected and where; nothing is simulated.")
+    ] = False
 
 
-@taking(CollectOptions)
-def collect(options: CollectOptions) -> None:
+@takes(Request, TaskPlan, Run)
+def collect(request: Request, template: TaskPlan, run: Run) -> None:
     """Collect verified episodes of one or more tasks.
 
     Attempts are simulated without pictures, and only successes are drawn. What comes out depends
     on the options alone, not on the number of workers or on interruptions.
     """
-    plans = options.plans()
-    if not (options.manifest or options.estimate):
-        _collect_all(plans)
+    plans = _plans(request, template)
+    if request.dry_run:
+        from rtphys.cli.collect_forecast import show_plans
+
+        show_plans(plans, run)
         return
-    from rtphys.cli.collect_estimate import confirm, forecast
+    if not (request.manifest or request.estimate):
+        _collect(plans, run)
+        return
+    from rtphys.cli.collect_forecast import confirm, forecast
 
     with resumable():
-        before = forecast(plans)
-    if not options.estimate:
-        _collect_all(plans)
+        before = forecast(plans, run)
+    if not request.estimate:
+        _collect(plans, run)
         confirm(before)
 
 
-def _collect_all(plans: Sequence["CollectPlan"]) -> None:
-    """One after the other, also when some are given up.
+def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:
+    from rtphys.studies.collect.manifest import find_collection, plans_for, read_plans
 
-    Raises:
-        Incomplete: some were.
-    """
-    given_up: list[str] = []
-    for one in plans:
-        if one.config:
-            typer.echo(f"{one.config}:", err=True)
-        given_up += _tell(_run(one))
-    if given_up:
-        raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
-    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(plans[0].out))}")
-
-
-def _run(plan: "CollectPlan") -> "Summary":
-    from rtphys.cli.collect_progress import Lines, Live
-    from rtphys.studies.collect import collect as run
-
-    with resumable(), Live() if sys.stderr.isatty() else Lines() as shown:
-        return run(plan, shown)
+    if request.manifest:
+        for name, value in [*changed(TaskPlan, template), *changed(Request, request)]:
+            if name not in ("manifest", "estimate", "dry_run"):
+                allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
+                raise BadValue(name, value, allowed)
+        return read_plans(find_collection(request.manifest))
+    if not request.task:
+        allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
+        raise BadValue("task", None, allowed)
+    return plans_for(template, library.matching("tasks", list(request.task)), request.sweep)
 
 
-def _tell(summary: "Summary") -> list[str]:
-    """Shows what came of a run; returns which tasks were given up, and why."""
-    from rtphys.cli.collect_progress import summary_table
+def _collect(plans: Sequence[TaskPlan], run: Run) -> None:
+    """Raises `Incomplete`: some tasks were given up."""
     from rtphys.cli.fitting import wide_console
+    from rtphys.cli.progress import progress, summary_table
+    from rtphys.studies.collect.run import collect as run_collection
 
+    with resumable(), progress("episodes") as listener:
+        summary = run_collection(plans, run, listener)
     wide_console().print(summary_table(summary.tallies))
-    minutes = summary.seconds / 60
-    new = sum(tally.new_episodes for tally in summary.tallies)
-    typer.echo(f"{new} new episodes in {minutes:.1f} min, in {summary.out}")
-    return [f"{t.task}: {t.stopped}" for t in summary.tallies if t.stopped]
+    new = sum(tally.new_accepted for tally in summary.tallies)
+    typer.echo(f"{new} new episodes in {summary.seconds / 60:.1f} min, in {summary.out}")
+    if given_up := [f"{t.name}: {t.stopped}" for t in summary.tallies if t.stopped]:
+        raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
+    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(run.out))}")

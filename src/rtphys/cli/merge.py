@@ -1,7 +1,6 @@
 """`rtphys merge`: shards into one dataset."""
 
 import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -22,15 +21,15 @@ def merge(
     shards shared a task seed by seed, a few seeds are tried here: those that none of them came to.
     """
     if any(part.resolve() == out.resolve() for part in parts):
-        raise BadValue("--out", str(out), "it is one of the shards; name another folder")
-    from rtphys.cli.collect_progress import Lines, Live
-    from rtphys.studies.collect import merge as join
+        raise BadValue("out", str(out), "it is one of the shards; name another folder")
+    from rtphys.cli.progress import progress
+    from rtphys.studies.collect.merge import merge as merge_shards
 
-    with resumable(), Live() if sys.stderr.isatty() else Lines() as shown:
-        tallies = join(parts, out, workers, shown)
+    with resumable(), progress("episodes") as listener:
+        tallies = merge_shards(parts, out, workers, listener)
     made = sum(tally.new_attempts for tally in tallies)
-    episodes = sum(tally.episodes for tally in tallies)
+    episodes = sum(tally.accepted for tally in tallies)
     typer.echo(f"{episodes} episodes of {len(tallies)} tasks in {out}; {made} attempts made here")
-    if given_up := [f"{t.task}: {t.stopped}" for t in tallies if not t.done]:
+    if given_up := [f"{t.name}: {t.stopped}" for t in tallies if not t.done]:
         raise Incomplete("; ".join(given_up))
     typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(out))}")

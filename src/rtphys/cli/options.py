@@ -1,49 +1,11 @@
-"""Options of a command as one dataclass, and what several commands do with theirs."""
+"""What several commands do with their options."""
 
-from collections.abc import Callable
-from dataclasses import MISSING, fields
-from functools import wraps
-from inspect import Parameter, Signature
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from rtphys.core import library
 
 if TYPE_CHECKING:
     from rtphys.physics.domain import Domain
-
-Chosen = TypeVar("Chosen")
-
-
-def taking(kind: type[Chosen]) -> Callable[[Callable[[Chosen], None]], Callable[..., None]]:
-    """Makes `f(options)` a command with one option for each field of a dataclass.
-
-    Fields carry what typer wants to know, `Annotated[type, typer.Option(...)]`; a field without
-    a default must be given.
-    """
-
-    def command(function: Callable[[Chosen], None]) -> Callable[..., None]:
-        @wraps(function)
-        def call(**given: object) -> None:  # typer knows no other way
-            function(kind(**given))
-
-        call.__signature__ = _signature(kind)  # type: ignore[attr-defined] - read by inspect
-        return call
-
-    return command
-
-
-def _signature(kind: type) -> Signature:
-    return Signature(
-        [
-            Parameter(
-                field.name,
-                Parameter.KEYWORD_ONLY,
-                default=Parameter.empty if field.default is MISSING else field.default,
-                annotation=field.type,
-            )
-            for field in fields(kind)
-        ]
-    )
 
 
 def expand(patterns: list[str]) -> tuple[str, ...]:

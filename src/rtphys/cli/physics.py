@@ -13,7 +13,7 @@ from rtphys.cli.options import split
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
 from rtphys.physics import Physics, Value, attributes, parse_overrides
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe, Setting
 
 if TYPE_CHECKING:
     from rtphys.data.dataset import Dataset
@@ -43,7 +43,9 @@ def sample(
     for s in range(seed, seed + episodes):
         drawn[s] = domain.sample(s, wanted, overrides)
         if task in library.names("tasks"):
-            drawn[s] = _inside_bodies(Recipe(task, s, "phys_random", wanted, overrides), drawn[s])
+            drawn[s] = _inside_bodies(
+                Setting(task, "phys_random", wanted, overrides).at(s), drawn[s]
+            )
     if as_json:
         rows = [{"seed": s, "domain": domain.name, **p.to_json()} for s, p in drawn.items()]
         typer.echo(json.dumps(rows, ensure_ascii=False))

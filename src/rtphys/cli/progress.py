@@ -1,49 +1,160 @@
-"""How far a long command is: a bar on a terminal, a line now and then elsewhere."""
+"""How a running campaign looks: a live display on a terminal, plain lines elsewhere."""
 
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections import Counter
+from collections.abc import Sequence
 
 import typer
+from rich.console import Console, Group
+from rich.live import Live as RichLive
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from rtphys.campaign.engine import Listener
+from rtphys.campaign.series import Tally
+from rtphys.cli.fitting import fitting_table
 
 LINE_EVERY = 10.0  # [s] between plain lines
-
-Told = Callable[[int, int, str], None]  # how many are done, of how many, and a few words
-
-
-@contextmanager
-def progress_bar() -> Iterator[Told]:
-    """Gives a function to tell how far it is."""
-    if sys.stderr.isatty():
-        with _bar() as told:
-            yield told
-    else:
-        yield _lines()
+REFRESH = 0.5  # [s] between redraws
+MOST_ROWS = 12  # series that are shown in a table of their own
+MOST_REASONS = 4
 
 
-@contextmanager
-def _bar() -> Iterator[Told]:
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
-        row = shown.add_task("starting", total=None)
-
-        def told(done: int, total: int, words: str) -> None:
-            shown.update(row, completed=done, total=total, description=words)
-
-        yield told
+def progress(noun: str) -> "Live | Lines":
+    """The listener that fits where standard error goes. `noun`: what is counted, in the plural."""
+    return Live(noun) if sys.stderr.isatty() else Lines(noun)
 
 
-def _lines() -> Told:
-    last = time.monotonic()
+class _Counts(Listener):
+    """Counts since the work began; rates leave out what was there before."""
 
-    def told(done: int, total: int, words: str) -> None:
-        nonlocal last
-        if time.monotonic() - last >= LINE_EVERY:
-            last = time.monotonic()
-            typer.echo(f"{done} of {total} done, {words}", err=True)
+    def __init__(self, noun: str) -> None:
+        self.noun = noun
+        self.tallies: Sequence[Tally] = []
+        self.began = self._shown = time.monotonic()
 
-    return told
+    def started(self, tallies: Sequence[Tally]) -> None:
+        self.tallies = tallies
+        self.began = self._shown = time.monotonic()
+
+    def due(self, every: float) -> bool:
+        if time.monotonic() - self._shown < every:
+            return False
+        self._shown = time.monotonic()
+        return True
+
+    @property
+    def per_minute(self) -> float:
+        minutes = (time.monotonic() - self.began) / 60
+        return sum(tally.new_accepted for tally in self.tallies) / minutes if minutes else 0.0
+
+    @property
+    def time_left(self) -> str:
+        missing = sum(t.wanted - t.accepted for t in self.tallies if not t.stopped)
+        if not self.per_minute:
+            return "?"
+        minutes, seconds = divmod(round(60 * max(missing, 0) / self.per_minute), 60)
+        hours, minutes = divmod(minutes, 60)
+        return f"{hours}:{minutes:02d}:{seconds:02d}"
+
+    def sentence(self) -> str:
+        done, wanted, attempts = totals(self.tallies)
+        rejected = sum((tally.rejections for tally in self.tallies), Counter[str]())
+        why = f", {rejected.total()} rejected ({reasons(rejected)})" if rejected else ""
+        rate = f"{self.per_minute:.1f} {self.noun}/min, {self.time_left} left"
+        return f"{done} of {wanted} {self.noun}, {attempts} attempts{why}, {rate}"
+
+
+class Lines(_Counts):
+    """For logs: one line when something begins, every ten seconds, and at the end."""
+
+    def __enter__(self) -> "Lines":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.tallies:
+            typer.echo(self.sentence(), err=True)
+
+    def building(self, done: int, total: int, name: str) -> None:
+        if done == total or self.due(LINE_EVERY):
+            typer.echo(f"building assets: {done} of {total}, {name}", err=True)
+
+    def started(self, tallies: Sequence[Tally]) -> None:
+        super().started(tallies)
+        for tally in tallies if len(tallies) <= MOST_ROWS else ():
+            there = f", {tally.found_accepted} there already" if tally.found_attempts else ""
+            typer.echo(f"{tally.name}: {tally.wanted} {self.noun} wanted{there}", err=True)
+
+    def ticked(self) -> None:
+        if self.due(LINE_EVERY):
+            typer.echo(self.sentence(), err=True)
+
+    def noticed(self, text: str) -> None:
+        typer.echo(text, err=True)
+
+
+class Live(_Counts):
+    """For people: a table that follows what happens, or a bar alone where there are many series."""
+
+    def __init__(self, noun: str) -> None:
+        super().__init__(noun)
+        self._console = Console(stderr=True)
+        self._live = RichLive(console=self._console, auto_refresh=False, transient=True)
+
+    def __enter__(self) -> "Live":
+        self._live.start()
+        self._live.update(Text("checking"), refresh=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._live.stop()
+
+    def building(self, done: int, total: int, name: str) -> None:
+        bar = ProgressBar(total=total, completed=done, width=40)
+        self._live.update(Group(Text(f"building assets, once: {name}"), bar), refresh=True)
+
+    def started(self, tallies: Sequence[Tally]) -> None:
+        super().started(tallies)
+        self._draw()
+
+    def ticked(self) -> None:
+        if self.due(REFRESH):
+            self._draw()
+
+    def noticed(self, text: str) -> None:
+        self._console.print(text, style="yellow")
+
+    def _draw(self) -> None:
+        done, wanted, _ = totals(self.tallies)
+        few = 0 < len(self.tallies) <= MOST_ROWS
+        table = [summary_table(self.tallies, self.noun)] if few else []
+        bar = ProgressBar(total=wanted, completed=done, width=40)
+        self._live.update(Group(*table, bar, Text(self.sentence())), refresh=True)
+
+
+def totals(tallies: Sequence[Tally]) -> tuple[int, int, int]:
+    """Results there, results wanted, attempts of this run."""
+    done = sum(min(tally.accepted, tally.wanted) for tally in tallies)
+    return done, sum(tally.wanted for tally in tallies), sum(t.new_attempts for t in tallies)
+
+
+def summary_table(tallies: Sequence[Tally], noun: str = "episodes") -> Table:
+    """One row a series."""
+    columns = (noun, "attempts", "accepted", "rejected, by reason")
+    table = fitting_table(["task"], columns)
+    for tally in tallies:
+        tried = tally.new_attempts
+        share = f"{100 * tally.new_accepted / tried:.0f} %" if tried else "-"
+        counts = f"{tally.accepted} / {tally.wanted}"
+        table.add_row(tally.name, counts, str(tried), share, reasons(tally.rejections))
+    return table
+
+
+def reasons(rejections: Counter[str]) -> str:
+    """`"unreachable 4, slipped 2"`, the most frequent first."""
+    most = rejections.most_common(MOST_REASONS)
+    words = [f"{reason} {count}" for reason, count in most]
+    rest = rejections.total() - sum(count for _, count in most)
+    return ", ".join([*words, f"other {rest}"] if rest else words)

@@ -1,6 +1,5 @@
 """`rtphys verify-manifest`: is a dataset what it claims to be?"""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -12,12 +11,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rtphys.core.errors import BadValue
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
-from rtphys.data.episode import JSON
 from rtphys.data.verified import default_path
 from rtphys.data.verify import Problem, Report, verify
-from rtphys.physics.domain import Domain
-from rtphys.physics.values import plain_value
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 
 
 def verify_manifest(
@@ -92,7 +88,7 @@ def _replayed(dataset: Dataset, count: int) -> list[Problem]:
     for episode in (dataset[int(n)] for n in picked):
         meta = episode.meta
         try:
-            recipe = _recipe(meta.recipe)
+            recipe = Recipe.from_json(meta.recipe)
         except (KeyError, ValueError) as error:
             found.append(Problem(episode.paths.phys_meta, f"its recipe is not whole ({error})"))
             continue
@@ -105,18 +101,3 @@ def _replayed(dataset: Dataset, count: int) -> list[Problem]:
             text = f"simulated again it gives {told}, not state_hash {meta.state_hash}{where}"
             found.append(Problem(episode.paths.phys_meta, text))
     return found
-
-
-def _recipe(stored: Mapping[str, JSON]) -> Recipe:
-    only, held, ranges = (stored.get(key) for key in ("only", "overrides", "ranges"))
-    return Recipe(
-        task=str(stored["task"]),
-        seed=int(str(stored["seed"])),
-        protocol=str(stored["protocol"]),
-        only=tuple(map(str, only)) if isinstance(only, list) else None,
-        overrides={k: plain_value(v) for k, v in held.items()} if isinstance(held, dict) else {},
-        embodiment=str(stored["embodiment"]),
-        split=str(stored.get("split", "seen")),
-        ranges=Domain.from_json(ranges) if isinstance(ranges, dict) else None,
-        recovery=stored.get("recovery") is not False,
-    )

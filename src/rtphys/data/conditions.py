@@ -1,39 +1,35 @@
-"""Under which conditions a leaf is collected: equal conditions may continue each other's work."""
+"""Under which conditions a task dataset is collected: equal ones may continue each other's work."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtphys.core.errors import UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
-from rtphys.data.layout import EMBODIMENT, LAYOUTS, Leaf
+from rtphys.data.layout import LAYOUTS, Leaf, embodiment_folder
 from rtphys.data.schema import DATASET_VERSION
+from rtphys.setting.setting import Setting
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """Everything that decides what the episodes of one leaf are; the journal's first line."""
+    """Everything that decides what the episodes of one task dataset are; its journal's first line.
 
-    task: str
-    protocol: str
+    The setting's domain and look are stored resolved, because their files may change.
+    """
+
+    setting: Setting
     first_seed: int
-    domain_name: str
-    domain_digest: str
     domain: Mapping[str, object]  # resolved, `Domain.to_json()`
+    visual: Mapping[str, object] | None  # rules of the look, resolved; None: as in clean
     cameras: tuple[str, ...]  # official names, such as head_camera
     versions: Mapping[str, str]  # rtphys, sapien, numpy, python, ...
     assets: Mapping[str, str]  # pack, digest
-    only: tuple[str, ...] | None = None
-    overrides: Mapping[str, object] = field(default_factory=dict)
-    embodiment: str = EMBODIMENT
     layout: str = "native"
-    visual: Mapping[str, object] | None = None  # rules of the look, resolved
-    config: str | None = None  # the leaf's folder; None: named after the protocol
-    split: str | None = None  # of its pictures; None where nothing is drawn
-    twin: str | None = None  # config of the leaf with the same seeds under another protocol
-    twin_of: str | None = None  # config of the leaf whose twin this is
-    recovery: bool | None = None  # False: episodes with a recovery are left out; None: kept
+    config: str | None = None  # name of the folder; None: named after the protocol
+    twin: str | None = None  # config of the task dataset with the same seeds, another protocol
+    twin_of: str | None = None  # config of the task dataset whose twin this is
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
 
     def __post_init__(self) -> None:
@@ -41,40 +37,63 @@ class Conditions:
             raise UnknownName("layout", self.layout, LAYOUTS)
 
     def seed(self, attempt: int) -> int:
-        """Of the attempt with that number, counted from 0."""
+        """Seed of the attempt with that number, counted from 0."""
         first, step = self.stride or (0, 1)
         return self.first_seed + first + attempt * step
 
     def attempt(self, seed: int) -> int:
-        """Inverse of `seed`."""
+        """Number of the attempt with that seed; inverse of `seed`."""
         first, step = self.stride or (0, 1)
         return (seed - self.first_seed - first) // step
 
     def leaf(self, out: Path) -> Leaf:
-        return Leaf(out, self.config or self.protocol, self.task, self.embodiment, self.layout)
+        """Where its files lie."""
+        setting = self.setting
+        config = self.config or setting.protocol
+        return Leaf(out, config, setting.task, embodiment_folder(setting.embodiment), self.layout)
+
+    def unsharded(self) -> "Conditions":
+        """The same for a whole collection."""
+        return replace(self, stride=None)
 
     @staticmethod
     def from_json(header: Mapping[str, JSON]) -> "Conditions":
-        """Inverse of `to_json`, for the first line of a journal."""
-        names = [f.name for f in fields(Conditions) if f.name in header]
-        found = {n: tuple(v) if isinstance(v := header[n], list) else v for n in names}
-        return Conditions(**found)  # type: ignore[arg-type] - to_json wrote them
+        """Inverse of `to_json`, but for `setting.ranges`, which the resolved domain replaces."""
+        own = {name: header.get(name) for name in Conditions.__dataclass_fields__}
+        known = {name: header[name] for name in SETTING if header.get(name) is not None}
+        lists = {key: tuple(v) if isinstance(v, list) else v for key, v in own.items()}
+        return Conditions(**{**lists, "setting": Setting(**known)})  # type: ignore[arg-type] - to_json wrote them
 
     def to_json(self) -> dict[str, JSON]:
-        names = self.__dataclass_fields__
-        found = {name: plain(getattr(self, name), name) for name in names}
-        return {**found, "dataset_version": DATASET_VERSION}
+        """One flat object; what a look or a recovery alone needs is null where there is none."""
+        own = {key: getattr(self, key) for key in self.__dataclass_fields__ if key != "setting"}
+        setting = {key: getattr(self.setting, key) for key in SETTING}
+        header = {
+            **own,
+            **setting,
+            "embodiment": embodiment_folder(self.setting.embodiment),
+            "split": None if self.visual is None else self.setting.split,
+            "recovery": None if self.setting.recovery else False,
+            "domain_name": self.domain.get("name", ""),
+            "domain_digest": self.domain.get("digest", ""),
+            "dataset_version": DATASET_VERSION,
+        }
+        return {key: plain(value, key) for key, value in header.items()}
+
+
+SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery")
+"""Fields of a setting that are stored as they are; its ranges are part of the domain."""
 
 
 def differences(stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> list[str]:
     """One clause for each condition that is not the same, nested keys spelled with dots."""
-    found: list[str] = []
+    clauses: list[str] = []
     for key in sorted({*stored, *wanted}):
         old, new = stored.get(key), wanted.get(key)
         if old == new:
             continue
         if isinstance(old, Mapping) and isinstance(new, Mapping):
-            found += [f"{key}.{clause}" for clause in differences(old, new)]
+            clauses += [f"{key}.{clause}" for clause in differences(old, new)]
         else:
-            found.append(f"{key} was {old!r}, now {new!r}")
-    return found
+            clauses.append(f"{key} was {old!r}, now {new!r}")
+    return clauses

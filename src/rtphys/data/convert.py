@@ -80,29 +80,18 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
 def conditions_of(
     entry: LeafEntry, domains: Mapping[str, Mapping[str, JSON]], layout: str
 ) -> Conditions:
-    """The conditions that a leaf was collected under, for another layout."""
-    return Conditions(
-        task=entry.task,
-        protocol=entry.protocol or entry.config,
-        first_seed=entry.first_seed,
-        domain_name=entry.domain.name,
-        domain_digest=entry.domain.digest,
-        domain=domains[entry.domain.digest],
-        cameras=tuple(entry.cameras),
-        versions=entry.versions,
-        assets=entry.assets,
-        only=None if entry.only is None else tuple(entry.only),
-        overrides=entry.overrides,
-        embodiment=entry.embodiment,
-        layout=layout,
-        visual=entry.visual,
-        config=None if entry.config == entry.protocol else entry.config,
-        split=None if entry.visual is None else entry.split,
-        recovery=None if entry.recovery else False,
-        twin=entry.twin,
-        twin_of=entry.twin_of,
-        stride=None if entry.stride is None else (entry.stride[0], entry.stride[1]),
+    """The conditions that a task dataset was collected under, for another layout."""
+    own = {} if entry.config == entry.protocol else {"config": entry.config}
+    header = (
+        entry.model_dump(mode="json", exclude={"config"})
+        | own
+        | {
+            "protocol": entry.protocol or entry.config,
+            "domain": {**domains[entry.domain.digest], **entry.domain.model_dump(mode="json")},
+            "layout": layout,
+        }
     )
+    return Conditions.from_json(header)
 
 
 def _copy(leaf: Leaf, entry: LeafEntry, task: TaskWriter) -> Iterator[None]:

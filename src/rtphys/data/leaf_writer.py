@@ -33,19 +33,15 @@ class Rejection:
 
 
 class TaskWriter:
-    """Outcomes arrive in any order; files, numbers and journal follow the seeds.
-
-    An outcome waits until all earlier seeds are known. Whatever lies beyond the episode that fills
-    the order is dropped, so the dataset does not depend on the number of workers.
-    """
+    """Commits the outcomes of one task dataset, in the order of the seeds."""
 
     def __init__(self, leaf: Leaf, conditions: Conditions, *, resume: bool) -> None:
         self.leaf = leaf
         self.conditions = conditions
         self.wanted = 0
         self._journal = Journal(leaf.journal)
-        self._pending: dict[int, StagedEpisode | Rejection] = {}
         self.episodes = 0
+        self.fruitless = 0  # attempts since the last episode
         self._open(resume)
 
     def _open(self, resume: bool) -> None:
@@ -59,7 +55,9 @@ class TaskWriter:
             return
         if found := differences(stored[0], header):
             raise DatasetMismatch(self.leaf.folder, found)
-        self.episodes = sum(entry["verdict"] == "accepted" for entry in stored[1:])
+        verdicts = [entry["verdict"] for entry in stored[1:]]
+        self.episodes = verdicts.count("accepted")
+        self.fruitless = (["accepted", *verdicts][::-1]).index("accepted")
         if not resume and len(stored) > 1:
             raise DatasetExists(self.leaf.folder, self.episodes)
         self._remove_leftovers()
@@ -91,11 +89,8 @@ class TaskWriter:
 
     @property
     def next_seed(self) -> int:
-        """The lowest seed whose outcome is not known."""
-        attempt = self.attempts
-        while (seed := self.conditions.seed(attempt)) in self._pending:
-            attempt += 1
-        return seed
+        """The lowest seed whose outcome is not committed."""
+        return self.conditions.seed(self.attempts)
 
     @property
     def attempts(self) -> int:
@@ -115,28 +110,19 @@ class TaskWriter:
         """The folder for `stage_episode`, which a worker may be told."""
         return self.leaf.staged(seed)
 
-    def record(self, outcome: StagedEpisode | Rejection) -> list[int]:
-        """Takes one outcome; commits all that are now in order. Returns the seeds committed.
+    def record(self, outcome: StagedEpisode | Rejection) -> None:
+        """Commits the outcome of `next_seed`.
 
         Raises:
+            ValueError: it is another seed's.
             CannotWrite: the folder still is a valid prefix; the same run can be resumed.
         """
-        self._pending[outcome.seed] = outcome
-        committed = []
-        while not self.done:
-            seed = self.conditions.seed(self.attempts)
-            if seed not in self._pending:
-                break
-            self._commit(self._pending[seed])
-            del self._pending[seed]
-            committed.append(seed)
-        if self.done:
-            self.discard()
-        return committed
+        if outcome.seed != self.next_seed:
+            raise ValueError(f"the outcome of seed {outcome.seed} is not that of {self.next_seed}")
+        self._commit(outcome)
 
     def discard(self) -> None:
-        """Forgets outcomes that nobody will number."""
-        self._pending.clear()
+        """Removes staged files that nobody will number."""
         shutil.rmtree(self.leaf.staging, ignore_errors=True)
 
     def _commit(self, outcome: StagedEpisode | Rejection) -> None:
@@ -152,6 +138,7 @@ class TaskWriter:
             )
             assert isinstance(entry, dict)
             self._journal.append(entry, durable=False)
+            self.fruitless += 1
             return
         number = self.episodes
         listed = self._place(outcome, self.leaf.episode(number), number)
@@ -169,6 +156,7 @@ class TaskWriter:
             durable=True,
         )
         self.episodes += 1
+        self.fruitless = 0
         shutil.rmtree(outcome.folder, ignore_errors=True)
 
     def _place(self, staged: StagedEpisode, paths: EpisodePaths, number: int) -> dict[str, JSON]:

@@ -4,7 +4,7 @@ import fcntl
 import os
 import socket
 from pathlib import Path
-from typing import IO
+from typing import IO, Self
 
 from rtphys.data import files
 from rtphys.data.faults import DatasetLocked
@@ -12,10 +12,10 @@ from rtphys.data.layout import LOCK
 
 
 class FolderLock:
-    """Held from construction to `release`. The kernel frees it when its owner is killed.
+    """Held from construction to `release`, or to the end of its `with` block.
 
-    The owner's process id stands in the file for the message alone: a number could be reused, a
-    kernel lock cannot lie.
+    The kernel frees it when its owner is killed. The file holds the owner's process id for the
+    message alone: a number could be reused, a kernel lock cannot lie.
     """
 
     def __init__(self, out: Path) -> None:
@@ -47,3 +47,9 @@ class FolderLock:
         if not self._file.closed:
             self.path.unlink(missing_ok=True)
             self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()

@@ -8,7 +8,7 @@ from rtphys.core.seeds import stream
 from rtphys.core.timing import Laps
 from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.expert.robot import ExpertRobot
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 from rtphys.sim.recorder import FRAME_STEPS, Recording
 from rtphys.sim.rollout import Outcome, Rollout
 from rtphys.task.spec import Task
@@ -52,7 +52,7 @@ def attempt(recipe: Recipe, task: Task, pack: Pack, laps: Laps | None = None) ->
             if laps is not None:  # every step, which is too often for those who do not ask
                 rollout.tick = laps.timed("simulate", rollout.tick)
             chance = stream(recipe.seed, "expert")
-            task.script(ExpertRobot(rollout, chance, recipe.recovery))
+            task.script(ExpertRobot(rollout, chance, recipe.setting.recovery))
         with clock.phase("simulate"):
             outcome = rollout.finish()
     except Infeasible as problem:

@@ -11,7 +11,7 @@ from rtphys.physics.enforce import enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.hull import Solid, inside
 from rtphys.physics.values import Physics
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
 from rtphys.task.props import Ball, Prop
@@ -42,17 +42,17 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
         Infeasible: "layout" or "invalid_physics".
     """
     arithmetic.warn()
-    domain, props = recipe.domain(), tuple(task.props(recipe.seed))
-    drawn = domain.sample(recipe.seed, recipe.only, recipe.overrides)
+    setting, props = recipe.setting, tuple(task.props(recipe.seed))
+    drawn = setting.draw(recipe.seed)
     blueprint = Blueprint()
     enforce(blueprint, drawn)
-    look = draw_look(recipe.visual(), recipe.seed, (task, props), pack, recipe.split)
+    look = draw_look(setting.visual(), recipe.seed, (task, props), pack, setting.split)
     plan = WorldPlan(
         pack,
         props,
         blueprint,
         _table(task, look, pack, visuals),
-        recipe.embodiment,
+        setting.embodiment,
         clutter=look.clutter,
         head_jitter=look.backdrop.camera,
         visuals=visuals,
@@ -60,9 +60,9 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
     world = World(plan)
     # The centre of mass may only be drawn once the bodies it must lie in are known.
     solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
-    physics = domain.sample(recipe.seed, recipe.only, recipe.overrides, inside(solids))
+    physics = setting.draw(recipe.seed, inside(solids))
     enforce(world, physics)
-    return Instance(recipe, task, domain, props, physics, world, look)
+    return Instance(recipe, task, setting.domain, props, physics, world, look)
 
 
 def _table(task: Task, look: Look, pack: Pack, visuals: bool) -> TablePlan:

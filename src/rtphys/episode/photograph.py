@@ -10,7 +10,7 @@ from rtphys.core.errors import NoRenderer
 from rtphys.core.poses import Pose
 from rtphys.data.episode import CameraFrames, Images
 from rtphys.episode.instance import prepare
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.recorder import FRAME_STEPS, Recording, Row

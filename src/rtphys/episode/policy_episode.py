@@ -12,7 +12,7 @@ from rtphys.episode.generate import start
 from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.episode.mirror import Mirror
 from rtphys.episode.observation import Observation
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 from rtphys.sim.recorder import FRAME_STEPS, flat
 from rtphys.sim.rollout import Outcome, Rollout
 from rtphys.task.instructions import instructions
@@ -61,7 +61,7 @@ class PolicyEpisode:
         self._control = PolicyControl(self.rollout, recipe.seed)
         self._mirror = Mirror(instance, pack, cameras)
         self._outcome: Outcome | None = None
-        self.instruction = instructions(task, recipe.seed, describer(pack))[recipe.split][0]
+        self.instruction = instructions(task, recipe.seed, describer(pack))[recipe.setting.split][0]
 
     # ---- what a policy asks ----------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from rtphys.core.poses import Array
 from rtphys.episode.control import PolicyControl
 from rtphys.episode.generate import start
 from rtphys.episode.instance import prepare, settle
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 from rtphys.sim.recorder import Recording
 from rtphys.task.spec import Task
 

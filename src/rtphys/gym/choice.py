@@ -9,7 +9,7 @@ from rtphys.physics import attributes
 from rtphys.physics.values import Value, plain_value
 from rtphys.results.instance_file import instance_file, read_instances
 from rtphys.setting.protocol import load_protocol
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe, Setting
 
 OPTIONS = ("protocol", "physics", "index", "split")
 BENCHMARK = "benchmark_v1"  # certified lists that ship with rtphys
@@ -26,8 +26,8 @@ class Choice:
     split: str = "unseen"
 
     def recipe(self, seed: int) -> Recipe:
-        return Recipe(
-            self.task, seed, self.protocol, overrides=dict(self.physics), split=self.split
+        return Setting(self.task, self.protocol, overrides=dict(self.physics), split=self.split).at(
+            seed
         )
 
 

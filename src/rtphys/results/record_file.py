@@ -1,6 +1,6 @@
-"""The records of one task under one protocol, JSON Lines that a crash can only cut short."""
+"""The records of one task under one protocol as JSON Lines."""
 
-import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from rtphys.data import files
@@ -22,22 +22,7 @@ def read_records(path: Path) -> list[EpisodeRecord]:
     ]
 
 
-class RecordFile:
-    """Open for appending. What is there is kept; a torn last line is cut off before the next."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.records = read_records(path) if path.exists() else []
-
-    def append(self, record: EpisodeRecord) -> None:
-        """Adds a line and syncs it. Raises `CannotWrite`."""
-        text = compact(record.to_json()) + b"\n"
-        files.make_folder(self.path.parent)
-        with files.refusals(self.path):
-            if self.path.exists():
-                os.truncate(self.path, self.path.read_bytes().rfind(b"\n") + 1)
-            with self.path.open("ab") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-        self.records.append(record)
+def write_records(path: Path, records: Sequence[EpisodeRecord]) -> None:
+    """Replaces the file by a rename. Raises `CannotWrite`."""
+    files.make_folder(path.parent)
+    files.replace_file(path, b"".join(compact(one.to_json()) + b"\n" for one in records))

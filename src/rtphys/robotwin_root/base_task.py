@@ -11,7 +11,7 @@ from rtphys.episode.control import ActionKind
 from rtphys.episode.generate import attempt
 from rtphys.policies.robotwin.task_env import TaskEnv
 from rtphys.setting.protocol import protocol_names
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe, Setting
 from rtphys.task.instructions import scene_info
 from rtphys.task.spec import Task, load_task
 
@@ -67,9 +67,9 @@ class Base_Task(TaskEnv):
         self.eval_video_path = args.get("eval_video_save_dir")
         if isinstance(wanted := args.get("data_type"), dict):
             self.data_type = dict(wanted)
-        recipe = Recipe(
-            self.task_name, seed, protocol_of(args), split="unseen" if is_test else "seen"
-        )
+        recipe = Setting(
+            self.task_name, protocol_of(args), split="unseen" if is_test else "seen"
+        ).at(seed)
         self._init_task_env_(recipe)
 
     def _init_task_env_(self, recipe: Recipe) -> None:

@@ -15,7 +15,7 @@ from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import photograph
 from rtphys.setting.protocol import load_protocol
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.task.spec import Task, load_task
 
@@ -161,7 +161,9 @@ class _Job:
         self._warm_up(protocol)
         for seed in range(self.plan.first_seed, self.plan.first_seed + self.plan.episodes):
             with cost.attempts.once() as laps:
-                tried = attempt(Recipe(self.task.name, seed, protocol), self.task, self.pack, laps)
+                tried = attempt(
+                    Setting(self.task.name, protocol).at(seed), self.task, self.pack, laps
+                )
             cost.accepted += tried.accepted
             if tried.accepted and self.plan.pictures:
                 with cost.pictures.once() as laps:
@@ -170,7 +172,7 @@ class _Job:
 
     def _warm_up(self, protocol: str) -> None:
         seed = self.plan.first_seed + self.plan.episodes
-        tried = attempt(Recipe(self.task.name, seed, protocol), self.task, self.pack)
+        tried = attempt(Setting(self.task.name, protocol).at(seed), self.task, self.pack)
         if self.plan.pictures and tried.recording is not None:
             photograph(tried.recipe, self.task, self.pack, tried.recording, CAMERAS)
 

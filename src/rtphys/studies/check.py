@@ -2,47 +2,62 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
+from pydantic.dataclasses import dataclass as validated
 
 from rtphys.assets.pack import Pack
-from rtphys.campaign.workers.local import Crew
+from rtphys.campaign.engine import Listener, run_all
+from rtphys.campaign.series import Series, Study, Tally
+from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.campaign.workers.pool import Limits, Lost
-from rtphys.core.errors import BadValue, Infeasible
+from rtphys.core.errors import Infeasible
 from rtphys.data.jpeg import encode_png
 from rtphys.episode import begin
 from rtphys.episode.generate import Attempt, attempt, start
 from rtphys.episode.instance import prepare
 from rtphys.episode.photograph import photograph
 from rtphys.episode.replay import actions_of, replay
-from rtphys.physics.domain import Domain
 from rtphys.policies import open_policy
+from rtphys.setting.option import Option, at_least, entries_of
 from rtphys.setting.protocol import load_protocol
-from rtphys.setting.recipe import Recipe, check_varies
+from rtphys.setting.setting import Ranges, Recipe, Setting, check_varies
 from rtphys.sim import renderer
+from rtphys.studies.worker import StudyWorker
 from rtphys.task.spec import Task, load_task
 
-ROBOTS = 20  # seeds on which the idle and the random robot are tried
-AGAIN = 2  # seeds that the expert does twice, to compare the states
+TWICE = 2  # seeds that the expert does twice, to compare the states
 SHEET_CAMERAS = ("head", "left", "right", "front")
 
-Kind = Literal["expert", "again", "idle", "random", "sheet"]
+Robot = Literal["expert", "again", "idle", "random", "sheet"]
 
 
-@dataclass(frozen=True)
+@validated(frozen=True)
 class CheckPlan:
-    """One run of `check`."""
+    """One run of `check`: tasks under protocols."""
 
-    tasks: tuple[str, ...]
-    protocols: tuple[str, ...] = ("clean",)
-    seeds: int = 20
-    first_seed: int = 0
-    robots: int = ROBOTS
-    workers: int = 1
-    ranges: Domain | None = None  # drawn from instead of each task's own domain
+    tasks: Annotated[
+        tuple[str, ...], entries_of("tasks"), Option("Tasks or patterns.", positional=True)
+    ]
+    protocols: Annotated[
+        tuple[str, ...], Option("clean, phys_random; several with commas.", "--protocol")
+    ] = ("clean",)
+    seeds: Annotated[int, at_least(1), Option("Number of seeds of each task and protocol.")] = 20
+    first_seed: Annotated[int, at_least(0), Option("The first seed.")] = 0
+    robots: Annotated[
+        int,
+        at_least(0),
+        Option("Number of seeds for the idle and the random robot, which cost the most."),
+    ] = 20
+    workers: Annotated[int | None, at_least(1), Option("Worker processes; default one a core.")] = (
+        None
+    )
+    ranges: Annotated[
+        Ranges, Option("Draw from this domain (name or file), not from the task's own.", "--domain")
+    ] = None
     limits: Limits = field(default_factory=Limits)
 
     def check(self) -> None:
@@ -53,38 +68,21 @@ class CheckPlan:
             load_protocol(name)
         if self.ranges is not None:
             check_varies(self.ranges, self.protocols)
-        least = {"seeds": 1, "first_seed": 0, "robots": 0, "workers": 1}
-        for key, bound in least.items():
-            if getattr(self, key) < bound:
-                raise BadValue(f"--{key.replace('_', '-')}", getattr(self, key), f">= {bound}")
 
-    def drawn(self, protocol: str) -> str:
-        """Name of the domain that takes the place of the tasks' own; empty for none."""
-        if self.ranges is None or not load_protocol(protocol).physics:
-            return ""
-        return self.ranges.name
-
-    def jobs(self) -> "Iterator[Job]":
-        """Everything to be tried, task by task."""
-        for task in self.tasks:
-            for protocol in self.protocols:
-                counts = {"expert": self.seeds, "again": min(AGAIN, self.seeds)}
-                counts |= {"idle": self.robots, "random": self.robots}
-                for kind, count in counts.items():
-                    for seed in range(self.first_seed, self.first_seed + count):
-                        yield Job(kind, task, protocol, seed)  # type: ignore[arg-type]
+    def settings(self) -> list[Setting]:
+        """One for each task and protocol."""
+        return [
+            Setting(task, protocol, ranges=self.ranges)
+            for task in self.tasks
+            for protocol in self.protocols
+        ]
 
 
 class Job(NamedTuple):
     """One robot on one episode."""
 
-    kind: Kind
-    task: str
-    protocol: str
-    seed: int
-
-    def __str__(self) -> str:
-        return f"{self.task}, {self.protocol}, seed {self.seed} ({self.kind})"
+    robot: Robot
+    recipe: Recipe
 
 
 @dataclass(frozen=True)
@@ -101,30 +99,36 @@ class Trial:
 
 @dataclass
 class Score:
-    """One task under one protocol."""
+    """Results of one task under one protocol."""
 
-    task: str
-    protocol: str
+    setting: Setting
     seeds: int
     accepted: int = 0
-    rejected: Counter[str] = field(default_factory=Counter)
+    rejected: Counter[str] = field(default_factory=Counter[str])
     failures: list[tuple[int, str, str]] = field(default_factory=list)  # seed, reason, detail
-    solved: Counter[str] = field(default_factory=Counter)  # by kind
-    tried: Counter[str] = field(default_factory=Counter)
-    cpu: list[float] = field(default_factory=list)
+    solved: Counter[str] = field(default_factory=Counter[str])  # by robot
+    tried: Counter[str] = field(default_factory=Counter[str])
+    cpu: list[float] = field(default_factory=list[float])
     hashes: dict[int, set[str]] = field(default_factory=dict)
     good_seed: int | None = None  # the lowest accepted
-    domain: str = ""  # name of one that was drawn from instead of the task's own
 
-    def add(self, job: Job, trial: Trial) -> None:
-        """Counts one trial; the order in which they come does not matter."""
-        self.tried[job.kind] += 1
-        if job.kind in ("expert", "again") and trial.hash:
-            self.hashes.setdefault(job.seed, set()).add(trial.hash)
-        if job.kind in ("idle", "random"):
-            self.solved[job.kind] += trial.success
-        if job.kind == "expert":
-            self._add_expert(job.seed, trial)
+    @property
+    def task(self) -> str:
+        return self.setting.task
+
+    @property
+    def protocol(self) -> str:
+        return self.setting.protocol
+
+    def add(self, robot: Robot, seed: int, trial: Trial) -> None:
+        """Counts one trial."""
+        self.tried[robot] += 1
+        if robot in ("expert", "again") and trial.hash:
+            self.hashes.setdefault(seed, set()).add(trial.hash)
+        if robot in ("idle", "random"):
+            self.solved[robot] += trial.success
+        if robot == "expert":
+            self._add_expert(seed, trial)
 
     def _add_expert(self, seed: int, trial: Trial) -> None:
         self.cpu.append(trial.cpu_seconds)
@@ -139,15 +143,17 @@ class Score:
     @property
     def deterministic(self) -> bool:
         """Whether each seed that was tried twice went through the same states."""
-        return all(len(found) == 1 for found in self.hashes.values())
+        return all(len(hashes) == 1 for hashes in self.hashes.values())
 
-    def rate(self, kind: str) -> float | None:
+    def rate(self, robot: str) -> float | None:
         """Share of successes of a robot, None if it was not tried."""
-        tried = self.accepted if kind == "expert" else self.tried[kind]
-        return self.solved[kind] / tried if tried else None
+        tried = self.accepted if robot == "expert" else self.tried[robot]
+        return self.solved[robot] / tried if tried else None
 
     def to_json(self) -> dict[str, object]:
         """Rates are in [0, 1], or null where nothing was tried."""
+        ranges = self.setting.ranges
+        drawn = ranges is not None and load_protocol(self.protocol).physics
         return {
             "task": self.task,
             "protocol": self.protocol,
@@ -158,34 +164,51 @@ class Score:
             "idle_success": self.rate("idle"),
             "random_success": self.rate("random"),
             "cpu_seconds_mean": float(np.mean(self.cpu)) if self.cpu else None,
-            **({"domain": self.domain} if self.domain else {}),
+            **({"domain": ranges.name} if ranges and drawn else {}),
         }
 
 
-def check(
-    plan: CheckPlan, pack: Pack, told: Callable[[list[Score], int], None] = lambda *_: None
-) -> list[Score]:
+@dataclass
+class RobotTrials(Study[Job, Trial]):
+    """One robot on consecutive seeds of one setting."""
+
+    robot: Robot
+    score: Score
+    picture: bytes = b""
+
+    def job(self, seed: int) -> Job:
+        return Job(self.robot, self.score.setting.at(seed))
+
+    def reason(self, result: Trial) -> str:
+        return ""  # every trial is wanted
+
+    def commit(self, seed: int, result: Trial) -> str:
+        self.score.add(self.robot, seed, result)
+        self.picture = result.picture
+        return ""
+
+    def lost(self, seed: int, loss: Lost) -> Trial:
+        return Trial(loss.reason, loss.detail)
+
+    def series(self, first: int, count: int) -> Series[Job, Trial]:
+        """So many seeds from the first one."""
+        name = f"{self.score.task}, {self.score.protocol} ({self.robot})"
+        return Series(self, Tally(name, count), range(first, first + count))
+
+
+def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list[Score]:
     """Tries the expert, its actions replayed, an idle robot and one that moves at random.
 
-    Args:
-        told: called with the scores so far and the number of jobs that are left.
-
     Raises:
-        RtphysError: what `CheckPlan.check` refuses, or an exception in a worker.
+        RtphysError: what `CheckPlan.check` refuses, or an error in a worker.
     """
     plan.check()
-    scores = {
-        (task, protocol): Score(task, protocol, plan.seeds, domain=plan.drawn(protocol))
-        for task in plan.tasks
-        for protocol in plan.protocols
-    }
-    jobs = list(plan.jobs())
-    for done, (job, trial) in enumerate(_tried(plan, pack, jobs), start=1):
-        scores[job.task, job.protocol].add(job, trial)
-        told(list(scores.values()), len(jobs) - done)
-    for score in scores.values():
-        score.failures.sort()
-    return list(scores.values())
+    scores = [Score(setting, plan.seeds) for setting in plan.settings()]
+    counts: dict[Robot, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
+    counts |= {"idle": plan.robots, "random": plan.robots}
+    trials = [RobotTrials(robot, score) for score in scores for robot in counts]
+    _run(plan, pack, [one.series(plan.first_seed, counts[one.robot]) for one in trials], listener)
+    return scores
 
 
 def sheet(plan: CheckPlan, pack: Pack, score: Score) -> tuple[int, bytes]:
@@ -194,57 +217,43 @@ def sheet(plan: CheckPlan, pack: Pack, score: Score) -> tuple[int, bytes]:
     Shows the lowest accepted seed, or the first failure if there is none. Needs a renderer.
     """
     seed = score.failures[0][0] if score.good_seed is None else score.good_seed
-    job = Job("sheet", score.task, score.protocol, seed)
-    _, trial = next(_tried(replace(plan, workers=1), pack, [job]))
-    return seed, trial.picture
+    drawn = RobotTrials("sheet", Score(score.setting, 1))
+    _run(replace(plan, workers=1), pack, [drawn.series(seed, 1)])
+    return seed, drawn.picture
 
 
-def _tried(plan: CheckPlan, pack: Pack, jobs: Sequence[Job]) -> Iterator[tuple[Job, Trial]]:
-    waiting = list(reversed(jobs))
-    with Crew[Job, Trial](Bench(pack, plan.ranges), plan.workers, plan.limits) as crew:
-        while waiting or crew.busy:
-            while waiting and crew.room:
-                job = waiting.pop()
-                crew.submit(job, job)
-            for event in crew.wait():
-                assert isinstance(event.name, Job)
-                lost = isinstance(event, Lost)
-                yield event.name, Trial(event.reason, event.detail) if lost else event.result
+def _run(
+    plan: CheckPlan,
+    pack: Pack,
+    series: Sequence[Series[Job, Trial]],
+    listener: Listener | None = None,
+) -> None:
+    listener, size = listener or Listener(), cores() if plan.workers is None else plan.workers
+    with LocalPool[Job, Trial](CheckWorker(pack), size, plan.limits, listener.noticed) as pool:
+        run_all(series, pool, listener)
 
 
-# ---- in a worker -------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Bench:
-    """A worker's equipment: picklable, set up once in each process by calling it."""
-
-    pack: Pack
-    ranges: Domain | None = None
-
-    def __call__(self) -> Callable[[Job], Trial]:
-        return self.do
-
-    def _recipe(self, job: Job) -> Recipe:
-        return Recipe(job.task, job.seed, job.protocol, ranges=self.ranges)
+class CheckWorker(StudyWorker[Job, Trial]):
+    """Lets one robot try one episode."""
 
     def do(self, job: Job) -> Trial:
-        recipe, task = self._recipe(job), load_task(job.task)
-        if job.kind in ("idle", "random"):
-            return Trial(success=solves(recipe, task, self.pack, job.kind))
-        if job.kind == "sheet":
+        robot, recipe = job
+        task = self.tasks[recipe.task]
+        if robot in ("idle", "random"):
+            return Trial(success=solves(recipe, task, self.pack, robot))
+        if robot == "sheet":
             renderer.configure()  # before the first scene
         began = time.process_time()
         tried = attempt(recipe, task, self.pack)
         spent = time.process_time() - began
-        if job.kind == "sheet":
-            return Trial(picture=_picture(recipe, task, self.pack, tried))
-        found = tried.recording
-        again = False
-        if job.kind == "expert" and tried.accepted and found is not None:
-            again = replay(recipe, task, self.pack, actions_of(found))
-        state = found.hash if found is not None else ""
-        return Trial(tried.reason, tried.detail, again, spent, state)
+        if robot == "sheet":
+            return Trial(picture=_picture(task, self.pack, tried))
+        recording = tried.recording
+        replayed = False
+        if robot == "expert" and tried.accepted and recording is not None:
+            replayed = replay(recipe, task, self.pack, actions_of(recording))
+        state = recording.hash if recording is not None else ""
+        return Trial(tried.reason, tried.detail, replayed, spent, state)
 
 
 def solves(recipe: Recipe, task: Task, pack: Pack, robot: str) -> bool:
@@ -257,12 +266,10 @@ def solves(recipe: Recipe, task: Task, pack: Pack, robot: str) -> bool:
     return episode.success
 
 
-def _picture(recipe: Recipe, task: Task, pack: Pack, tried: Attempt) -> bytes:
-    if tried.recording is None:  # not even settled: show what it looks like before anyone acts
-        rollout = start(prepare(recipe, task, pack))
-        recording = rollout.recorder.recording
-    else:
-        recording = tried.recording
+def _picture(task: Task, pack: Pack, tried: Attempt) -> bytes:
+    recipe, recording = tried.recipe, tried.recording
+    if recording is None:  # not even settled: show what it looks like before anyone acts
+        recording = start(prepare(recipe, task, pack)).recorder.recording
     last = {row.stage: row for row in recording.rows}  # of each stage
     ends = replace(recording, rows=list(last.values()))
     images = photograph(recipe, task, pack, ends, SHEET_CAMERAS).images

@@ -13,7 +13,7 @@ from rtphys.data.verify import verify
 from rtphys.episode.assemble import FalseLabel, assemble
 from rtphys.episode.generate import attempt
 from rtphys.episode.photograph import Photographs
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
@@ -79,7 +79,7 @@ def matrix(pose: np.ndarray) -> np.ndarray:
 
 def test_a_false_label_is_an_error_not_an_episode() -> None:
     task, pack = load_task("click_bell"), default_pack()
-    tried = attempt(Recipe("click_bell", 0, "phys_random"), task, pack)
+    tried = attempt(Setting("click_bell", "phys_random").at(0), task, pack)
     assert tried.instance is not None
     nothing = Photographs({}, {}, iter(()))
     assemble(tried, nothing, pack)
@@ -91,7 +91,7 @@ def test_a_false_label_is_an_error_not_an_episode() -> None:
 
 def test_a_rejected_attempt_is_no_episode() -> None:
     task, pack = load_task("click_bell"), default_pack()
-    tried = attempt(Recipe("click_bell", 0), task, pack)
+    tried = attempt(Setting("click_bell").at(0), task, pack)
     rejected = replace(tried, reason="slipped")
     with pytest.raises(ValueError, match="slipped"):
         assemble(rejected, Photographs({}, {}, iter(())), pack)

@@ -11,7 +11,7 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.verify import verify
 from rtphys.physics import Domain, load_domain
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.collect import CollectPlan, collect
 from rtphys.task.spec import load_task
 
@@ -30,16 +30,19 @@ def icy(tmp_path: Path) -> Domain:
 
 
 def test_a_recipe_draws_from_the_given_domain_and_holds_it_whole(icy: Domain) -> None:
-    recipe = Recipe("click_bell", 3, "phys_random", ranges=icy)
-    assert 0.3 <= recipe.domain().sample(3).scalar("friction", 0.0) <= 0.4
+    recipe = Setting("click_bell", "phys_random", ranges=icy).at(3)
+    assert 0.3 <= recipe.setting.domain.sample(3).scalar("friction", 0.0) <= 0.4
     stored = recipe.to_json()["ranges"]
     assert isinstance(stored, dict)
     assert Domain.from_json(stored).digest == icy.digest
-    assert recipe.domain().digest != Recipe("click_bell", 3, "phys_random").domain().digest
+    assert (
+        recipe.setting.domain.digest
+        != Setting("click_bell", "phys_random").at(3).setting.domain.digest
+    )
 
 
 def test_a_protocol_without_physics_stays_nominal(icy: Domain) -> None:
-    assert not Recipe("click_bell", 3, "clean", ranges=icy).domain().rules
+    assert not Setting("click_bell", "clean", ranges=icy).at(3).setting.domain.rules
     plan = CollectPlan(("click_bell",), 1, Path("data"), protocol="clean", ranges=icy)
     with pytest.raises(BadValue, match=r"icy.*varies no physics"):
         plan.check()

@@ -17,7 +17,7 @@ from rtphys.core.errors import BadValue, UnknownName
 from rtphys.episode.generate import attempt
 from rtphys.results.instance_file import instance_file, read_instances
 from rtphys.results.instances import FIRST_SEED, Slot
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.certify import CertifyPlan, Order, certify
 from rtphys.studies.certify.ledger import CertifiedOtherwise
 from rtphys.task.spec import load_task
@@ -144,7 +144,7 @@ def test_lists_do_not_depend_on_workers_or_wishes_and_say_what_the_expert_does(
     assert place.read_bytes() == other.read_bytes()
     for slot in read_instances(place).feasible:
         tried = attempt(
-            Recipe("click_bell", slot.seed, "phys_random"), load_task("click_bell"), pack
+            Setting("click_bell", "phys_random").at(slot.seed), load_task("click_bell"), pack
         )
         assert tried.accepted and tried.recording is not None
         assert tried.recording.hash.startswith(slot.state)
@@ -155,7 +155,7 @@ def test_lists_do_not_depend_on_workers_or_wishes_and_say_what_the_expert_does(
 def test_pictures_on_the_table_do_not_decide_what_is_feasible(pack: Pack) -> None:
     task = load_task("click_bell")
     seen, unseen = (
-        attempt(Recipe("click_bell", FIRST_SEED, "official_random", split=split), task, pack)
+        attempt(Setting("click_bell", "official_random", split=split).at(FIRST_SEED), task, pack)
         for split in ("seen", "unseen")
     )
     assert seen.recording is not None and unseen.recording is not None

@@ -25,7 +25,7 @@ from rtphys.results.folder import SUMMARY, record_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.certify.work import Bench
 from rtphys.studies.certify.work import Job as Trial
 from rtphys.studies.evaluate import EvaluatePlan, evaluate
@@ -98,7 +98,7 @@ def stage(spec: str, pack: Pack) -> Stage:
 
 def job(seed: int, protocol: str = "clean", **options: str) -> Job:
     setup = PolicySetup(TASK, protocol, "unseen", 0, options)
-    return Job(Recipe(TASK, seed, protocol, split="unseen"), setup)
+    return Job(Setting(TASK, protocol, split="unseen").at(seed), setup)
 
 
 def test_a_crash_of_the_policy_is_its_failure(pack: Pack) -> None:
@@ -146,7 +146,7 @@ def test_a_policy_that_hangs_is_given_up(tmp_path: Path, lists: Path, pack: Pack
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_the_expert_solves_what_it_has_certified(pack: Pack, protocol: str) -> None:
-    slot = Bench(pack).do(Trial(Recipe(TASK, FIRST_SEED, protocol), ()))
+    slot = Bench(pack).do(Trial(Setting(TASK, protocol).at(FIRST_SEED), ()))
     record = stage("expert", pack).do(job(FIRST_SEED, protocol))
     assert slot.feasible and record.success and record.held
     assert record.first_touch is not None and 0 < record.first_touch < record.time

@@ -10,7 +10,7 @@ from rtphys.episode.fingerprint import ground_of
 from rtphys.episode.generate import attempt
 from rtphys.results.instance_file import read_instances
 from rtphys.setting.protocol import BUILTIN
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.evaluate.lists import certified
 from rtphys.studies.evaluate.plan import BENCHMARK, EvaluatePlan
 from rtphys.task.spec import load_task
@@ -50,7 +50,7 @@ def test_the_expert_solves_the_first_instance_bit_for_bit(
 ) -> None:
     (path,) = (p for p in LISTS if (p.stem, p.parent.name) == (task, protocol))
     first = read_instances(path).feasible[0]
-    generated = attempt(Recipe(task, first.seed, protocol), load_task(task), pack)
+    generated = attempt(Setting(task, protocol).at(first.seed), load_task(task), pack)
     assert generated.accepted
     assert generated.recording is not None and generated.recording.hash.startswith(first.state)
 
@@ -61,6 +61,6 @@ def test_the_expert_solves_the_first_instance_bit_for_bit(
 def test_the_expert_still_moves_as_listed(path: Path, pack: Pack) -> None:
     """A change of planner, control or simulation shows here, though no task file changed."""
     first = read_instances(path).feasible[0]
-    recipe = Recipe(path.stem, first.seed, path.parent.name)
+    recipe = Setting(path.stem, path.parent.name).at(first.seed)
     recording = attempt(recipe, load_task(recipe.task), pack).recording
     assert recording is not None and recording.hash.startswith(first.state)

@@ -1,4 +1,4 @@
-"""A crew of worker processes that may crash, hang or leak without harm to the whole.
+"""A pool of worker processes that may crash, hang or leak without harm to the campaign.
 
 Not `concurrent.futures`: one dead process breaks that pool. Not `multiprocessing`: it runs the
 caller's main module again in every worker. Workers are fresh interpreters, since a process that
@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
 from typing import Generic, TypeVar
 
-from rtphys.campaign.workers.pool import CRASH, HANG, Done, Lost, WorkerFailed, Workers
+from rtphys.campaign.workers.pool import CRASH, HANG, Done, Lost, WorkerFailed, WorkerPool
 from rtphys.campaign.workers.worker import resident_bytes
 
 J = TypeVar("J")
@@ -51,8 +51,8 @@ class _Worker(Generic[J]):
 
 
 @dataclass
-class Crew(Workers[J, R]):
-    """Workers on this machine: child processes."""
+class LocalPool(WorkerPool[J, R]):
+    """Workers that are child processes on this machine; started when they are first needed."""
 
     def __post_init__(self) -> None:
         self._workers: list[_Worker[J]] = []
@@ -61,7 +61,7 @@ class Crew(Workers[J, R]):
         self._logs = tempfile.TemporaryDirectory(prefix="rtphys-workers-")
         self._spawned = 0
 
-    # ---- what a supervisor says ------------------------------------------------------------
+    # ---- the pool ------------------------------------------------------------
 
     @property
     def busy(self) -> int:
@@ -72,15 +72,15 @@ class Crew(Workers[J, R]):
         self._assign()
 
     def wait(self, timeout: float = 1.0) -> list[Done[R] | Lost]:
-        found: list[Done[R] | Lost] = []
+        ended: list[Done[R] | Lost] = []
         lines = {worker.line: worker for worker in self._workers if worker.job is not None}
         for line in wait(list(lines), timeout) if lines else []:
             assert isinstance(line, Connection)
-            found += self._hear(lines[line])
+            ended += self._receive(lines[line])
         for worker in list(self._workers):
             self._watch(worker)
         self._assign()
-        return found
+        return ended
 
     def close(self) -> None:
         for worker in list(self._workers):
@@ -118,7 +118,7 @@ class Crew(Workers[J, R]):
                 stderr=subprocess.STDOUT,
                 pass_fds=[theirs.fileno()],
                 env={**os.environ, **THREADS, "PYTHONPATH": path},
-                process_group=0,  # Ctrl-C is the supervisor's business
+                process_group=0,  # Ctrl-C is handled by the parent alone
             )
         theirs.close()
         worker = _Worker[J](process, ours, log)
@@ -146,13 +146,13 @@ class Crew(Workers[J, R]):
         if worker.killed:
             worker.process.kill()
 
-    # ---- what a worker says ----------------------------------------------------------------
+    # ---- messages of workers ----------------------------------------------------------------
 
-    def _hear(self, worker: _Worker[J]) -> list[Done[R] | Lost]:
+    def _receive(self, worker: _Worker[J]) -> list[Done[R] | Lost]:
         try:
             message = worker.line.recv()
         except (EOFError, OSError):
-            return self._bury(worker)
+            return self._handle_death(worker)
         if message[0] == "failed":
             _, text, code, trace = message
             if worker.ready and worker.job is not None:
@@ -170,11 +170,11 @@ class Crew(Workers[J, R]):
             self._remove(worker)
         return [Done(name, result)]
 
-    def _bury(self, worker: _Worker[J]) -> list[Done[R] | Lost]:
+    def _handle_death(self, worker: _Worker[J]) -> list[Done[R] | Lost]:
         """A dead worker's job gets another try, or is given up."""
         status, job = self._remove(worker), worker.job
         assert job is not None
-        died = worker.killed or _way_of_dying(status)
+        died = worker.killed or _cause_of_death(status)
         self.notice(f"a worker {died} on {job.name}")
         foreign = not worker.killed and -status in (signal.SIGKILL, signal.SIGTERM)
         if not worker.ready and not worker.killed:
@@ -200,7 +200,7 @@ class Crew(Workers[J, R]):
             return ""
 
 
-def _way_of_dying(status: int) -> str:
+def _cause_of_death(status: int) -> str:
     if status >= 0:
         return f"ended with exit code {status}"
     try:

@@ -1,4 +1,4 @@
-"""What crews of workers have in common, wherever these run; local.py and ray.py are two."""
+"""The worker pool: jobs in, results out. `local.py` and `ray.py` implement it."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Sequence
@@ -53,15 +53,15 @@ class WorkerFailed(RtphysError):
 
 
 @dataclass
-class Workers(ABC, Generic[J, R]):
-    """Jobs in, results out, in any order; each submitted job comes back exactly once.
+class WorkerPool(ABC, Generic[J, R]):
+    """Takes jobs and gives their results in any order; each job comes back exactly once.
 
-    Use as a context manager, from one thread that outlives it.
+    Use it as a context manager, from one thread that outlives it.
 
     Args:
         setup: picklable; called once in each worker, returns the function that does a job.
         size: number of worker processes.
-        notice: told about deaths, one sentence each.
+        notice: called with one sentence when a worker dies.
     """
 
     setup: Callable[[], Callable[[J], R]]
@@ -71,21 +71,21 @@ class Workers(ABC, Generic[J, R]):
 
     @property
     def room(self) -> int:
-        """How many more jobs could start now."""
+        """Number of jobs that could start now."""
         return self.size - self.busy
 
     @property
     @abstractmethod
     def busy(self) -> int:
-        """Jobs that are under way or wait for another try."""
+        """Number of jobs that run or wait for another try."""
 
     @abstractmethod
     def submit(self, name: Hashable, job: J) -> None:
-        """Takes a job on."""
+        """Adds a job."""
 
     @abstractmethod
     def wait(self, timeout: float = 1.0) -> Sequence[Done[R] | Lost]:
-        """What has come to an end, after at most `timeout` [s].
+        """Jobs that have ended, after at most `timeout` [s].
 
         Raises:
             WorkerFailed: a worker raised, or cannot even start.
@@ -93,7 +93,7 @@ class Workers(ABC, Generic[J, R]):
 
     @abstractmethod
     def close(self) -> None:
-        """Kills whatever runs; files of unfinished jobs are left to whoever cleans the folder."""
+        """Kills what still runs. Files of unfinished jobs stay; the folder's owner removes them."""
 
     def __enter__(self) -> Self:
         return self

@@ -1,82 +1,70 @@
-"""The supervisor: hands out seeds in order, takes results in any order, survives its workers."""
+"""`certify`: finds the seeds on which policies are evaluated, those that the expert solves."""
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from dataclasses import replace
 
 from rtphys.assets.pack import Pack
-from rtphys.campaign.workers.local import Crew
-from rtphys.campaign.workers.pool import Lost
+from rtphys.campaign.engine import Listener, run_all
+from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.data.files import make_folder
 from rtphys.data.lock import FolderLock
-from rtphys.episode.fingerprint import ground_of
-from rtphys.results.instances import Slot
-from rtphys.studies.certify.order import Order
+from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.episode.generate import attempt
+from rtphys.episode.replay import actions_of, replay
+from rtphys.results.instances import HASH_LENGTH, Slot
+from rtphys.setting.setting import Recipe, Setting
+from rtphys.studies.certify.certified_list import CertifiedList, Job
 from rtphys.studies.certify.plan import CertifyPlan
-from rtphys.studies.certify.work import Bench, Job
-
-Told = Callable[[Sequence[Order]], None]
-
-
-class Name(NamedTuple):
-    """An attempt."""
-
-    protocol: str
-    task: str
-    seed: int
-
-    def __str__(self) -> str:
-        return f"{self.task}, {self.protocol}, seed {self.seed}"
+from rtphys.studies.worker import StudyWorker
+from rtphys.task.spec import Task
 
 
-def certify(plan: CertifyPlan, pack: Pack, told: Told = lambda _: None) -> list[Order]:
+def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> list[CertifiedList]:
     """Certifies until every list has its feasible seeds, is given up, or meets a lost worker.
 
     The lists depend on the plan alone, not on the number of workers, nor on how often the run was
     killed and resumed. A seed that takes its workers with it gets no verdict: its list is left as
-    it is, `Order.halted` says why, and the same call goes on there.
-
-    Args:
-        told: called with all lists whenever one has changed.
+    it is, `series.halted` says why, and the same call goes on there.
 
     Raises:
-        RtphysError: what `CertifyPlan.check` refuses; a list certified on other ground; another
-            run at work in the folder; an exception in a worker.
+        RtphysError: what `CertifyPlan.check` refuses; a list with another fingerprint; another
+            run at work in the folder; an error in a worker.
     """
-    tasks = plan.check()
+    tasks, listener = plan.check(), listener or Listener()
     make_folder(plan.out)
-    lock = FolderLock(plan.out)
-    try:
-        orders = {
-            (protocol, name): Order(plan, name, protocol, ground_of(task, protocol, pack).to_json())
-            for protocol in plan.protocols
-            for name, task in tasks.items()
-        }
-        told([*orders.values()])
-        with Crew[Job, Slot](Bench(pack), plan.workers, plan.limits) as crew:
-            _supervise(orders, crew, told)
-    finally:
-        lock.release()
-    return [*orders.values()]
+    with FolderLock(plan.out):
+        lists = [_open(plan, task, name, pack) for name in plan.protocols for task in tasks]
+        size = cores() if plan.workers is None else plan.workers
+        with LocalPool[Job, Slot](CertifyWorker(pack), size, plan.limits, listener.noticed) as pool:
+            run_all([one.series for one in lists], pool, listener, plan.out)
+    return lists
 
 
-def _supervise(orders: dict[tuple[str, str], Order], crew: Crew[Job, Slot], told: Told) -> None:
-    everyone = [*orders.values()]
-    open_ones = list(everyone)
-    while True:
-        for order in [order for order in open_ones if order.over]:
-            order.close()
-            open_ones.remove(order)
-        while crew.room and (order := next((o for o in open_ones if o.wants), None)):
-            job = order.begin()
-            crew.submit(Name(order.protocol, order.task, job.recipe.seed), job)
-        if not open_ones:
-            return
-        for event in crew.wait():
-            name = event.name
-            assert isinstance(name, Name)
-            order = orders[name.protocol, name.task]
-            if isinstance(event, Lost):
-                order.lose(name.seed, event.reason, event.detail)
-            else:
-                order.take(event.result)
-            told(everyone)
+def _open(plan: CertifyPlan, task: Task, protocol: str, pack: Pack) -> CertifiedList:
+    fingerprint = fingerprint_of(task, protocol, pack).to_json()
+    return CertifiedList(plan, Setting(task.name, protocol), fingerprint)
+
+
+class CertifyWorker(StudyWorker[Job, Slot]):
+    """Lets the expert try a seed, without pictures, and measures baselines on a feasible one."""
+
+    def do(self, job: Job) -> Slot:
+        recipe = job.recipe
+        tried = attempt(recipe, self.tasks[recipe.task], self.pack)
+        if not tried.accepted or tried.recording is None:
+            return Slot(recipe.seed, tried.reason)
+        state, alone, twin = tried.recording.hash[:HASH_LENGTH], None, None
+        if "replay" in job.baselines:
+            alone = replay(recipe, self.tasks[recipe.task], self.pack, actions_of(tried.recording))
+        if "twin" in job.baselines:
+            twin = self._twin(recipe)
+        return Slot(recipe.seed, "", state, alone, twin)
+
+    def _twin(self, recipe: Recipe) -> bool | None:
+        """Whether clean actions do under this physics; None if the clean expert fails."""
+        task = self.tasks[recipe.task]
+        clean = attempt(
+            Recipe(replace(recipe.setting, protocol="clean"), recipe.seed), task, self.pack
+        )
+        if not clean.accepted or clean.recording is None:
+            return None
+        return replay(recipe, task, self.pack, actions_of(clean.recording))

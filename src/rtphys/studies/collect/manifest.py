@@ -1,7 +1,7 @@
-"""`manifests/*.yaml`: what to collect, written down."""
+"""`manifests/*.yaml` and sweeps: one description, the plans of many task datasets."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 
 from rtphys.core import library
@@ -10,25 +10,90 @@ from rtphys.data import schema
 from rtphys.data.schema_collect import Collection, CollectionRun
 from rtphys.data.schema_model import Model
 from rtphys.physics.auxiliary import AUXILIARY
-from rtphys.physics.load import load_domain
+from rtphys.physics.overrides import parse_overrides
 from rtphys.physics.registry import attributes
-from rtphys.physics.values import plain_value
-from rtphys.studies.collect.plan import CollectPlan
-from rtphys.studies.collect.sweep import swept
+from rtphys.physics.values import Value, plain_value
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.plan import TaskPlan
+
+
+def plans_for(template: TaskPlan, tasks: Sequence[str], sweep: str = "") -> tuple[TaskPlan, ...]:
+    """One plan a task, or one for each task and each value of a sweep.
+
+    Args:
+        template: all but the task's name.
+        sweep: as `swept` takes it; empty: none.
+    """
+    templates = swept(template, sweep) if sweep else (template,)
+    return tuple(
+        replace(one, setting=replace(one.setting, task=task)) for one in templates for task in tasks
+    )
+
+
+def swept(plan: TaskPlan, text: str) -> tuple[TaskPlan, ...]:
+    """The same seeds again, one attribute held at each of its values.
+
+    Each plan has a folder of its own, `<protocol>.<attribute>=<value>`.
+
+    Args:
+        text: "friction=0.05,0.1", or ';' between vectors: "center_of_mass=0,0,0.01;0,0,0.02".
+
+    Raises:
+        UnknownName, BadValue: as `parse_overrides`; a value that is named twice; one that is held.
+    """
+    key, equals, spelt = text.partition("=")
+    key, setting = key.strip(), plan.setting
+    parts = [part.strip() for part in spelt.split(";" if ";" in spelt else ",")]
+    if not equals or not all(parts):
+        raise BadValue("sweep", text, "write key=value,value, such as friction=0.1,0.2")
+    if len(set(parts)) < len(parts):
+        raise BadValue("sweep", text, "name each value once")
+    if key in setting.overrides:
+        raise BadValue("sweep", key, "it is held at a value already")
+    only = None if setting.only is None else tuple(dict.fromkeys((*setting.only, key)))
+    return tuple(
+        replace(
+            plan,
+            setting=replace(
+                setting,
+                only=only,
+                overrides={**setting.overrides, **parse_overrides([f"{key}={part}"])},
+            ),
+            config=f"{plan.config or setting.protocol}.{key}={part}",
+        )
+        for part in parts
+    )
 
 
 def find_collection(text: str) -> Path:
-    """A file, or the name of one in a library.
-
-    Raises:
-        UnknownName: neither.
-    """
+    """A file, or the name of one in a library. Raises `UnknownName`: neither."""
     path = Path(text)
     return path if path.is_file() else library.find("manifests", text)
 
 
-def read_collection(path: Path) -> Collection:
-    """Raises `BadFile` or `UnknownName`, which name the file, the key and the nearest match."""
+def read_plans(path: Path) -> tuple[TaskPlan, ...]:
+    """The plans of a manifest.
+
+    Raises:
+        BadFile, UnknownName, BadValue: names the file, the key and the nearest match.
+    """
+    found: list[TaskPlan] = []
+    for number, run in enumerate(_read(path).collect):
+        place = f"{path}: collect.{number}"
+        overrides = _overrides(run, place)
+        given = run.model_dump() | {"overrides": overrides, "ranges": run.domain}
+        given["most_attempts"] = run.max_attempts
+        setting = {f.name: given[f.name] for f in fields(Setting) if f.name in given}
+        rest = {f.name: given[f.name] for f in fields(TaskPlan) if f.name in given}
+        template = TaskPlan(Setting("", **setting), **rest)
+        found += plans_for(template, library.matching("tasks", run.tasks, place), run.sweep)
+    folders = [plan.folder for plan in found]
+    if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
+        raise BadFile(path, f"{twice} is collected by two runs")
+    return tuple(found)
+
+
+def _read(path: Path) -> Collection:
     content = library.read_yaml(path)
     _check_keys(content, Collection, "key", path)
     runs = content.get("collect")
@@ -43,48 +108,13 @@ def read_collection(path: Path) -> Collection:
     return found
 
 
-def _check_keys(content: Mapping, model: type[Model], kind: str, path: Path) -> None:
+def _check_keys(content: Mapping[str, object], model: type[Model], kind: str, path: Path) -> None:
     for key in content:
         if key not in model.model_fields:
             raise UnknownName(kind, str(key), model.model_fields, path)
 
 
-def plans_of(path: Path, how: CollectPlan) -> tuple[CollectPlan, ...]:
-    """One plan a run of the manifest, several if it is swept.
-
-    Args:
-        how: where and with what; its tasks and all that a manifest says are replaced.
-
-    Raises:
-        BadFile, UnknownName, BadValue: from the file; a leaf that two runs collect.
-    """
-    found: list[CollectPlan] = []
-    for number, run in enumerate(read_collection(path).collect):
-        place = f"{path}: collect.{number}"
-        plan = replace(
-            how,
-            tasks=library.matching("tasks", run.tasks, place),
-            episodes=run.episodes,
-            protocol=run.protocol,
-            first_seed=run.first_seed,
-            only=None if run.only is None else tuple(run.only),
-            ranges=load_domain(run.domain) if run.domain else None,
-            recovery=run.recovery,
-            overrides=_held(run, place),
-            twin=run.twin,
-            cameras=tuple(run.cameras),
-            layout=run.layout,
-            split=run.split,
-            most_attempts=run.max_attempts,
-        )
-        found += swept(plan, run.sweep) if run.sweep else (plan,)
-    leaves = [plan.leaf_name(task) for plan in found for task in plan.tasks]
-    if twice := next((leaf for leaf in leaves if leaves.count(leaf) > 1), None):
-        raise BadFile(path, f"{twice} is collected by two runs")
-    return tuple(found)
-
-
-def _held(run: CollectionRun, place: str) -> dict:
+def _overrides(run: CollectionRun, place: str) -> dict[str, Value]:
     known = [*attributes(), *AUXILIARY]
     for key in run.set:
         if key not in known:

@@ -1,13 +1,16 @@
-"""What to collect, and all that can be refused before any work is done."""
+"""What to collect and on what; all that can be refused before any work is done."""
 
-import math
 import shutil
-from collections.abc import Mapping
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
+from typing import Annotated
 
-from rtphys.assets.pack import FALLBACKS, STAMP, Pack
+from pydantic.dataclasses import dataclass
+
+from rtphys.assets.pack import FALLBACKS, Pack, Progress, chosen_pack
+from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
 from rtphys.core.errors import (
     BadValue,
@@ -15,29 +18,32 @@ from rtphys.core.errors import (
     MissingAsset,
     NoRenderer,
     RtphysError,
-    UnknownName,
 )
-from rtphys.data.conditions import Conditions
 from rtphys.data.layout import LAYOUTS, Leaf
 from rtphys.doctor import PROBE, check_disk, check_renderer
-from rtphys.episode.assemble import versions
-from rtphys.physics.domain import Domain
-from rtphys.physics.values import Value
-from rtphys.setting.protocol import load_protocol, protocols
-from rtphys.setting.recipe import SPLITS, Recipe, check_varies
-from rtphys.sim.camera import SHORT, camera_specs
-from rtphys.sim.renderer import SHADERS
-from rtphys.studies.collect.shard import Shard
+from rtphys.setting.option import Option, at_least, one_of
+from rtphys.setting.protocol import protocols
+from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import Task, load_task
 
-CAMERAS = ("head", "left", "right")
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
-DRAWN = 20  # of a task that are searched for models that the pack may lack
+LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
 RUNNERS = ("local", "ray")
-BARREN = 200  # rejections in a row after which a task is given up
 MOST_WORKERS = 1000  # processes of 0.5 GB; more is a slip of the finger
+
+
+def _cameras() -> tuple[str, ...]:
+    from rtphys.sim.camera import SHORT  # imported here: a command line must not load SAPIEN
+
+    return (*SHORT, *SHORT.values())
+
+
+def _shaders() -> tuple[str, ...]:
+    from rtphys.sim.renderer import SHADERS  # likewise
+
+    return tuple(SHADERS)
 
 
 class NoRoom(RtphysError):
@@ -45,204 +51,184 @@ class NoRoom(RtphysError):
 
 
 @dataclass(frozen=True)
-class CollectPlan:
-    """One run of `collect`."""
+class TaskPlan:
+    """One task dataset: under which setting, how much of it, and what is recorded."""
 
-    tasks: tuple[str, ...]
-    episodes: int  # of each task
-    out: Path
-    first_seed: int = 0
-    protocol: str = "clean"
-    only: tuple[str, ...] | None = None
-    overrides: Mapping[str, Value] = field(default_factory=dict)
-    ranges: Domain | None = None  # drawn from instead of each task's own domain
-    cameras: tuple[str, ...] = CAMERAS  # short or official names
-    layout: str = "native"
-    split: str = "seen"  # of the pictures on table and wall
-    recovery: bool = True  # keep episodes in which a load was lost and taken again
-    config: str | None = None  # name of the leaf; None: the protocol's
-    twin: str | None = None  # protocol of the same seeds' second recording
-    twin_of: str | None = None  # config of the leaf whose twin this plan describes
-    assets: Path | None = None  # an asset pack; None: the one in use
-    fallback: str = ""  # "builtin": it stands in for what `assets` lacks
-    shader: str = "slim"
-    workers: int | None = 1  # None: as many as there are CPUs
-    runner: str = "local"
-    address: str | None = None  # of a Ray cluster; None: the one at hand
-    shard: Shard | None = None
-    resume: bool = True
-    most_attempts: int | None = None  # of each task, earlier runs included
-    limits: Limits = field(default_factory=Limits)
+    setting: Setting
+    episodes: Annotated[int, at_least(1), Option("Number of episodes of each task.")] = 10
+    first_seed: Annotated[
+        int, at_least(0), Option("The first seed; attempts go upward from it.", "--seed")
+    ] = 0
+    twin: Annotated[
+        str | None,
+        Option("A second protocol: record each seed under both, keep only pairs."),
+    ] = None
+    cameras: Annotated[
+        tuple[str, ...],
+        one_of("camera", _cameras),
+        Option("Any of head, left, right, front."),
+    ] = ("head", "left", "right")
+    layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
+    most_attempts: Annotated[
+        int | None,
+        at_least(1),
+        Option("Attempts of each task, those of earlier runs included.", "--max-attempts"),
+    ] = None
+    config: str | None = None  # name of the folder; None: the protocol's
+    twin_of: str | None = None  # config of the task dataset whose twin this is
 
-    def recipe(self, task: str, seed: int) -> Recipe:
-        return Recipe(
-            task,
-            seed,
-            self.protocol,
-            self.only,
-            self.overrides,
-            split=self.split,
-            ranges=self.ranges,
-            recovery=self.recovery,
-        )
+    def __post_init__(self) -> None:
+        official = [f"{name.removesuffix('_camera')}_camera" for name in self.cameras]
+        if "head_camera" not in official:
+            raise BadValue("cameras", ",".join(self.cameras), "head is needed, for the video")
+        if len(set(official)) < len(official):
+            raise BadValue("cameras", ",".join(self.cameras), "name each camera once")
 
     @property
-    def twin_plan(self) -> "CollectPlan | None":
-        """The same under the twin's protocol; without physics nothing is held or picked."""
+    def folder(self) -> str:
+        """Path of the task dataset below the dataset's folder."""
+        setting = self.setting
+        return Leaf(Path(), self.config or setting.protocol, setting.task, layout=self.layout).name
+
+    @property
+    def sides(self) -> "tuple[TaskPlan, ...]":
+        """This plan without its twin, and the twin's if there is one."""
+        own = self.config or self.setting.protocol
         if self.twin is None:
-            return None
-        own = self.config or self.protocol
-        physics = load_protocol(self.twin).physics
-        return replace(
+            return (self,)
+        twin = replace(
             self,
-            protocol=self.twin,
-            only=self.only if physics else None,
-            overrides=self.overrides if physics else {},
-            ranges=self.ranges if physics else None,
+            setting=self.setting.under(self.twin),
             config=f"{own}.twin={self.twin}",
             twin=None,
             twin_of=own,
         )
+        return self, twin
 
-    def recipes(self, task: str, seed: int) -> tuple[Recipe, ...]:
-        """Of one seed: its own, and its twin's if there is one."""
-        twin = self.twin_plan
-        return tuple(side.recipe(task, seed) for side in (self, twin) if side is not None)
-
-    @property
-    def stride(self) -> tuple[int, int]:
-        """First attempt and step."""
-        return (0, 1) if self.shard is None else self.shard.stride
-
-    @property
-    def share(self) -> int:
-        """Episodes to collect of each task: all, or a shard's part of them, rounded up."""
-        return math.ceil(self.episodes / self.stride[1])
-
-    def leaf_name(self, task: str) -> str:
-        """The folder of a task's episodes, below `out`."""
-        return Leaf(self.out, self.config or self.protocol, task, layout=self.layout).name
-
-    def conditions(self, task: Task, pack: Pack) -> Conditions:
-        """What makes two runs continue each other."""
-        recipe = self.recipe(task.name, self.first_seed)
-        domain = recipe.domain()
-        specs = camera_specs(pack.embodiment(recipe.embodiment), self.cameras)
-        builtin = (pack.root / STAMP).is_file()
-        return Conditions(
-            task=task.name,
-            protocol=self.protocol,
-            first_seed=self.first_seed,
-            domain_name=domain.name,
-            domain_digest=domain.digest,
-            domain=domain.to_json(),
-            cameras=tuple(spec.name for spec in specs),
-            versions=versions(task),
-            assets={"pack": "builtin" if builtin else pack.root.name, "digest": pack.digest},
-            only=self.only,
-            overrides=self.overrides,
-            layout=self.layout,
-            visual=None if (rules := recipe.visual()) is None else rules.to_json(),
-            split=None if rules is None else recipe.split,
-            recovery=None if self.recovery else False,
-            config=self.config,
-            twin=None if (twin := self.twin_plan) is None else twin.config,
-            twin_of=self.twin_of,
-            stride=self.stride if self.stride[1] > 1 else None,
-        )
-
-    def check(self) -> dict[str, Task]:
-        """The tasks by name; refuses everything that cannot work, in less than a second or two.
+    def check(self) -> Task:
+        """The task; refuses what no episode could be made under.
 
         Raises:
             UnknownName, BadValue, BadFile: names the nearest match, or the place.
-            NoRoom, NoRenderer: with the cure.
         """
-        self._check_numbers()
-        self._check_names()
-        tasks = {name: load_task(name) for name in self.tasks}
-        for task in tasks.values():
-            self._check_physics(task)
-            check_templates(task.sentences(), task.info, str(task.source))
-        self._check_disk()
-        finding = check_renderer((*PROBE, self.shader))
-        if finding.status == "fail":
-            cure = f"; cure: {finding.cure}" if finding.cure else ""
-            raise NoRenderer(f"no pictures can be drawn: {finding.detail}{cure}")
-        return tasks
+        setting = self.setting
+        if setting.ranges is not None:
+            check_varies(setting.ranges, (setting.protocol,))
+        own, *twins = self.sides
+        if own.setting in [twin.setting for twin in twins]:
+            raise BadValue("twin", self.twin, "it is the protocol itself; name another")
+        task = load_task(setting.task)
+        chosen = set(setting.only or ()) - setting.overrides.keys()
+        if chosen and not setting.domain.rules:
+            varying = ", ".join(row.name for row in protocols().values() if row.physics)
+            allowed = f"protocol {setting.protocol!r} varies no physics; use {varying}"
+            raise BadValue("only", ",".join(setting.only or ()), allowed)
+        setting.draw(0)
+        check_templates(task.sentences(), task.info, str(task.source))
+        return task
 
-    def check_assets(self, tasks: Mapping[str, Task], pack: Pack) -> None:
-        """Every model of each task's first layouts is in the pack.
+
+@dataclass(frozen=True)
+class Run:
+    """Where and on what a collection is made. None of it moves a byte of an episode."""
+
+    out: Annotated[Path, Option("The dataset's folder.")] = Path("data")
+    workers: Annotated[
+        int | None, at_least(1, MOST_WORKERS), Option("Worker processes; default one a core.")
+    ] = None
+    runner: Annotated[
+        str, one_of("runner", RUNNERS), Option("local, or ray: on a Ray cluster.")
+    ] = "local"
+    address: Annotated[
+        str | None, Option("Address of the Ray cluster; `local` makes a private one.")
+    ] = None
+    shard: Annotated[str, Option("i/n: one part of n, for `rtphys merge` to join.")] = ""
+    resume: Annotated[bool, Option("Continue what is in the folder.")] = True
+    shader: Annotated[str, one_of("shader", _shaders), Option("slim, default, minimal or rt.")] = (
+        "slim"
+    )
+    assets: Annotated[Path | None, Option("An asset pack, such as RoboTwin's own.")] = None
+    fallback: Annotated[
+        str,
+        one_of("fallback", FALLBACKS),
+        Option("`builtin`: it stands in for what the pack of --assets lacks."),
+    ] = ""
+    limits: Limits = field(default_factory=Limits)
+
+    def __post_init__(self) -> None:
+        if self.fallback and self.assets is None:
+            raise BadValue("fallback", self.fallback, "it needs assets, the pack that lacks models")
+        if self.address is not None and self.runner != "ray":
+            raise BadValue("address", self.address, "it belongs to runner `ray`")
+
+    def size(self) -> int:
+        """Number of workers: as many as were asked for, else one for each CPU.
 
         Raises:
-            MissingAsset, UnknownName, BadFile: from the pack.
+            NoCluster: there is none to join.
         """
-        for task in tasks.values():
-            for seed in range(self.first_seed, self.first_seed + DRAWN):
-                with suppress(Infeasible):
-                    _check_models(task, seed, pack)
+        if self.runner == "local":
+            return cores() if self.workers is None else self.workers
+        from rtphys.campaign.workers.ray import connect  # imported here: Ray is optional
 
-    def _check_numbers(self) -> None:
-        if self.workers is not None and self.workers > MOST_WORKERS:
-            raise BadValue("--workers", self.workers, f"at most {MOST_WORKERS}")
-        least = {"episodes": 1, "workers": 1, "first_seed": 0, "most_attempts": 1}
-        for key, bound in least.items():
-            value = getattr(self, key)
-            if value is not None and value < bound:
-                raise BadValue(f"--{key.replace('_', '-')}", value, f"at least {bound}")
-        if not self.tasks:
-            raise BadValue("--task", None, "name at least one task; `rtphys tasks` lists them")
+        return connect(self.address, self.workers)
 
-    def _check_names(self) -> None:
-        if self.ranges is not None:
-            check_varies(self.ranges, (self.protocol,))
-        load_protocol(self.protocol)
-        own, *twins = self.recipes("", 0)
-        if own in twins:
-            raise BadValue("--twin", self.twin, "it is the protocol itself; name another")
-        if self.fallback and self.assets is None:
-            raise BadValue("--fallback", self.fallback, "it needs --assets, the pack that lacks")
-        named = {
-            "texture split": ((self.split,), SPLITS),
-            "fallback": ((self.fallback,), FALLBACKS),
-            "layout": ((self.layout,), LAYOUTS),
-            "shader": ((self.shader,), SHADERS),
-            "runner": ((self.runner,), RUNNERS),
-            "camera": (self.cameras, {**SHORT, **{v: v for v in SHORT.values()}}),
-        }
-        for kind, (names, known) in named.items():
-            for name in names:
-                if name not in known:
-                    raise UnknownName(kind, name, SHORT if kind == "camera" else known)
-        if self.address is not None and self.runner != "ray":
-            raise BadValue("--address", self.address, "it belongs to `--runner ray`")
-        official = [SHORT.get(name, name) for name in self.cameras]
-        if "head_camera" not in official:
-            raise BadValue("--cameras", ",".join(self.cameras), "head is needed, for the video")
-        if len(set(official)) < len(official):
-            raise BadValue("--cameras", ",".join(self.cameras), "name each camera once")
+    def pack(self, progress: Progress | None = None) -> Pack:
+        """The asset pack, built if need be."""
+        return chosen_pack(self.assets, self.fallback, progress)
 
-    def _check_physics(self, task: Task) -> None:
-        domain = self.recipe(task.name, 0).domain()
-        if set(self.only or ()) - self.overrides.keys() and not domain.rules:
-            varying = ", ".join(row.name for row in protocols().values() if row.physics)
-            told = f"protocol {self.protocol!r} varies no physics; use {varying}"
-            raise BadValue("--only", ",".join(self.only or ()), told)
-        domain.sample(0, self.only, self.overrides)
+    def room_needed(self, plans: Sequence[TaskPlan]) -> float:
+        """Disk space that the plans' episodes need at most [bytes]."""
+        pictures = sum(plan.episodes * len(plan.cameras) * len(plan.sides) for plan in plans)
+        return pictures * EPISODE_BYTES
 
-    def _check_disk(self) -> None:
+    def check_room(self, plans: Sequence[TaskPlan]) -> None:
+        """Raises `NoRoom`: less disk space than the plans' episodes will need."""
         finding = check_disk("space for data", self.out)
         if finding.status == "fail":
             raise NoRoom(f"{self.out}: {finding.detail}; {finding.cure}")
         place = self.out.absolute()
         while not place.exists():
             place = place.parent
-        episodes = self.episodes * len(self.tasks) * (2 if self.twin else 1)
-        needed = episodes * len(self.cameras) * EPISODE_BYTES
-        free = shutil.disk_usage(place).free
+        needed, free = self.room_needed(plans), shutil.disk_usage(place).free
         if free < needed:
-            told = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
-            raise NoRoom(f"{self.out}: {told}; free some space, or ask for fewer episodes")
+            amounts = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
+            raise NoRoom(f"{self.out}: {amounts}; free some space, or ask for fewer episodes")
+
+
+def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
+    """The tasks, one a plan; refuses all that cannot work, in a second or two.
+
+    Raises:
+        UnknownName, BadValue, BadFile: names the nearest match, or the place.
+        NoRoom, NoRenderer, NoCluster: with the cure.
+    """
+    if not plans:
+        raise BadValue("task", None, "name at least one task; `rtphys tasks` lists them")
+    folders = [plan.folder for plan in plans]
+    if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
+        raise BadValue("task", twice, "it is collected twice")
+    tasks = [plan.check() for plan in plans]
+    run.check_room(plans)
+    run.size()
+    finding = check_renderer((*PROBE, run.shader))
+    if finding.status == "fail":
+        cure = f"; cure: {finding.cure}" if finding.cure else ""
+        raise NoRenderer(f"no pictures can be drawn: {finding.detail}{cure}")
+    return tasks
+
+
+def check_assets(plans: Sequence[TaskPlan], pack: Pack) -> None:
+    """Looks for every model of each task's first layouts in the pack.
+
+    Raises:
+        MissingAsset, UnknownName, BadFile: from the pack.
+    """
+    for plan in plans:
+        task = load_task(plan.setting.task)
+        for seed in range(plan.first_seed, plan.first_seed + LAYOUTS_SEARCHED):
+            with suppress(Infeasible):
+                _check_models(task, seed, pack)
 
 
 def _check_models(task: Task, seed: int, pack: Pack) -> None:

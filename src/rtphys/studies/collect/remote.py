@@ -4,19 +4,18 @@ import os
 import platform
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.assets.pack import chosen_pack
 from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.staging import StagedEpisode
 from rtphys.episode.assemble import versions
-from rtphys.studies.collect.plan import CollectPlan
-from rtphys.studies.collect.work import Desk, Job, Result
-from rtphys.task.spec import load_task
+from rtphys.studies.collect.plan import Run
+from rtphys.studies.collect.work import CollectWorker, Job, Result
+from rtphys.task.spec import Task, load_task
 
 ROOT = "rtphys-staging"  # below the folder for temporary files, with user and node
 PASSED = ("RTPHYS_LIBRARY", "RTPHYS_ASSETS")  # paths that must mean the same on every node
@@ -35,8 +34,12 @@ class Shipped:
     result: StagedEpisode
     contents: Mapping[str, bytes]
 
+    @property
+    def seed(self) -> int:
+        return self.result.seed
+
     def land(self, folder: Path) -> StagedEpisode:
-        """Puts the files where a local worker would have.
+        """Writes the files where a local worker would have.
 
         Raises:
             CannotWrite: the disk refuses.
@@ -55,40 +58,39 @@ Sent = tuple[Result | Shipped, ...]
 
 
 @dataclass(frozen=True)
-class RemoteDesk:
-    """As `Desk`, but nothing of the supervisor's disk is there, and nothing is believed."""
+class RemoteWorker:
+    """As `CollectWorker`, on a node that does not share the supervisor's disk; it checks all."""
 
-    desk: Desk  # its pack is the supervisor's
-    assets: Path | None  # the pack that the plan names, at the same path on every node
-    fallback: str
+    worker: CollectWorker  # its pack is the supervisor's
+    run: Run  # names the pack, at the same path on every node
     digest: str  # of the supervisor's pack
-    tasks: Mapping[str, Mapping[str, str]]  # task -> versions of all that shapes its episodes
+    versions: Mapping[str, Mapping[str, str]]  # by task: all that shapes its episodes
     environment: Mapping[str, str]
 
     @staticmethod
-    def of(plan: CollectPlan, desk: Desk) -> "RemoteDesk":
-        known = {name: versions(load_task(name)) for name in plan.tasks}
+    def of(worker: CollectWorker, run: Run, tasks: Sequence[Task]) -> "RemoteWorker":
+        known = {task.name: versions(task) for task in tasks}
         passed = {key: os.environ[key] for key in PASSED if key in os.environ}
-        return RemoteDesk(desk, plan.assets, plan.fallback, desk.pack.digest, known, passed)
+        return RemoteWorker(worker, run, worker.pack.digest, known, passed)
 
     def __call__(self) -> Callable[[Job], Sent]:
         """Raises `OtherMachine`. The builtin pack is built first if this node has none."""
         os.environ.update(self.environment)
-        pack = chosen_pack(self.assets, self.fallback)
+        pack = self.run.pack()
         if pack.digest != self.digest:
-            told = f"its assets are {pack.digest[:12]}, the supervisor's {self.digest[:12]}"
-            raise OtherMachine(f"{platform.node()}: {told}; link the same pack on both")
-        for name, wanted in self.tasks.items():
-            if found := differences(dict(wanted), dict(versions(load_task(name)))):
-                raise OtherMachine(f"{platform.node()}: {name}: {'; '.join(found)}")
+            clause = f"its assets are {pack.digest[:12]}, the supervisor's {self.digest[:12]}"
+            raise OtherMachine(f"{platform.node()}: {clause}; link the same pack on both")
+        for name, wanted in self.versions.items():
+            if clauses := differences(dict(wanted), dict(versions(load_task(name)))):
+                raise OtherMachine(f"{platform.node()}: {name}: {'; '.join(clauses)}")
         folder = own_folder()
-        do = replace(self.desk, pack=pack, tasks={})()
+        do = replace(self.worker, pack=pack)()
 
-        def sent(job: Job) -> Sent:
+        def do_and_ship(job: Job) -> Sent:
             local = tuple(folder / str(n) for n in range(len(job.folders)))
-            return tuple(_ship(one) for one in do(replace(job, folders=local)))
+            return tuple(_ship(result) for result in do(replace(job, folders=local)))
 
-        return sent
+        return do_and_ship
 
 
 def _ship(result: Result) -> Result | Shipped:
@@ -100,20 +102,12 @@ def _ship(result: Result) -> Result | Shipped:
 
 
 def own_folder() -> Path:
-    """A folder of this process; those of processes that have died are swept."""
+    """A folder of this process; removes those of processes that have died."""
     root = Path(tempfile.gettempdir()) / f"{ROOT}-{os.getuid()}-{platform.node()}"
     root.mkdir(mode=0o700, exist_ok=True)
     for old in root.iterdir():
-        if not _alive(int(old.name)):
+        if not Path(f"/proc/{old.name}").exists():
             shutil.rmtree(old, ignore_errors=True)
     folder = root / str(os.getpid())
     folder.mkdir(exist_ok=True)
     return folder
-
-
-def _alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True

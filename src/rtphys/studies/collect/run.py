@@ -1,52 +1,35 @@
-"""The supervisor: hands out seeds in order, takes results in any order, survives its workers."""
+"""`collect`: accepted episodes of many task datasets, on a campaign of worker processes."""
 
 import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtphys.assets.pack import Pack, chosen_pack
-from rtphys.campaign.workers.pool import Done, WorkerFailed, Workers
-from rtphys.core.errors import RtphysError
+from rtphys.assets.pack import STAMP, Pack
+from rtphys.campaign.engine import Listener, run_all
+from rtphys.campaign.series import Series, Study, Tally
+from rtphys.campaign.workers.local import LocalPool
+from rtphys.campaign.workers.pool import Lost, WorkerPool
+from rtphys.data.conditions import Conditions
+from rtphys.data.faults import DatasetMismatch
+from rtphys.data.leaf_writer import TaskWriter
+from rtphys.data.staging import StagedEpisode
 from rtphys.data.writer import DatasetWriter
-from rtphys.studies.collect.crew import crew_of, size_of
-from rtphys.studies.collect.order import Name, Order
-from rtphys.studies.collect.plan import CollectPlan
-from rtphys.studies.collect.remote import Sent
-from rtphys.studies.collect.shard import claim
-from rtphys.studies.collect.tally import Tally
-from rtphys.studies.collect.work import Desk, Job, Results
+from rtphys.episode.assemble import versions
+from rtphys.sim.camera import camera_specs
+from rtphys.studies.collect.plan import Run, TaskPlan, check, check_assets
+from rtphys.studies.collect.remote import RemoteWorker, Sent, Shipped
+from rtphys.studies.collect.shard import Shard, claim
+from rtphys.studies.collect.work import CollectWorker, Job, Result, Results, rejection
 from rtphys.task.spec import Task
 
-ERROR_LOG = "error.log"
-
-
-class Bug(RtphysError):
-    """An exception that no one expected; the traceback lies in a file."""
-
-    exit_code = 70  # EX_SOFTWARE
-
-
-class Listener:
-    """Is told what happens. Every method may be overridden; none may take long."""
-
-    def building(self, done: int, total: int, name: str) -> None:
-        """The asset pack is being built."""
-
-    def started(self, tallies: list[Tally]) -> None:
-        """Everything is checked; the tallies will change in place."""
-
-    def ticked(self) -> None:
-        """Called at least once a second, and after every attempt."""
-
-    def noticed(self, text: str) -> None:
-        """A worker died or was replaced."""
+MOST_SEEDS = 10**9  # of a series whose attempts nobody limits
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What came of a run."""
+    """What came of a collection."""
 
     out: Path
     tallies: list[Tally]
@@ -58,90 +41,156 @@ class Summary:
 
 
 Known = Callable[[str, int, Sequence[Path]], Results | None]
-"""(task, seed, folders for the files) -> what came of that attempt elsewhere; None: not known."""
+"""(task folder, seed, folders for the files) -> results made elsewhere; None: not known."""
 
 
 def collect(
-    plan: CollectPlan, listener: Listener | None = None, known: Known | None = None
+    plans: Sequence[TaskPlan],
+    run: Run,
+    listener: Listener | None = None,
+    known: Known | None = None,
 ) -> Summary:
-    """Collects until every task has its episodes, or is given up.
+    """Collects until every task dataset has its episodes, or is given up.
 
-    The dataset depends on the plan alone, not on the number of workers, nor on how often the run
+    The dataset depends on the plans alone, not on the number of workers, nor on how often the run
     was killed and resumed. Interrupted by an exception, it leaves a valid prefix.
 
     Args:
         known: spares attempts that were made elsewhere under the same conditions.
 
     Raises:
-        RtphysError: what `CollectPlan.check` and `DatasetWriter` refuse; a full disk.
+        RtphysError: what `plan.check` and `DatasetWriter` refuse; a full disk.
         Bug: an unexpected exception in a worker.
     """
-    told = listener or Listener()
-    tasks = plan.check()
-    size_of(plan)  # is there a cluster at all?
-    pack = chosen_pack(plan.assets, plan.fallback, told.building)
-    plan.check_assets(tasks, pack)
-    began = time.monotonic()
-    desk = Desk(pack, plan.cameras, plan.layout, plan.shader)
-    with DatasetWriter(plan.out, resume=plan.resume) as dataset:
-        claim(plan.out, plan.shard)
-        orders = _open(plan, tasks, pack, dataset)
-        told.started([order.tally for order in orders.values()])
-        with crew_of(plan, desk, told.noticed) as crew:
-            try:
-                _supervise(orders, crew, dataset, told, known)
-            except WorkerFailed as failure:
-                raise _explained(failure, plan.out) from failure
-    return Summary(plan.out, [o.tally for o in orders.values()], time.monotonic() - began)
+    listener, began = listener or Listener(), time.monotonic()
+    shard = Shard.parse(plans, run) if run.shard else None
+    own = list(plans) if shard is None else [unit.task_plan() for unit in shard.own]
+    tasks = check(own, run) if own or shard is None else []
+    pack = run.pack(listener.building)
+    check_assets(own, pack)
+    with ExitStack() as stack:
+        dataset = stack.enter_context(DatasetWriter(run.out, resume=run.resume))
+        claim(run.out, shard)
+        series = [
+            open_series(plan, _writers(plan, task, pack, shard, dataset), known)
+            for plan, task in zip(own, tasks, strict=True)
+        ]
+        pool = stack.enter_context(_pool(run, CollectWorker(pack, run.shader), tasks, listener))
+        run_all(series, pool, listener, run.out, dataset.checkpoint_if_due)
+    return Summary(run.out, [one.tally for one in series], time.monotonic() - began)
 
 
-def _open(
-    plan: CollectPlan, tasks: dict[str, Task], pack: Pack, dataset: DatasetWriter
-) -> dict[str, Order]:
-    sides = [plan] if plan.twin_plan is None else [plan, plan.twin_plan]
-    return {
-        name: Order.open(
-            plan,
-            task,
-            tuple(dataset.task(side.conditions(task, pack), plan.share) for side in sides),
+def _writers(
+    plan: TaskPlan, task: Task, pack: Pack, shard: Shard | None, dataset: DatasetWriter
+) -> tuple[TaskWriter, ...]:
+    stride = (0, 1) if shard is None else shard.stride
+    episodes = plan.episodes if shard is None else shard.share(plan.episodes)
+    return tuple(
+        dataset.task(conditions_of(side, task, pack, stride), episodes) for side in plan.sides
+    )
+
+
+def conditions_of(
+    plan: TaskPlan, task: Task, pack: Pack, stride: tuple[int, int] = (0, 1)
+) -> Conditions:
+    """What makes two runs continue each other. `stride`: a shard's first attempt and step."""
+    setting = plan.setting
+    rules = setting.visual()
+    specs = camera_specs(pack.embodiment(setting.embodiment), plan.cameras)
+    builtin = (pack.root / STAMP).is_file()
+    return Conditions(
+        setting=setting,
+        first_seed=plan.first_seed,
+        domain=setting.domain.to_json(),
+        visual=None if rules is None else rules.to_json(),
+        cameras=tuple(spec.name for spec in specs),
+        versions=versions(task),
+        assets={"pack": "builtin" if builtin else pack.root.name, "digest": pack.digest},
+        layout=plan.layout,
+        config=plan.config,
+        twin=plan.sides[1].config if plan.twin else None,
+        twin_of=plan.twin_of,
+        stride=stride if stride[1] > 1 else None,
+    )
+
+
+def _pool(
+    run: Run, worker: CollectWorker, tasks: Sequence[Task], listener: Listener
+) -> WorkerPool[Job, Sent]:
+    if run.runner == "local":
+        return LocalPool[Job, Sent](worker, run.size(), run.limits, listener.noticed)
+    from rtphys.campaign.workers.ray import RayPool  # imported here: Ray is optional
+
+    remote = RemoteWorker.of(worker, run, tasks)
+    return RayPool[Job, Sent](remote, run.size(), run.limits, listener.noticed)
+
+
+@dataclass
+class TaskCollection(Study[Job, Sent]):
+    """One task dataset, and its twin if it has one: a writer each, in step.
+
+    A kill between two commits leaves one writer ahead of the other; the seed is then tried again
+    for the one that lacks it.
+    """
+
+    plan: TaskPlan
+    writers: tuple[TaskWriter, ...]
+    source: Known | None = None
+
+    def job(self, seed: int) -> Job:
+        recipes = tuple(side.setting.at(seed) for side in self.plan.sides)
+        return Job(recipes, self.folders(seed), self.plan.cameras, self.plan.layout)
+
+    def folders(self, seed: int) -> tuple[Path, ...]:
+        """Where the files of a seed wait for their number, one folder a writer."""
+        return tuple(writer.staging(seed) for writer in self.writers)
+
+    def known(self, seed: int) -> Sent | None:
+        return self.source(self.plan.folder, seed, self.folders(seed)) if self.source else None
+
+    def reason(self, result: Sent) -> str:
+        first = result[0]
+        return "" if isinstance(first, StagedEpisode | Shipped) else first.reason
+
+    def arrived(self, seed: int, result: Sent) -> Results:
+        """Files from other machines are put where those of this one are."""
+        return tuple(
+            one.land(folder) if isinstance(one, Shipped) else one
+            for one, folder in zip(result, self.folders(seed), strict=True)
         )
-        for name, task in tasks.items()
-    }
+
+    def commit(self, seed: int, result: Sent) -> str:
+        """Raises `DatasetMismatch`: an attempt that a twin holds came out otherwise this time."""
+        for writer, one in zip(self.writers, result, strict=True):
+            assert not isinstance(one, Shipped)  # it has arrived
+            _record(writer, one)
+        return ""
+
+    def lost(self, seed: int, loss: Lost) -> Sent:
+        recipes = (side.setting.at(seed) for side in self.plan.sides)
+        return tuple(rejection(recipe, loss.reason, loss.detail) for recipe in recipes)
+
+    def close(self) -> None:
+        for writer in self.writers:
+            writer.discard()
 
 
-def _supervise(
-    orders: dict[str, Order],
-    crew: Workers[Job, Sent],
-    dataset: DatasetWriter,
-    told: Listener,
-    known: Known | None,
-) -> None:
-    while True:
-        while crew.room and (
-            order := next((o for o in orders.values() if o.wants(crew.size)), None)
-        ):
-            name, job = order.begin()
-            found = known(*name, job.folders) if known else None
-            if found is None:
-                crew.submit(name, job)
-            else:
-                order.take(name.seed, Done(name, found))
-        if not any(order.under_way and not order.over for order in orders.values()):
-            return
-        for event in crew.wait():
-            assert isinstance(event.name, Name)
-            orders[event.name.task].take(event.name.seed, event)
-            dataset.checkpoint_if_due()
-            told.ticked()
-        told.ticked()
+def open_series(
+    plan: TaskPlan, writers: tuple[TaskWriter, ...], known: Known | None = None
+) -> Series[Job, Sent]:
+    """The seeds that some writer still waits for, from the lowest."""
+    behind = min(writers, key=lambda writer: writer.attempts)
+    tally = Tally(plan.setting.task, behind.wanted, behind.episodes, behind.attempts)
+    tally.fruitless = behind.fruitless
+    step = behind.conditions.seed(1) - behind.conditions.seed(0)
+    end = plan.first_seed + (plan.most_attempts or MOST_SEEDS)
+    return Series(TaskCollection(plan, writers, known), tally, range(behind.next_seed, end, step))
 
 
-def _explained(failure: WorkerFailed, out: Path) -> RtphysError:
-    """A bug's traceback goes to a file; what a user can cause is passed on as it is."""
-    if not failure.trace:
-        return failure
-    log, place = out / ERROR_LOG, ""
-    with suppress(OSError):
-        log.write_text(failure.trace + "\n")
-        place = f"; the traceback is in {log}"
-    return Bug(f"{failure}. This is a bug in rtphys or in the task{place}")
+def _record(writer: TaskWriter, result: Result) -> None:
+    if result.seed >= writer.next_seed:
+        writer.record(result)
+    elif isinstance(result, StagedEpisode) != writer.accepted(result.seed):
+        now = "accepted" if isinstance(result, StagedEpisode) else f"rejected ({result.reason})"
+        clause = f"seed {result.seed} is {now} when its twin is made, and was not before"
+        raise DatasetMismatch(writer.leaf.folder, [clause])

@@ -1,14 +1,14 @@
 """One part of a collection that several machines make without talking to each other.
 
-Whole leaves are dealt out when there are at least as many as shards. Otherwise the shards form as
-many equal groups as possible, and the m of a group share each of their leaves seed by seed: every
-m-th seed each, until each has 1/m of the episodes. They then have tried different numbers of seeds;
-what is missing below the last seed needed is collected when they are merged. What a shard has to do
-depends on the command and on i and n alone.
+Whole task datasets are given to shards when there are at least as many as shards. Otherwise the
+shards form as many equal groups as possible, and the m shards of a group share each of their task
+datasets seed by seed: every m-th seed each, until each has 1/m of the episodes. They have then
+tried different numbers of seeds; the seeds that are missing are tried when the shards are merged.
+What a shard has to do depends on the command and on i and n alone.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -19,42 +19,82 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.layout import SHARD
 from rtphys.data.manifest import journals_below
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.plan import Run, TaskPlan
+
+# What a shard's file keeps of a setting, of a plan and of a run, by field.
+OF_SETTING = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery")
+OF_PLAN = ("first_seed", "cameras", "layout", "config", "twin", "most_attempts")
+OF_RUN = ("assets", "fallback", "shader")
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A leaf, with its twin if it has one, as the whole collection wants it."""
+    """A task dataset, with its twin if it has one, as the whole collection wants it."""
 
     leaf: str  # its folder below `out`
     twin: str | None
     episodes: int
-    plan: Mapping[str, JSON]  # what else `collect` was told about it
+    plan: Mapping[str, JSON]  # what else decides it
+
+    @staticmethod
+    def of(plan: TaskPlan, run: Run) -> "Unit":
+        """What the whole collection wants of one plan."""
+        setting = {"ranges": None, "recovery": True, **plan.setting.to_json()}
+        content = {key: setting[key] for key in OF_SETTING}
+        content |= {key: getattr(plan, key) for key in OF_PLAN}
+        content |= {"assets": None if run.assets is None else str(run.assets)}
+        content |= {"fallback": run.fallback, "shader": run.shader}
+        folders = [side.folder for side in plan.sides]
+        kept = {key: plain(value, key) for key, value in content.items()}
+        return Unit(folders[0], folders[1] if plan.twin else None, plan.episodes, kept)
+
+    def task_plan(self) -> TaskPlan:
+        """The plan that it was made from."""
+        setting = Setting(**{key: self.plan[key] for key in OF_SETTING})  # type: ignore[arg-type] - validated
+        rest = {key: self.plan[key] for key in OF_PLAN}
+        return TaskPlan(setting, self.episodes, **rest)  # type: ignore[arg-type] - likewise
+
+    def run(self, out: Path, workers: int | None) -> Run:
+        """A run that makes what is missing of it."""
+        kept = {key: self.plan[key] for key in OF_RUN}
+        return Run(out, workers, **kept)  # type: ignore[arg-type] - validated
 
     @property
-    def leaves(self) -> tuple[str, ...]:
+    def folders(self) -> tuple[str, ...]:
+        """Folders of the task dataset and of its twin."""
         return (self.leaf,) if self.twin is None else (self.leaf, self.twin)
 
 
 @dataclass(frozen=True)
 class Shard:
-    """Part `index` (from 1) of `of`, of a collection of `units`, sorted by leaf."""
+    """Part `index` (from 1) of `of`, of a collection of `units`, sorted by folder."""
 
     index: int
     of: int
     units: tuple[Unit, ...]
+
+    @staticmethod
+    def parse(plans: Sequence[TaskPlan], run: Run) -> "Shard":
+        """The shard that `run.shard` names: "i/n", from "1/n" to "n/n". Raises `BadValue`."""
+        index, _, of = run.shard.partition("/")
+        if not (index.isdecimal() and of.isdecimal() and 1 <= int(index) <= int(of)):
+            raise BadValue("shard", run.shard, "write i/n, from 1/n to n/n")
+        units = sorted((Unit.of(plan, run) for plan in plans), key=lambda unit: unit.leaf)
+        return Shard(int(index), int(of), tuple(units))
 
     def __str__(self) -> str:
         return f"shard {self.index}/{self.of}"
 
     @property
     def groups(self) -> int:
-        """Of shards; each has its own units."""
+        """Number of groups of shards; each group has its own units."""
         count = len(self.units)
         return self.of if count >= self.of else math.gcd(count, self.of)
 
     @property
     def stride(self) -> tuple[int, int]:
-        """First attempt and step of this shard, in each of its leaves."""
+        """First attempt and step of this shard, in each of its task datasets."""
         sharing = self.of // self.groups
         return (self.index - 1) % sharing, sharing
 
@@ -64,39 +104,23 @@ class Shard:
         _, sharing = self.stride
         return self.units[(self.index - 1) // sharing :: self.groups]
 
-    def to_json(self) -> JSON:
-        return plain(asdict(self))
-
-    @staticmethod
-    def from_json(data: Mapping[str, JSON], where: Path) -> "Shard":
-        """Raises `BadFile`."""
-        try:
-            known = schema.check("shard", data)
-        except schema.SchemaError as error:
-            raise BadFile(where, "; ".join(error.problems)) from error
-        assert isinstance(known, schema.ShardFile)
-        units = (Unit(u.leaf, u.twin, u.episodes, dict(u.plan)) for u in known.units)
-        return Shard(known.index, known.of, tuple(units))
-
-
-def parse_shard(text: str) -> tuple[int, int]:
-    """`"2/8"` -> (2, 8).
-
-    Raises:
-        BadValue: it is not i/n with 1 <= i <= n.
-    """
-    index, _, of = text.partition("/")
-    if not (index.isdecimal() and of.isdecimal() and 1 <= int(index) <= int(of)):
-        raise BadValue("--shard", text, "write i/n, from 1/n to n/n")
-    return int(index), int(of)
+    def share(self, episodes: int) -> int:
+        """This shard's part of a number of episodes, rounded up."""
+        return math.ceil(episodes / self.stride[1])
 
 
 def read_shard(out: Path) -> Shard | None:
-    """Which shard a folder holds; None: it is no shard. Raises `BadFile`."""
+    """The shard that a folder holds; None if it is no shard. Raises `BadFile`."""
     path = out / SHARD
     if not path.exists():
         return None
-    return Shard.from_json(parse_mapping(files.read(path), path), path)
+    try:
+        known = schema.check("shard", parse_mapping(files.read(path), path))
+    except schema.SchemaError as error:
+        raise BadFile(path, "; ".join(error.problems)) from error
+    assert isinstance(known, schema.ShardFile)
+    units = (Unit(unit.leaf, unit.twin, unit.episodes, dict(unit.plan)) for unit in known.units)
+    return Shard(known.index, known.of, tuple(units))
 
 
 def claim(out: Path, shard: Shard | None) -> None:
@@ -115,7 +139,7 @@ def claim(out: Path, shard: Shard | None) -> None:
     if stored is not None:
         if shard is None or (stored.index, stored.of) != (shard.index, shard.of):
             raise DatasetMismatch(out, [f"it was {stored}, now {shard or 'no shard'}"])
-        if [unit.leaves for unit in stored.units] != [unit.leaves for unit in shard.units]:
+        if [unit.folders for unit in stored.units] != [unit.folders for unit in shard.units]:
             raise DatasetMismatch(out, ["it was a shard of other tasks or configurations"])
     if shard is not None and stored != shard:
-        files.replace_file(out / SHARD, pretty(shard.to_json()))
+        files.replace_file(out / SHARD, pretty(plain(asdict(shard))))

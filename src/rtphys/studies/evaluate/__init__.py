@@ -1,6 +1,1 @@
-"""Evaluating a policy on certified instances: one call."""
-
-from rtphys.studies.evaluate.plan import EvaluatePlan
-from rtphys.studies.evaluate.run import Table, evaluate
-
-__all__ = ["EvaluatePlan", "Table", "evaluate"]
+"""`evaluate`: running a policy on certified instances."""

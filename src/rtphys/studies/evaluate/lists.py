@@ -10,56 +10,59 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
 from rtphys.data.layout import MANIFEST
 from rtphys.results.instance_file import instance_file, read_instances
-from rtphys.results.instances import Ground, InstanceList, Slot
-from rtphys.studies.evaluate.plan import BENCHMARK, EvaluatePlan
+from rtphys.results.instances import Fingerprint, InstanceList, Slot
+from rtphys.studies.evaluate.plan import EvaluatePlan
+from rtphys.task.spec import Task
 
-# Which package versions made a list is told, not enforced: they rarely decide what is feasible.
+BENCHMARK = "benchmark_v1"  # the folder below `manifests/` that holds the certified lists
+# Other packages' versions are stored, not enforced: they rarely decide what is feasible.
 ENFORCED = ("dataset", "task")
 
 
 class NotCertified(RtphysError):
-    """There is no list, or it holds too little."""
+    """There is no list, or it holds too few feasible seeds (`wanted` are)."""
 
-    def __init__(self, where: Path, problem: str, task: str, protocol: str, wanted: int) -> None:
-        cure = f"rtphys certify --task {task} --protocol {protocol} --feasible {wanted}"
-        super().__init__(
-            f"{where}: {problem}; to certify: {cure} --out FOLDER, then --instances FOLDER"
-        )
+    def __init__(self, where: Path, problem: str, setting: tuple[str, str], wanted: int) -> None:
+        self.task, self.protocol, self.wanted = *setting, wanted
+        super().__init__(f"{where}: {problem}; certify {wanted} seeds first")
 
 
-class OtherGround(RtphysError):
+class ChangedSinceCertified(RtphysError):
     """A list was certified with another task file, domain, look or asset pack."""
 
-    def __init__(self, where: Path, found: list[str]) -> None:
+    def __init__(self, where: Path, clauses: list[str]) -> None:
         super().__init__(
-            f"{where}: was certified on other ground: {'; '.join(found)}. What was feasible may "
-            "not be so now: certify anew, or say --accept-changes"
+            f"{where}: has another certification fingerprint: {'; '.join(clauses)}. What was "
+            "feasible may not be so now: certify anew, or accept the changes"
         )
 
 
-def certified(plan: EvaluatePlan, task: str, protocol: str, ground: Ground) -> InstanceList:
+def certified(
+    plan: EvaluatePlan, task: Task, protocol: str, fingerprint: Fingerprint
+) -> InstanceList:
     """The instances to evaluate: the list up to the last episode that is asked for.
 
     Raises:
-        NotCertified: there is none, or too few in it; names the command that makes one.
-        OtherGround: and `plan.accept_changes` is false.
+        NotCertified: there is none, or too few in it.
+        ChangedSinceCertified: and `plan.accept_changes` is false.
         BadFile: it is damaged, or another task's or protocol's.
     """
-    folder, wanted = plan.instances, plan.episodes
+    folder, wanted, cell = plan.instances, plan.episodes, (task.name, protocol)
     if folder is not None and (folder / MANIFEST).is_file():
-        where, found = folder, _of_dataset(folder, task, protocol, ground)
+        where, found = folder, _of_dataset(folder, *cell, fingerprint)
     else:
-        where = _file(folder, task, protocol)
+        where = _file(folder, *cell)
         if not where.is_file():
-            raise NotCertified(where, "does not exist", task, protocol, wanted or 100)
+            raise NotCertified(where, "does not exist", cell, wanted or 100)
         found = read_instances(where)
-        if (found.protocol, found.task) != (protocol, task):  # --accept-changes must not hide it
+        if (found.task, found.protocol) != cell:  # accepted changes must not hide it
             raise BadFile(where, f"is the list of {found.task}, {found.protocol}")
     if (held := len(found.feasible)) < (least := wanted or 1):
-        problem = f"{task}, {protocol}: holds {held} feasible seeds, not {least}"
-        raise NotCertified(where, problem, task, protocol, least)
-    if not plan.accept_changes and (changed := _changes(found.ground, ground.to_json())):
-        raise OtherGround(where, changed)
+        problem = f"{task.name}, {protocol}: holds {held} feasible seeds, not {least}"
+        raise NotCertified(where, problem, cell, least)
+    clauses = _changes(found.fingerprint, fingerprint.to_json())
+    if clauses and not plan.accept_changes:
+        raise ChangedSinceCertified(where, clauses)
     return found.first(wanted or held)
 
 
@@ -76,25 +79,25 @@ def _changes(stored: Mapping[str, JSON], now: Mapping[str, JSON]) -> list[str]:
     return differences(_enforced(stored), _enforced(now))
 
 
-def _enforced(ground: Mapping[str, JSON]) -> dict[str, JSON]:
-    versions = ground.get("versions")
+def _enforced(fingerprint: Mapping[str, JSON]) -> dict[str, JSON]:
+    versions = fingerprint.get("versions")
     known = versions if isinstance(versions, Mapping) else {}
-    return {**ground, "versions": {key: known.get(key) for key in ENFORCED}}
+    return {**fingerprint, "versions": {key: known.get(key) for key in ENFORCED}}
 
 
-def _of_dataset(folder: Path, task: str, protocol: str, ground: Ground) -> InstanceList:
+def _of_dataset(folder: Path, task: str, protocol: str, now: Fingerprint) -> InstanceList:
     """Every seed that was tried for a dataset; its manifest has vouched for the ground."""
     leaves = [leaf for leaf in Dataset(folder).leaves if leaf.task == task]
     if not leaves:
-        raise BadValue("--instances", str(folder), f"the dataset has no episodes of {task}")
+        raise BadValue("instances", str(folder), f"the dataset has no episodes of {task}")
     own = [leaf for leaf in leaves if protocol in (leaf.protocol, leaf.config)]
     # Another protocol's seeds will do: the layout of a seed is the same under every one.
     leaf = (own or leaves)[0]
     if leaf.only is not None or leaf.overrides:
-        told = "it was collected with --only or --set, which an evaluation does not know"
-        raise BadValue("--instances", str(folder), told)
+        problem = "attributes were picked or held in it, which an evaluation does not know"
+        raise BadValue("instances", str(folder), problem)
     slots = tuple(
         Slot(one.seed, (one.reason or "rejected") if one.verdict == "rejected" else "")
         for one in leaf.attempts
     )
-    return InstanceList(task, protocol, ground.to_json(), slots)
+    return InstanceList(task, protocol, now.to_json(), slots)

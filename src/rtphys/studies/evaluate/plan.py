@@ -1,73 +1,91 @@
 """What to evaluate, and all that can be refused before any work is done."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
+from typing import Annotated
+
+from pydantic.dataclasses import dataclass
 
 from rtphys.campaign.workers.pool import Limits
-from rtphys.core.errors import BadValue, NoRenderer
+from rtphys.core.errors import NoRenderer
 from rtphys.doctor import check_renderer
-from rtphys.policies import PolicySetup, parse_spec
+from rtphys.policies import PolicySetup, parse_spec, short_name
+from rtphys.setting.option import Option, at_least, entries_of, one_of
 from rtphys.setting.protocol import load_protocol
-from rtphys.setting.recipe import SPLITS
+from rtphys.setting.setting import SPLITS, Setting
 from rtphys.task.spec import Task, load_task
 
-BENCHMARK = "benchmark_v1"  # the folder below `manifests/` that holds the certified lists
 # Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
-WATCHDOG = Limits(seconds=1800.0, memory=256e9, most_memory=256e9)
+MOST_MEMORY = 256e9  # [bytes]
 
 
 @dataclass(frozen=True)
 class EvaluatePlan:
-    """One run of `evaluate`.
+    """One run of `evaluate`: a policy on certified instances of tasks under protocols."""
 
-    Args:
-        policy: specification, `NAME` or `NAME:ARGUMENT`.
-        episodes: of each task and protocol: the first so many certified instances; None: all.
-        instances: a folder that `certify` has written, or a dataset, whose own seeds are then
-            evaluated; None: the certified lists that come with rtphys.
-        split: of the sentences, and of the pictures on table and wall.
-        seed: of the policy's own chance.
-        options: what the policy alone understands.
-        video: also write each episode as an MP4.
-        resume: continue what is in the folder.
-        accept_changes: evaluate on lists that were certified on other ground.
-    """
+    policy: Annotated[str, Option("idle, random, expert, replay:DATASET, ...")]
+    tasks: Annotated[
+        tuple[str, ...],
+        entries_of("tasks"),
+        Option("Tasks or patterns; several with commas.", "--task"),
+    ]
+    protocols: Annotated[
+        tuple[str, ...], Option("clean, phys_random; several with commas.", "--protocol")
+    ]
+    episodes: Annotated[
+        int | None,
+        at_least(1),
+        Option("Number of episodes of each task and protocol; default: all that are certified."),
+    ] = None
+    out: Annotated[Path | None, Option("Folder of the results; default: eval/<policy>.")] = None
+    instances: Annotated[
+        Path | None,
+        Option("Certified lists, or a dataset whose seeds to take; default: those of rtphys."),
+    ] = None
+    split: Annotated[
+        str,
+        one_of("texture split", SPLITS),
+        Option("Sentences, and pictures on table and wall: seen or unseen."),
+    ] = "unseen"
+    seed: Annotated[int, at_least(0), Option("Seed of the policy's own chance.")] = 0
+    options: Annotated[
+        Mapping[str, str], Option("key=value for the policy; repeatable.", "--set")
+    ] = field(default_factory=dict[str, str])
+    video: Annotated[bool, Option("Also write each episode as an MP4.")] = False
+    resume: Annotated[bool, Option("Continue what is in the folder.")] = True
+    accept_changes: Annotated[
+        bool, Option("Run on lists that have another certification fingerprint.")
+    ] = False
+    timeout: Annotated[float, Option("Seconds of an episode before it is lost.")] = 1800.0
+    workers: Annotated[int | None, at_least(1), Option("Worker processes; default one a core.")] = (
+        None
+    )
 
-    policy: str
-    tasks: tuple[str, ...]
-    protocols: tuple[str, ...]
-    out: Path
-    episodes: int | None = None
-    instances: Path | None = None
-    split: str = "unseen"
-    seed: int = 0
-    options: Mapping[str, str] = field(default_factory=dict)
-    video: bool = False
-    resume: bool = True
-    accept_changes: bool = False
-    workers: int = 1
-    limits: Limits = WATCHDOG
+    @property
+    def folder(self) -> Path:
+        """Where the results lie."""
+        return self.out or Path("eval") / short_name(self.policy)
 
-    def setup(self, task: str, protocol: str) -> PolicySetup:
-        return PolicySetup(task, protocol, self.split, self.seed, self.options)
+    @property
+    def limits(self) -> Limits:
+        """What a worker may use."""
+        return Limits(seconds=self.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
 
-    def check(self) -> dict[str, Task]:
-        """The tasks by name.
+    def setting(self, task: str, protocol: str) -> Setting:
+        """The worlds of a task under a protocol."""
+        return Setting(task, protocol, split=self.split)
 
-        Raises:
-            UnknownName, BadValue, BadFile, NoRenderer: before any work is done.
-        """
+    def setup(self, setting: Setting) -> PolicySetup:
+        """What the policy is opened with."""
+        return PolicySetup(setting.task, setting.protocol, self.split, self.seed, self.options)
+
+    def check(self) -> list[Task]:
+        """The tasks. Raises UnknownName, BadValue, BadFile, NoRenderer before any work is done."""
         parse_spec(self.policy)
         for name in self.protocols:
             load_protocol(name)
-        if self.split not in SPLITS:
-            raise BadValue("--split", self.split, f"it is one of {', '.join(SPLITS)}")
-        for key, bound in {"episodes": 1, "workers": 1, "seed": 0}.items():
-            value = getattr(self, key)
-            if value is not None and value < bound:
-                raise BadValue(f"--{key}", value, f"at least {bound}")
-        tasks = {name: load_task(name) for name in self.tasks}
+        tasks = [load_task(name) for name in self.tasks]
         if self.video and (finding := check_renderer()).status == "fail":
             cure = f"; cure: {finding.cure}" if finding.cure else ""
             raise NoRenderer(f"no video can be drawn: {finding.detail}{cure}")

@@ -1,97 +1,149 @@
-"""The supervisor: every instance once, records in order, a summary at the end."""
+"""`evaluate`: every certified instance once, records in their order, a summary at the end."""
 
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from rtphys.assets.pack import Pack
-from rtphys.campaign.workers.local import Crew
+from rtphys.campaign.engine import Listener, run_all
+from rtphys.campaign.row_journal import RowJournal
+from rtphys.campaign.series import Series, Study, Tally
+from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.campaign.workers.pool import Lost
-from rtphys.core.errors import RtphysError
+from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import parse_mapping, pretty
 from rtphys.data.lock import FolderLock
-from rtphys.episode.fingerprint import ground_of
+from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import short_name
 from rtphys.report.figures.breaks import draw_breaks
 from rtphys.results import EpisodeRecord, summarise
 from rtphys.results.folder import INSTANCES, RUN, SUMMARY, record_file, video_file
 from rtphys.results.instance_file import instance_file, write_instances
+from rtphys.results.instances import InstanceList
 from rtphys.results.official import result_file, write_result
-from rtphys.results.record_file import RecordFile
+from rtphys.results.record_file import read_records, write_records
 from rtphys.results.summary import Summary
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Setting
 from rtphys.studies.evaluate.lists import certified
 from rtphys.studies.evaluate.plan import EvaluatePlan
-from rtphys.studies.evaluate.table import Table
-from rtphys.studies.evaluate.work import Job, Stage, lost
+from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
 from rtphys.task.spec import Task
 
-Tables = dict[tuple[str, str], Table]  # by (protocol, task)
-Told = Callable[[list[Table]], None]
+WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
 
 
 class OtherRun(RtphysError):
     """The folder holds results of another evaluation."""
 
-    def __init__(self, out: Path, found: list[str]) -> None:
+    def __init__(self, out: Path, clauses: list[str]) -> None:
         super().__init__(
-            f"{out}: holds results of another evaluation: {'; '.join(found)}. "
-            "Choose another --out, or ask for the same again"
+            f"{out}: holds results of another evaluation: {'; '.join(clauses)}. "
+            "Choose another folder, or ask for the same again"
         )
 
 
-class Name(NamedTuple):
-    """An episode."""
+class TaskEvaluation(Study[Job, EpisodeRecord]):
+    """One task under one protocol: its instances in order, and their records.
 
-    protocol: str
-    task: str
-    seed: int
+    A journal takes each record; the file that people read follows every few seconds.
+    """
 
-    def __str__(self) -> str:
-        return f"{self.task}, {self.protocol}, seed {self.seed}"
+    def __init__(self, plan: EvaluatePlan, setting: Setting, instances: InstanceList) -> None:
+        self.plan, self.setting, self.instances = plan, setting, instances
+        self.path = record_file(plan.folder, setting.protocol, setting.task)
+        there = read_records(self.path) if self.path.exists() else []
+        self._journal = RowJournal(self.path, {"records": len(there)})
+        older = self._journal.stored["records"]  # that stood in the file when the journal began
+        assert isinstance(older, int)
+        where = self._journal.path
+        newer = [EpisodeRecord.from_json(row, where) for row in self._journal.rows]
+        self._all = [*there[:older], *newer] if newer else there
+        self._written_at = time.monotonic()
+        seeds, known = [slot.seed for slot in instances.feasible], [one.seed for one in self._all]
+        # A longer run may stand there: more episodes were asked for once.
+        if known[: len(seeds)] != seeds[: len(known)]:
+            raise BadFile(self.path, "its seeds are not those of the instance list")
+        done = min(len(known), len(seeds))
+        tally = Tally(f"{setting.task}, {setting.protocol}", len(seeds), done, done)
+        self.series = Series(self, tally, seeds[done:])
+
+    @property
+    def records(self) -> Sequence[EpisodeRecord]:
+        """Those of the episodes asked for."""
+        return self._all[: self.series.tally.wanted]
+
+    def job(self, seed: int) -> Job:
+        plan, setting = self.plan, self.setting
+        where = (plan.folder, setting.protocol, setting.task, seed)
+        return Job(
+            setting.at(seed), plan.setup(setting), video_file(*where) if plan.video else None
+        )
+
+    def reason(self, result: EpisodeRecord) -> str:
+        return ""  # a failure is a result too
+
+    def commit(self, seed: int, result: EpisodeRecord) -> str:
+        self._journal.append(result.to_json())
+        self._all.append(result)
+        if time.monotonic() - self._written_at > WRITE_SECONDS:
+            self.write()
+        return ""
+
+    def lost(self, seed: int, loss: Lost) -> EpisodeRecord:
+        return lost_record(self.setting.at(seed), loss.reason, loss.detail)
+
+    def write(self) -> None:
+        """Brings the file that people read up to date. Raises `CannotWrite`."""
+        write_records(self.path, self._all)
+        self._written_at = time.monotonic()
+
+    def close(self) -> None:
+        self.write()
+        self._journal.drop()
 
 
-def evaluate(plan: EvaluatePlan, pack: Pack, told: Told = lambda _: None) -> Summary:
+def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -> Summary:
     """Runs a policy on its instances and returns the summary, which is also written.
 
     Records and summary depend on the plan and the policy alone, not on the number of workers, nor
     on how often the run was killed and resumed.
 
-    Args:
-        told: called with all tables whenever one has changed.
-
     Raises:
         RtphysError: what `EvaluatePlan.check` and `certified` refuse; results of another
-            evaluation in the folder; a policy that cannot be reached; an exception in a worker.
+            evaluation in the folder; a policy that cannot be reached; an error in a worker.
     """
-    tasks = plan.check()
-    lists = {
-        (protocol, name): certified(plan, name, protocol, ground_of(task, protocol, pack))
-        for protocol in plan.protocols
-        for name, task in tasks.items()
-    }
-    files.make_folder(plan.out)
-    lock = FolderLock(plan.out)
-    try:
+    tasks, listener = plan.check(), listener or Listener()
+    cells = [(task, protocol) for protocol in plan.protocols for task in tasks]
+    lists = [certified(plan, task, name, fingerprint_of(task, name, pack)) for task, name in cells]
+    files.make_folder(plan.folder)
+    with FolderLock(plan.folder):
         _claim(plan, tasks, pack)
-        tables: Tables = {}
-        for (protocol, name), instances in lists.items():
-            write_instances(instance_file(plan.out / INSTANCES, protocol, name), instances)
-            file = RecordFile(record_file(plan.out, protocol, name))
-            tables[protocol, name] = Table(name, protocol, instances, file)
-        told([*tables.values()])
-        with Crew[Job, EpisodeRecord](Stage(pack, plan.policy), plan.workers, plan.limits) as crew:
-            _supervise(plan, tables, crew, told)
-        return _conclude(plan, tables)
-    finally:
-        lock.release()
+        studies: list[TaskEvaluation] = []
+        for instances in lists:
+            copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
+            write_instances(copy, instances)
+            setting = plan.setting(instances.task, instances.protocol)
+            studies.append(TaskEvaluation(plan, setting, instances))
+        worker = EvaluateWorker(pack, plan.policy)
+        size = cores() if plan.workers is None else plan.workers
+        try:
+            with LocalPool[Job, EpisodeRecord](worker, size, plan.limits, listener.noticed) as pool:
+                run_all([study.series for study in studies], pool, listener, plan.folder)
+        finally:
+            for study in studies:
+                study.write()
+        return _conclude(plan, studies)
 
 
-def _claim(plan: EvaluatePlan, tasks: Mapping[str, Task], pack: Pack) -> None:
-    """What makes two runs continue each other."""
+def _claim(plan: EvaluatePlan, tasks: Sequence[Task], pack: Pack) -> None:
+    """Writes down what makes two runs continue each other, or compares it."""
+    fingerprints: dict[str, JSON] = {
+        protocol: {task.name: fingerprint_of(task, protocol, pack).to_json() for task in tasks}
+        for protocol in plan.protocols
+    }
     run: dict[str, JSON] = {
         "policy": plan.policy,
         "options": dict(plan.options),
@@ -100,62 +152,33 @@ def _claim(plan: EvaluatePlan, tasks: Mapping[str, Task], pack: Pack) -> None:
         "episodes": plan.episodes,
         "protocols": list(plan.protocols),
         "tasks": list(plan.tasks),
-        "ground": {
-            protocol: {
-                name: ground_of(task, protocol, pack).to_json() for name, task in tasks.items()
-            }
-            for protocol in plan.protocols
-        },
+        "ground": fingerprints,
     }
-    path = plan.out / RUN
+    path = plan.folder / RUN
     if path.exists():
         if not plan.resume:
-            raise OtherRun(plan.out, ["and --no-resume asks for a fresh start"])
+            raise OtherRun(plan.folder, ["and a fresh start is asked for"])
         before = {**parse_mapping(files.read(path), path), "episodes": plan.episodes}
-        if found := differences(before, run):
-            raise OtherRun(plan.out, found)
+        if clauses := differences(before, run):
+            raise OtherRun(plan.folder, clauses)
     files.replace_file(path, pretty(run))
 
 
-def _supervise(
-    plan: EvaluatePlan, tables: Tables, crew: Crew[Job, EpisodeRecord], told: Told
-) -> None:
-    everyone = [*tables.values()]
-    waiting = [Name(t.protocol, t.task, seed) for t in everyone for seed in t.todo]
-    waiting.reverse()
-    while waiting or crew.busy:
-        while waiting and crew.room:
-            name = waiting.pop()
-            crew.submit(name, _job(plan, name))
-        for event in crew.wait():
-            name = event.name
-            assert isinstance(name, Name)
-            if isinstance(event, Lost):
-                record = lost(_job(plan, name).recipe, event.reason, event.detail)
-            else:
-                record = event.result
-            tables[name.protocol, name.task].take(record)
-            told(everyone)
-
-
-def _job(plan: EvaluatePlan, name: Name) -> Job:
-    video = video_file(plan.out, *name) if plan.video else None
-    recipe = Recipe(name.task, name.seed, name.protocol, split=plan.split)
-    return Job(recipe, plan.setup(name.task, name.protocol), video)
-
-
-def _conclude(plan: EvaluatePlan, tables: Tables) -> Summary:
-    records = {key: table.records for key, table in tables.items()}
-    lists = {key: table.instances for key, table in tables.items()}
-    summary, policy = summarise(records, lists), short_name(plan.policy)
+def _conclude(plan: EvaluatePlan, studies: Sequence[TaskEvaluation]) -> Summary:
+    cells = {(study.setting.protocol, study.setting.task): study for study in studies}
+    records: Mapping[tuple[str, str], Sequence[EpisodeRecord]] = {
+        key: study.records for key, study in cells.items()
+    }
+    summary = summarise(records, {key: study.instances for key, study in cells.items()})
+    policy = short_name(plan.policy)
     text = {"policy": plan.policy, "split": plan.split, **summary.to_json()}
-    files.replace_file(plan.out / SUMMARY, pretty(text))
+    files.replace_file(plan.folder / SUMMARY, pretty(text))
     for protocol, found in summary.breaks.items():
         if found:
-            place = plan.out / f"attributes_{protocol}.png"
+            place = plan.folder / f"attributes_{protocol}.png"
             draw_breaks(found, f"{policy} under {protocol}", place)
     for row in summary.tasks:
         counts = row.counts
-        path = result_file(plan.out, row.task, policy, row.protocol)
+        path = result_file(plan.folder, row.task, policy, row.protocol)
         write_result(path, plan.split, (counts.rollouts, counts.slots, counts.successes))
     return summary

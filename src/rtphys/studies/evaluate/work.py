@@ -1,11 +1,9 @@
 """What a worker does: one policy on one certified instance."""
 
 import traceback
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtphys.assets.pack import Pack
 from rtphys.core.errors import Infeasible
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
@@ -14,9 +12,9 @@ from rtphys.episode.film import film
 from rtphys.physics import Physics
 from rtphys.policies import Policy, PolicyGone, PolicySetup, open_policy
 from rtphys.results import EpisodeRecord
-from rtphys.setting.recipe import Recipe
+from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
-from rtphys.task.spec import Task, load_task
+from rtphys.studies.worker import StudyWorker
 
 
 @dataclass(frozen=True)
@@ -29,16 +27,11 @@ class Job:
 
 
 @dataclass
-class Stage:
-    """A worker's equipment: picklable, set up once in each process by calling it."""
+class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
+    """Plays episodes with a policy, which stays open from one to the next of the same setup."""
 
-    pack: Pack
     policy: str
-    tasks: dict[str, Task] = field(default_factory=dict)
-    _open: tuple[PolicySetup, Policy] | None = None
-
-    def __call__(self) -> Callable[[Job], EpisodeRecord]:
-        return self.do
+    _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
 
     def do(self, job: Job) -> EpisodeRecord:
         """Plays one episode.
@@ -48,13 +41,11 @@ class Stage:
             NoRenderer: it needs pictures, and there is no device.
         """
         recipe = job.recipe
-        if recipe.task not in self.tasks:
-            self.tasks[recipe.task] = load_task(recipe.task)
         policy = self._opened(job.setup)
         try:
             episode = begin(recipe, self.tasks[recipe.task], self.pack)
         except Infeasible as problem:
-            return lost(recipe, "infeasible", str(problem))
+            return lost_record(recipe, "infeasible", str(problem))
         trace = self._play(policy, episode)
         record = _judged(episode, trace)
         if job.video is not None:
@@ -108,8 +99,8 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
     )
 
 
-def lost(recipe: Recipe, reason: str, detail: str) -> EpisodeRecord:
-    """The record of an episode that nobody saw to its end."""
+def lost_record(recipe: Recipe, reason: str, detail: str) -> EpisodeRecord:
+    """The record of an episode that did not come to its end."""
     return EpisodeRecord(
         recipe.task, recipe.protocol, recipe.seed, False, reason=reason, detail=detail
     )

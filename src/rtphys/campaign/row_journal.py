@@ -1,0 +1,40 @@
+"""Rows of a file in the making: a journal beside it, from the first row until the file is whole."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from rtphys.data.episode import JSON
+from rtphys.data.files import make_folder
+from rtphys.data.journal import Journal
+
+Entry = Mapping[str, JSON]
+
+
+class RowJournal:
+    """One checksummed line a row, behind a first line that says under which conditions.
+
+    Args:
+        file: the file in the making; the journal lies beside it, hidden.
+        header: conditions of all rows; compare with `stored` before adding any.
+
+    Raises:
+        BadFile: the journal is damaged.
+    """
+
+    def __init__(self, file: Path, header: Entry) -> None:
+        make_folder(file.parent)
+        self.path = file.parent / f".{file.stem}.journal"
+        self.header = header
+        self._journal = Journal(self.path)
+        first, *self.rows = self._journal.entries() or [header]
+        self.stored: Entry = first
+
+    def append(self, row: Entry) -> None:
+        """Keeps a row. Raises `CannotWrite`."""
+        if not self._journal.count:
+            self._journal.append(self.header, durable=True)
+        self._journal.append(row, durable=True)
+
+    def drop(self) -> None:
+        """Called when the file holds all rows."""
+        self.path.unlink(missing_ok=True)

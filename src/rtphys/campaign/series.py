@@ -1,0 +1,198 @@
+"""A series of seeds: attempted in any order by many workers, committed in the seeds' order.
+
+A study says what one seed's job is and what becomes of its result. A series knows which seeds run,
+which results wait for an earlier seed, and when it is enough.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from rtphys.campaign.workers.pool import Lost
+
+J = TypeVar("J")
+R = TypeVar("R")
+
+FRUITLESS = 200  # results in a row that do not count, after which a series is given up
+LOOKAHEAD = 4  # results a worker may be ahead of the slowest: bounds what waits, also on the disk
+
+
+class Study(ABC, Generic[J, R]):
+    """What a campaign does with the seeds of one series."""
+
+    @abstractmethod
+    def job(self, seed: int) -> J:
+        """What a worker is given."""
+
+    @abstractmethod
+    def reason(self, result: R) -> str:
+        """Why a result does not count towards the goal; empty if it does."""
+
+    def arrived(self, seed: int, result: R) -> R:
+        """Called when a worker hands a result over, which may be long before it is committed."""
+        return result
+
+    @abstractmethod
+    def commit(self, seed: int, result: R) -> str:
+        """Keeps a result; called in the seeds' order. Returns why the series must halt, if so."""
+
+    def known(self, seed: int) -> R | None:
+        """A result that was made elsewhere and spares the job."""
+        return None
+
+    @abstractmethod
+    def lost(self, seed: int, loss: Lost) -> R | str:
+        """The result of a seed that took its workers with it, or why the series must halt."""
+
+    def close(self) -> None:
+        """Called once, when nothing more will be committed."""
+
+
+@dataclass
+class Tally:
+    """Counts of what a series has committed, not of results that wait for an earlier seed."""
+
+    name: str  # what the series is called on the screen, such as its task
+    wanted: int  # results that count
+    accepted: int = 0  # results that count, those of earlier runs included
+    attempts: int = 0  # likewise, of all results
+    rejections: Counter[str] = field(default_factory=Counter[str])  # of this run, by reason
+    fruitless: int = 0  # attempts since the last one that counted
+    stopped: str = ""  # why it was given up
+
+    def __post_init__(self) -> None:
+        self.found_accepted, self.found_attempts = self.accepted, self.attempts
+
+    @property
+    def done(self) -> bool:
+        return self.accepted >= self.wanted
+
+    @property
+    def new_accepted(self) -> int:
+        return self.accepted - self.found_accepted
+
+    @property
+    def new_attempts(self) -> int:
+        return self.attempts - self.found_attempts
+
+    @property
+    def rate(self) -> float:
+        """Expected share of attempts that count, in (0, 1]; optimistic while little is known."""
+        return (self.new_accepted + 1) / (self.new_attempts + 1)
+
+    def add(self, reason: str) -> None:
+        """Counts one result; an empty reason means that it counts towards the goal."""
+        self.attempts += 1
+        if reason:
+            self.rejections[reason] += 1
+            self.fruitless += 1
+        else:
+            self.accepted += 1
+            self.fruitless = 0
+
+    def judge(self, exhausted: bool) -> None:
+        """Gives up where it is hopeless, or where no seed is left."""
+        if self.done:
+            return
+        if self.fruitless >= FRUITLESS:
+            self.stopped = f"none of the last {self.fruitless} attempts was accepted"
+        elif exhausted:
+            self.stopped = f"{self.attempts} attempts were made, the most that were allowed"
+
+
+@dataclass
+class Series(Generic[J, R]):
+    """The seeds of one study that are not committed yet.
+
+    Args:
+        seeds: in the order in which their results are committed.
+        owed: how many of the first seeds are done even if the goal is reached; they count nothing.
+    """
+
+    study: Study[J, R]
+    tally: Tally
+    seeds: Sequence[int]
+    owed: int = 0
+    halted: str = field(default="", init=False)  # why it is left for another run
+    running: set[int] = field(default_factory=set[int], init=False)
+    _begun: int = field(default=0, init=False)  # seeds handed out
+    _committed: int = field(default=0, init=False)
+    _waiting: dict[int, R] = field(default_factory=dict[int, R], init=False)  # for an earlier seed
+    _closed: bool = field(default=False, init=False)
+
+    def __post_init__(self) -> None:
+        self._judge()
+
+    @property
+    def enough(self) -> bool:
+        """Complete or given up; what still runs was begun to be on the safe side."""
+        return self._committed >= self.owed and (self.tally.done or bool(self.tally.stopped))
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing more will be committed."""
+        return self.enough or bool(self.halted and not self.running)
+
+    def wants(self, workers: int) -> bool:
+        """Whether one more seed should begin: as many as the missing results are worth."""
+        if self.enough or self.halted or self._begun >= len(self.seeds):
+            return False
+        if self._begun < self.owed:
+            return True
+        tally, ahead = self.tally, self._begun - self._committed
+        if tally.done or tally.stopped or ahead >= LOOKAHEAD * workers:
+            return False
+        ready = sum(not self.study.reason(result) for result in self._waiting.values())
+        return len(self.running) < math.ceil((tally.wanted - tally.accepted - ready) / tally.rate)
+
+    def begin(self) -> int:
+        """The next seed to attempt."""
+        seed = self.seeds[self._begun]
+        self._begun += 1
+        self.running.add(seed)
+        return seed
+
+    def take(self, seed: int, result: R) -> None:
+        """Commits a result and those that waited for it; drops those past the last one needed."""
+        self.running.discard(seed)
+        if self.enough:
+            return
+        self._waiting[seed] = self.study.arrived(seed, result)
+        while not self.over and (first := self._first_waiting()) is not None:
+            result = self._waiting.pop(first)
+            self.halted = self.study.commit(first, result)
+            if self.halted:
+                break
+            if self._committed >= self.owed:
+                self.tally.add(self.study.reason(result))
+            self._committed += 1
+            self._judge()
+        if self.enough:
+            self._waiting.clear()
+
+    def lose(self, seed: int, loss: Lost) -> None:
+        """Takes the loss of the workers that had a seed."""
+        result = self.study.lost(seed, loss)
+        if isinstance(result, str):
+            self.running.discard(seed)
+            self.halted = self.halted or result
+        else:
+            self.take(seed, result)
+
+    def close_if_over(self) -> None:
+        """Lets the study finish as soon as nothing more will come."""
+        if self.over and not self._closed:
+            self._closed = True
+            self.study.close()
+
+    def _first_waiting(self) -> int | None:
+        if self._committed >= len(self.seeds):
+            return None
+        seed = self.seeds[self._committed]
+        return seed if seed in self._waiting else None
+
+    def _judge(self) -> None:
+        self.tally.judge(exhausted=self._committed >= len(self.seeds))

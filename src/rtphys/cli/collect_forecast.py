@@ -1,0 +1,119 @@
+"""What `rtphys collect` says before and after: what, where, how long, how large."""
+
+import resource
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import typer
+
+from rtphys.cli.fitting import fitting_table, wide_console
+from rtphys.cli.progress import Lines
+from rtphys.studies.collect.estimate import (
+    Cost,
+    Estimate,
+    bytes_below,
+    episodes_there,
+    estimate,
+    probe,
+)
+from rtphys.studies.collect.plan import Run, TaskPlan, check
+
+
+def show_plans(plans: Sequence[TaskPlan], run: Run) -> None:
+    """Prints each task dataset with its conditions and what is there already.
+
+    Raises:
+        RtphysError: what `collect` would refuse.
+    """
+    check(plans, run)
+    columns = ("episodes", "there", "seeds from", "cameras", "domain")
+    table = fitting_table(["folder"], columns)
+    for plan in plans:
+        for side in plan.sides:
+            counts = (str(plan.episodes), str(episodes_there(run.out, side)), str(plan.first_seed))
+            table.add_row(side.folder, *counts, ", ".join(plan.cameras), side.setting.domain.name)
+    wide_console().print(table)
+    episodes = sum(plan.episodes * len(plan.sides) for plan in plans)
+    size = run.room_needed(plans) / 1e9
+    typer.echo(
+        f"{episodes} episodes in {run.out}, at most {size:.1f} GB, with {run.size()} workers; "
+        "nothing was collected. Estimate the time with --estimate"
+    )
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What was said beforehand, and where the clocks stood."""
+
+    run: Run
+    cpu: float  # [s]
+    wall: float  # [s]
+    bytes: float
+    began: float  # [s] wall clock
+    spent: float  # [s] CPU of ended child processes
+    held: int  # [bytes] in the folder
+
+
+def forecast(plans: Sequence[TaskPlan], run: Run) -> Forecast:
+    """Probes every plan and says what they will take.
+
+    Raises:
+        RtphysError: what `collect` would refuse.
+    """
+    began = time.monotonic()
+    typer.echo("probing what it will take", err=True)
+    with Lines("tasks") as listener:
+        measured = probe(plans, run, listener)
+    expected = estimate(plans, measured, run)
+    _show(expected)
+    total, wall = expected.total, expected.wall
+    typer.echo(
+        f"estimate: {total.episodes} episodes, {_hours(total.cpu)} of CPU, {_hours(wall)} with "
+        f"{expected.workers} workers, {total.bytes / 1e9:.2f} GB "
+        f"(probed for {_hours(time.monotonic() - began)})"
+    )
+    held = bytes_below(run.out) if run.out.is_dir() else 0
+    return Forecast(run, total.cpu, wall, total.bytes, time.monotonic(), children_cpu(), held)
+
+
+def confirm(before: Forecast) -> None:
+    """Says how right it was. CPU is left out where the workers were other machines'."""
+    wall = time.monotonic() - before.began
+    cpu = children_cpu() - before.spent
+    size = bytes_below(before.run.out) - before.held
+    parts = [f"{_hours(wall)} ({_off(wall, before.wall)})"]
+    if before.run.runner == "local":
+        parts.insert(0, f"{_hours(cpu)} of CPU ({_off(cpu, before.cpu)})")
+    parts.append(f"{size / 1e9:.2f} GB ({_off(size, before.bytes)})")
+    typer.echo(f"it took {', '.join(parts)}; in brackets, against the estimate")
+
+
+def children_cpu() -> float:
+    """CPU-seconds of child processes that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _show(expected: Estimate) -> None:
+    columns = ("episodes", "attempts", "CPU-s an episode", "MB")
+    table = fitting_table(["task", "configuration"], columns, justify="right")
+    for plan, cost in expected.costs:
+        setting = plan.setting
+        table.add_row(setting.task, plan.config or setting.protocol, *_cells(cost))
+    wide_console().print(table)
+
+
+def _cells(cost: Cost) -> tuple[str, str, str, str]:
+    each = f"{cost.cpu / cost.episodes:.1f}" if cost.episodes else "-"
+    return str(cost.episodes), f"{cost.attempts:.0f}", each, f"{cost.bytes / 1e6:.1f}"
+
+
+def _off(was: float, said: float) -> str:
+    return f"{100 * (was / said - 1):+.0f} %" if said else "nothing was estimated"
+
+
+def _hours(seconds: float) -> str:
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.1f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,151 @@
+"""Command lines derived from the dataclasses of settings and plans: one option for each field.
+
+A field whose annotation carries an `Option` is an option of the same name; a field that is a
+dataclass of its own brings its fields along. A new option is a field, and nothing here.
+"""
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import wraps
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+
+import typer
+
+from rtphys.cli.options import split
+from rtphys.core.errors import BadValue
+from rtphys.setting.option import Option
+
+_READ_BY_TYPER = (bool, int, float, str, Path)
+
+
+def takes(*kinds: type) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Makes `f(a, b)` a command, where a and b are dataclasses whose fields are its options."""
+
+    def command(function: Callable[..., None]) -> Callable[..., None]:
+        @wraps(function)
+        def call(**given: object) -> None:  # typer calls with keywords alone
+            function(*(build(kind, given) for kind in kinds))
+
+        parameters = [parameter for kind in kinds for parameter in _parameters(kind)]
+        call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        return call
+
+    return command
+
+
+def build(kind: type, given: Mapping[str, object]) -> Any:
+    """The dataclass that command-line values describe.
+
+    Raises:
+        UnknownName, BadValue, BadFile: a value that cannot be; names the nearest match.
+    """
+    hints = get_type_hints(kind, include_extras=True)
+    values: dict[str, object] = {}
+    for field in fields(kind):
+        if is_dataclass(hints[field.name]) and field.default_factory is MISSING:
+            values[field.name] = build(hints[field.name], given)
+        elif (option := _option(hints[field.name])) is not None:
+            raw = given[field.name]
+            values[field.name] = _value(hints[field.name], raw, option, field)
+    return kind(**values)
+
+
+def changed(kind: type, given: Any) -> Iterator[tuple[str, object]]:
+    """Names and values of the fields with an option that are not their defaults, nested too."""
+    hints = get_type_hints(kind, include_extras=True)
+    for field in fields(kind):
+        value = getattr(given, field.name)
+        if is_dataclass(hints[field.name]) and field.default_factory is MISSING:
+            yield from changed(hints[field.name], value)
+        elif _option(hints[field.name]) is not None and value != _default(field):
+            yield field.name, value
+
+
+def _parameters(kind: type) -> Iterator[inspect.Parameter]:
+    hints = get_type_hints(kind, include_extras=True)
+    for field in fields(kind):
+        hint = hints[field.name]
+        if is_dataclass(hint) and field.default_factory is MISSING:
+            yield from _parameters(hint)
+        elif (option := _option(hint)) is not None:
+            spelled = _spelled_type(hint)
+            default = _default(field)
+            if default is MISSING:
+                default = inspect.Parameter.empty
+            elif spelled == list[str] | None:
+                default = None
+            flag = option.flag or "--" + field.name.replace("_", "-")
+            names = [f"{flag}/--no-{flag[2:]}"] if default is True else [flag]
+            text = _help(option, field)
+            kind_of = (
+                typer.Argument(help=text) if option.positional else typer.Option(*names, help=text)
+            )
+            annotation = Annotated[spelled, kind_of]
+            yield inspect.Parameter(
+                field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
+            )
+
+
+def _help(option: Option, field: Field[Any]) -> str:
+    default = _default(field)
+    names = ",".join(default) if isinstance(default, tuple) and default else ""
+    return f"{option.help} \\[default: {names}]" if names else option.help
+
+
+def _option(hint: object) -> Option | None:
+    found = [one for one in getattr(hint, "__metadata__", ()) if isinstance(one, Option)]
+    return found[0] if found else None
+
+
+def _default(field: Field[Any]) -> Any:
+    if field.default_factory is not MISSING:
+        return field.default_factory()
+    return field.default
+
+
+def _spelled_type(hint: object) -> Any:
+    """What typer is to read: several words for names and mappings, a word for what is loaded."""
+    plain = hint
+    while get_origin(plain) is Annotated:
+        plain = get_args(plain)[0]
+    options = get_args(plain) if get_origin(plain) in (Union, UnionType) else (plain,)
+    kinds = [get_origin(one) or one for one in options if one is not NoneType]
+    if len(kinds) == 1 and kinds[0] in (tuple, Mapping):
+        return list[str] if NoneType not in options and kinds[0] is tuple else list[str] | None
+    if len(kinds) == 1 and kinds[0] in _READ_BY_TYPER:
+        return plain
+    return str | None
+
+
+def _value(hint: object, raw: object, option: Option, field: Field[Any]) -> object:
+    if raw is None or (raw == [] and _default(field) is not MISSING):
+        return None if _default(field) is MISSING else _default(field)
+    if not isinstance(raw, Sequence) or isinstance(raw, str):
+        return raw
+    words = [str(word) for word in raw]
+    plain = get_args(hint)[0]
+    if get_origin(plain) is not Mapping:
+        return names_in(words)
+    if get_args(plain)[1] is str:
+        return dict(_pair(word, option, field) for word in words)
+    from rtphys.physics.overrides import parse_overrides
+
+    return parse_overrides(words)
+
+
+def names_in(words: Sequence[str]) -> tuple[str, ...]:
+    """Names of repeated options, each of which may hold several with commas.
+
+    What holds no name at all stays as it is, to be refused rather than to mean nothing.
+    """
+    return tuple(name for word in words for name in split(word) or (word,))
+
+
+def _pair(text: str, option: Option, field: Field[Any]) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    if not key or not equals:
+        raise BadValue(field.name, text, "write key=value")
+    return key, value

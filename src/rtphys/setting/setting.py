@@ -1,0 +1,143 @@
+"""Setting: everything that decides an episode but its seed. Recipe: a setting and a seed."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import field, replace
+from functools import cached_property
+from typing import Annotated
+
+from pydantic import PlainSerializer, PlainValidator, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from rtphys.core.errors import BadValue
+from rtphys.physics.domain import Domain
+from rtphys.physics.load import domain_for_task, load_domain
+from rtphys.physics.values import Physics, Value, Vector
+from rtphys.setting.option import Option, one_of
+from rtphys.setting.protocol import VisualRules, load_protocol
+
+SPLITS = ("seen", "unseen")
+"""Which pictures may lie on table and wall: those of demonstrations, or those of evaluation."""
+
+NOMINAL = Domain("nominal", {})
+
+
+def _domain(raw: object) -> Domain | None:
+    """A domain as it is, by name or file, or as `Domain.to_json` wrote it; None for nothing."""
+    if raw is None or isinstance(raw, Domain):
+        return raw
+    if isinstance(raw, Mapping):
+        return Domain.from_json({str(key): value for key, value in raw.items()})
+    return load_domain(str(raw)) if raw else None
+
+
+def _domain_json(domain: Domain | None) -> dict[str, object] | None:
+    return None if domain is None else domain.to_json()
+
+
+Ranges = Annotated[Domain | None, PlainValidator(_domain), PlainSerializer(_domain_json)]
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What decides an episode but its seed. Equal settings and seeds give equal bits."""
+
+    task: str
+    protocol: Annotated[str, Option("What varies between episodes.")] = "clean"
+    only: Annotated[
+        tuple[str, ...] | None, Option("Vary these attributes alone (comma-separated).")
+    ] = None
+    overrides: Annotated[
+        Mapping[str, Value], Option("key=value: hold an attribute at a value; repeatable.", "--set")
+    ] = field(default_factory=dict[str, Value])
+    ranges: Annotated[
+        Ranges, Option("Draw from this domain (name or file), not from the task's own.", "--domain")
+    ] = None
+    split: Annotated[
+        str, one_of("texture split", SPLITS), Option("seen or unseen pictures on table and wall.")
+    ] = "seen"
+    recovery: Annotated[bool, Option("Keep episodes in which a load was lost and taken again.")] = (
+        True
+    )
+    embodiment: str = "aloha-agilex"
+
+    @cached_property
+    def domain(self) -> Domain:
+        """`ranges`, else the task's own domain; no rule at all under a protocol without physics.
+
+        Raises:
+            UnknownName: no such protocol.
+        """
+        if not load_protocol(self.protocol).physics:
+            return NOMINAL
+        return self.ranges or domain_for_task(self.task)
+
+    def visual(self) -> VisualRules | None:
+        """Rules of the look; None where it is that of `clean`. Raises `UnknownName`."""
+        return load_protocol(self.protocol).visual
+
+    def draw(self, seed: int, inside: Callable[[Vector], bool] | None = None) -> Physics:
+        """The physics of one episode (`Domain.sample`, which see)."""
+        return self.domain.sample(seed, self.only, self.overrides, inside)
+
+    def under(self, protocol: str) -> "Setting":
+        """The same under another protocol; one without physics holds and picks no attribute."""
+        if load_protocol(protocol).physics:
+            return replace(self, protocol=protocol)
+        return replace(self, protocol=protocol, only=None, overrides={}, ranges=None)
+
+    def at(self, seed: int) -> "Recipe":
+        """One episode of it."""
+        return Setting(self).at(seed)
+
+    def to_json(self) -> dict[str, object]:
+        """Plain values by field; those of rare fields only where they differ from the default."""
+        found: dict[str, object] = _ADAPTER.dump_python(self, mode="json")
+        rare = {"ranges": None, "recovery": True}
+        return {k: v for k, v in found.items() if k not in rare or v != rare[k]}
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """One attempt. Equal recipes give equal episodes, bit for bit."""
+
+    setting: Setting
+    seed: int
+
+    @property
+    def task(self) -> str:
+        """Name of the setting's task."""
+        return self.setting.task
+
+    @property
+    def protocol(self) -> str:
+        """Name of the setting's protocol."""
+        return self.setting.protocol
+
+    def to_json(self) -> dict[str, object]:
+        """As a label stores it."""
+        return {"seed": self.seed, **self.setting.to_json()}
+
+    @staticmethod
+    def from_json(stored: Mapping[str, object]) -> "Recipe":
+        """Inverse of `to_json`. Raises `ValueError` where a field is missing or of another kind."""
+        rest = dict(stored)
+        try:
+            return Recipe(seed=rest.pop("seed"), setting=_ADAPTER.validate_python(rest))  # type: ignore[arg-type] - validated
+        except (ValidationError, KeyError) as error:
+            raise ValueError(str(error)) from error
+
+
+_ADAPTER = TypeAdapter(Setting)
+
+
+def check_varies(ranges: Domain, protocols: Iterable[str]) -> None:
+    """A domain of one's own needs a protocol that draws from it.
+
+    Raises:
+        UnknownName: no such protocol.
+        BadValue: none of them varies physics.
+    """
+    named = [load_protocol(name) for name in protocols]
+    if not any(protocol.physics for protocol in named):
+        names = ", ".join(protocol.name for protocol in named)
+        raise BadValue("ranges", ranges.name, f"protocol {names} varies no physics")
