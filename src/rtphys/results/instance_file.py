@@ -34,7 +34,7 @@ def _lines(instances: InstanceList) -> list[str]:
         "protocol": instances.protocol,
         "attempts": instances.attempts,
         "feasible": len(feasible),
-        **instances.ground,
+        **instances.fingerprint,
         "baselines": list(instances.baselines),
         "columns": list(COLUMNS),
     }
@@ -66,12 +66,12 @@ def read_instances(path: Path) -> InstanceList:
         raise BadFile(path, f"is no list of certified instances of format {FORMAT}")
     try:
         slots = _slots(data)
-        ground: dict[str, JSON] = {
+        fingerprint: dict[str, JSON] = {
             key: data[key]  # type: ignore[misc] - compared, never computed with
             for key in ("domain", "look", "assets", "versions")
         }
         measured = tuple(map(str, data["baselines"]))  # type: ignore[call-overload]
-        found = InstanceList(str(data["task"]), str(data["protocol"]), ground, slots, measured)
+        found = InstanceList(str(data["task"]), str(data["protocol"]), fingerprint, slots, measured)
         counts = data["attempts"], data["feasible"]
     except (KeyError, TypeError, ValueError) as error:
         raise BadFile(path, f"is damaged: {type(error).__name__}: {error}") from error

@@ -28,8 +28,11 @@ class Slot:
 
 
 @dataclass(frozen=True)
-class Ground:
-    """Everything that decides which seeds are feasible. Equal grounds give equal lists."""
+class Fingerprint:
+    """Certification fingerprint: what decides which seeds are feasible.
+
+    Equal fingerprints give equal lists.
+    """
 
     domain: str  # name
     domain_digest: str  # of the resolved rules
@@ -53,7 +56,7 @@ class InstanceList:
 
     task: str
     protocol: str
-    ground: Mapping[str, JSON]  # `Ground.to_json()`
+    fingerprint: Mapping[str, JSON]  # `Fingerprint.to_json()`
     slots: tuple[Slot, ...]
     baselines: tuple[str, ...] = ()  # which were measured
 

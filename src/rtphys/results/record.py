@@ -12,7 +12,7 @@ REASONS: dict[str, str] = {
     "step_limit": "the task's number of actions was used up",
     "gave_up": "the policy stopped by itself",
     "policy_error": "the policy raised; `detail` holds the traceback",
-    "infeasible": "the world could not be set up: certified on other ground",
+    "infeasible": "the world could not be set up: the certification fingerprint differs",
     "worker_crash": "the process died, twice",
     "worker_hang": "the episode ran longer than --timeout, twice",
 }

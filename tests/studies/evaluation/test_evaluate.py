@@ -18,7 +18,7 @@ from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.video import probe
 from rtphys.episode.film import montage
-from rtphys.episode.fingerprint import ground_of
+from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import PolicySetup, short_name
 from rtphys.results import read_results
 from rtphys.results.folder import SUMMARY, record_file
@@ -51,7 +51,7 @@ def lists(pack: Pack, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("lists")
     slots = (Slot(SEEDS[0], state="0"), Slot(SEEDS[0] + 1, "slipped"), Slot(SEEDS[1], state="0"))
     for protocol in PROTOCOLS:
-        ground = ground_of(load_task(TASK), protocol, pack).to_json()
+        ground = fingerprint_of(load_task(TASK), protocol, pack).to_json()
         made = InstanceList(TASK, protocol, ground, slots)
         write_instances(instance_file(out, protocol, TASK), made)
     return out

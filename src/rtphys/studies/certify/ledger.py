@@ -112,7 +112,7 @@ class Ledger:
 
     def _read_list(self) -> None:
         self._known = known = read_instances(self.path)
-        _compare(self.path, {**known.ground, "first_seed": known.first_seed}, self._head)
+        _compare(self.path, {**known.fingerprint, "first_seed": known.first_seed}, self._head)
         self.baselines = _union(known.baselines, (), self.path)
         for slot in known.slots:
             self._put(slot, self.baselines)

@@ -8,7 +8,7 @@ from rtphys.campaign.workers.local import Crew
 from rtphys.campaign.workers.pool import Lost
 from rtphys.data.files import make_folder
 from rtphys.data.lock import FolderLock
-from rtphys.episode.fingerprint import ground_of
+from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.results.instances import Slot
 from rtphys.studies.certify.order import Order
 from rtphys.studies.certify.plan import CertifyPlan
@@ -47,7 +47,9 @@ def certify(plan: CertifyPlan, pack: Pack, told: Told = lambda _: None) -> list[
     lock = FolderLock(plan.out)
     try:
         orders = {
-            (protocol, name): Order(plan, name, protocol, ground_of(task, protocol, pack).to_json())
+            (protocol, name): Order(
+                plan, name, protocol, fingerprint_of(task, protocol, pack).to_json()
+            )
             for protocol in plan.protocols
             for name, task in tasks.items()
         }

@@ -10,7 +10,7 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
 from rtphys.data.layout import MANIFEST
 from rtphys.results.instance_file import instance_file, read_instances
-from rtphys.results.instances import Ground, InstanceList, Slot
+from rtphys.results.instances import Fingerprint, InstanceList, Slot
 from rtphys.studies.evaluate.plan import BENCHMARK, EvaluatePlan
 
 # Which package versions made a list is told, not enforced: they rarely decide what is feasible.
@@ -37,7 +37,7 @@ class OtherGround(RtphysError):
         )
 
 
-def certified(plan: EvaluatePlan, task: str, protocol: str, ground: Ground) -> InstanceList:
+def certified(plan: EvaluatePlan, task: str, protocol: str, ground: Fingerprint) -> InstanceList:
     """The instances to evaluate: the list up to the last episode that is asked for.
 
     Raises:
@@ -58,7 +58,7 @@ def certified(plan: EvaluatePlan, task: str, protocol: str, ground: Ground) -> I
     if (held := len(found.feasible)) < (least := wanted or 1):
         problem = f"{task}, {protocol}: holds {held} feasible seeds, not {least}"
         raise NotCertified(where, problem, task, protocol, least)
-    if not plan.accept_changes and (changed := _changes(found.ground, ground.to_json())):
+    if not plan.accept_changes and (changed := _changes(found.fingerprint, ground.to_json())):
         raise OtherGround(where, changed)
     return found.first(wanted or held)
 
@@ -82,7 +82,7 @@ def _enforced(ground: Mapping[str, JSON]) -> dict[str, JSON]:
     return {**ground, "versions": {key: known.get(key) for key in ENFORCED}}
 
 
-def _of_dataset(folder: Path, task: str, protocol: str, ground: Ground) -> InstanceList:
+def _of_dataset(folder: Path, task: str, protocol: str, ground: Fingerprint) -> InstanceList:
     """Every seed that was tried for a dataset; its manifest has vouched for the ground."""
     leaves = [leaf for leaf in Dataset(folder).leaves if leaf.task == task]
     if not leaves:

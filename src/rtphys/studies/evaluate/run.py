@@ -13,7 +13,7 @@ from rtphys.data.conditions import differences
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import parse_mapping, pretty
 from rtphys.data.lock import FolderLock
-from rtphys.episode.fingerprint import ground_of
+from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import short_name
 from rtphys.report.figures.breaks import draw_breaks
 from rtphys.results import EpisodeRecord, summarise
@@ -69,7 +69,7 @@ def evaluate(plan: EvaluatePlan, pack: Pack, told: Told = lambda _: None) -> Sum
     """
     tasks = plan.check()
     lists = {
-        (protocol, name): certified(plan, name, protocol, ground_of(task, protocol, pack))
+        (protocol, name): certified(plan, name, protocol, fingerprint_of(task, protocol, pack))
         for protocol in plan.protocols
         for name, task in tasks.items()
     }
@@ -102,7 +102,7 @@ def _claim(plan: EvaluatePlan, tasks: Mapping[str, Task], pack: Pack) -> None:
         "tasks": list(plan.tasks),
         "ground": {
             protocol: {
-                name: ground_of(task, protocol, pack).to_json() for name, task in tasks.items()
+                name: fingerprint_of(task, protocol, pack).to_json() for name, task in tasks.items()
             }
             for protocol in plan.protocols
         },
