@@ -53,7 +53,7 @@ class EvaluateOptions:
         names = expand(self.task)
         from dataclasses import replace
 
-        from rtphys.policies import short_name
+        from rtphys.results.folder import short_name
         from rtphys.studies.evaluate import EvaluatePlan
         from rtphys.studies.evaluate.plan import WATCHDOG
 

@@ -1,4 +1,4 @@
-"""The records of one task under one protocol, JSON Lines that a crash can only cut short."""
+"""File of episode records (JSON Lines); a crash can only truncate its last line."""
 
 import os
 from pathlib import Path
@@ -9,10 +9,10 @@ from rtphys.results.record import EpisodeRecord
 
 
 def read_records(path: Path) -> list[EpisodeRecord]:
-    """All whole lines; what a crash left after them is passed over.
+    """Read every complete line; a truncated last line is skipped.
 
     Raises:
-        BadFile: unreadable, or a whole line is no record.
+        BadFile: unreadable, or a complete line is no record.
     """
     data = files.read(path)
     lines = data[: data.rfind(b"\n") + 1].splitlines()
@@ -23,14 +23,14 @@ def read_records(path: Path) -> list[EpisodeRecord]:
 
 
 class RecordFile:
-    """Open for appending. What is there is kept; a torn last line is cut off before the next."""
+    """Appends records to a file; a truncated last line is removed before the next append."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.records = read_records(path) if path.exists() else []
 
     def append(self, record: EpisodeRecord) -> None:
-        """Adds a line and syncs it. Raises `CannotWrite`."""
+        """Append a line and sync it to disk. Raises `CannotWrite`."""
         text = compact(record.to_json()) + b"\n"
         files.make_folder(self.path.parent)
         with files.refusals(self.path):

@@ -19,9 +19,9 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.video import probe
 from rtphys.episode.film import montage
 from rtphys.episode.fingerprint import fingerprint_of
-from rtphys.policies import PolicySetup, short_name
+from rtphys.policies import PolicySetup
 from rtphys.results import read_results
-from rtphys.results.folder import SUMMARY, record_file
+from rtphys.results.folder import SUMMARY, record_file, short_name
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records
