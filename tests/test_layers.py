@@ -24,7 +24,7 @@ OWNERS = {
     "cv2": {"data"},
     "simplejpeg": {"data"},
     "av": {"data"},
-    "pydantic": {"data"},
+    "pydantic": {"data", "results"},
     "pydantic_core": {"data"},
     "pinocchio": {"plan"},
     "coal": {"plan"},

@@ -11,16 +11,16 @@ from rtphys.cli.evaluate_tables import attributes_table, pairs_table, rates_tabl
 from rtphys.results.breaks import Break
 from rtphys.results.logistic import Curve
 from rtphys.results.statistics import Paired
-from rtphys.results.summary import Counts, PairRow, ProtocolRow, Summary, TaskRow
+from rtphys.results.summary import Counts, PairSummary, ProtocolSummary, Summary, TaskSummary
 
 COUNTS = Counts(slots=574, infeasible=74, rollouts=500, successes=445, held=333)
 REASONS = {"step_limit": 44, "policy_error": 11}
 TASK = "shake_bottle_horizontally"
 CURVE = Curve(low=-0.0499, high=0.0499, slope=-12.34, error=10.01, levels=(1.0,), p=1.2e-14)
 SUMMARY = Summary(
-    tasks=(TaskRow("phys_random_all", TASK, COUNTS, 100.0, REASONS),),
-    overall=(ProtocolRow("phys_random_all", 2, COUNTS, 0.5),),
-    pairs=(PairRow("official_random", "phys_random_all", Paired(4000, 1000, 101, 7)),),
+    tasks=(TaskSummary("phys_random_all", TASK, COUNTS, 100.0, REASONS),),
+    overall=(ProtocolSummary("phys_random_all", 2, COUNTS, 0.5),),
+    pairs=(PairSummary("official_random", "phys_random_all", Paired(4000, 1000, 101, 7)),),
     breaks={
         "phys_random_all": (
             Break("arm_joint_damping", "N·m·s/rad", CURVE, 2.3e-13, (), ("gripper_joint_damping",)),

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from rtphys.core.errors import BadFile
+from rtphys.data.schema_model import SchemaError
 from rtphys.results.instance_file import read_instances, write_instances
 from rtphys.results.instances import InstanceList, Slot
 
@@ -62,10 +63,7 @@ def test_the_first_episodes_keep_the_attempts_they_took() -> None:
     [
         ("format: 1", "format: 9", "format 1"),
         ("100002,", "100009,", "a seed is missing"),
-        ("attempts: 5", "attempts: 6", "other counts"),
-        ("true, null", "1, null", "neither true, false nor null"),
-        ("assets:", "asset:", "assets"),
-        ("- [100000", "- [true", "no seed"),
+        ("attempts: 5", "attempts: 6", r"\(6, 2\), but it holds \(5, 2\)"),
     ],
 )
 def test_damage_is_named(tmp_path: Path, old: str, new: str, told: str) -> None:
@@ -73,4 +71,25 @@ def test_damage_is_named(tmp_path: Path, old: str, new: str, told: str) -> None:
     write_instances(path, LIST)
     path.write_text(path.read_text().replace(old, new, 1))
     with pytest.raises(BadFile, match=told):
+        read_instances(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("true, null", "1, null", r"instances\.0\.2: input should be a valid boolean"),
+        ("assets:", "asset:", "assets: field required"),
+        ("- [100000", "- [true", r"instances\.0\.0: input should be a valid integer"),
+        ("100003]", "three]", r"infeasible\..*: input should be a valid integer"),
+    ],
+)
+def test_a_wrong_value_is_named_with_its_key(
+    tmp_path: Path, old: str, new: str, problem: str
+) -> None:
+    path = tmp_path / "list.yaml"
+    write_instances(path, LIST)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(SchemaError, match=problem):
         read_instances(path)

@@ -1,4 +1,4 @@
-"""`rtphys compare`: several evaluations side by side."""
+"""`rtphys compare`: a table of several evaluations, and paired tests between them."""
 
 import json
 from collections.abc import Sequence
@@ -9,10 +9,15 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from rtphys.compare import Column, Duel, columns_of, duels, per_task, settings
-from rtphys.compare.published import PROTOCOLS
 from rtphys.report.figures.rates import draw_rates
 from rtphys.results import read_results
+from rtphys.results.comparison import (
+    Column,
+    PairedComparison,
+    columns_of,
+    paired_comparisons,
+)
+from rtphys.results.published import PROTOCOLS, per_task, settings
 from rtphys.results.statistics import Rate
 
 
@@ -22,36 +27,36 @@ def compare(
     ] = None,
     protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
     paper: Annotated[
-        bool, typer.Option("--paper", help="Beside the five methods that the paper reports.")
+        bool, typer.Option("--paper", help="Add the five methods that the paper reports.")
     ] = False,
     figure: Annotated[Path | None, typer.Option(help="Also draw the rates into this PNG.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Plain JSON, not tables.")] = False,
 ) -> None:
-    """Success by task and policy with 95 % intervals, and who wins on the seeds that both have.
+    """Success by task and policy with 95 % intervals, and a paired test on common seeds.
 
-    Without a folder, --paper alone shows the paper's tables.
+    Without a folder, --paper shows the paper's tables.
     """
     if not folders and not paper:
         raise typer.BadParameter("name a result folder, or say --paper")
-    found = [read_results(folder) for folder in folders or []]
-    columns = columns_of(found, protocol) if found else []
+    evaluations = [read_results(folder) for folder in folders or []]
+    columns = columns_of(evaluations, protocol) if evaluations else []
     tasks = list(dict.fromkeys(task for column in columns for task in column.rates))
     if paper and protocol in (None, PROTOCOLS["physical_random"]):
         columns += per_task()
         tasks = tasks or sorted(columns[-1].rates)
-    wanted = [d for d in duels(found) if protocol in (None, d.protocol)]
+    pairs = [p for p in paired_comparisons(evaluations) if protocol in (None, p.protocol)]
     if as_json:
-        typer.echo(json.dumps(_json(columns, tasks, wanted), indent=2))
+        typer.echo(json.dumps(_json(columns, tasks, pairs), indent=2))
     else:
         console = Console()
         console.print(_rates(columns, tasks))
         if paper:
             console.print(_settings())
-        if wanted:
-            console.print(_duels(wanted))
+        if pairs:
+            console.print(_paired(pairs))
     if figure is not None:
-        pairs = [(f"{c.label}, {c.protocol}", c.rates) for c in columns]
-        draw_rates(pairs, tasks, "success among feasible seeds, 95 % intervals", figure)
+        rates = [(f"{c.label}, {c.protocol}", c.rates) for c in columns]
+        draw_rates(rates, tasks, "success among feasible seeds, 95 % intervals", figure)
         typer.echo(str(figure), err=True)
 
 
@@ -92,22 +97,22 @@ def _settings() -> Table:
     return table
 
 
-def _duels(found: Sequence[Duel]) -> Table:
+def _paired(pairs: Sequence[PairedComparison]) -> Table:
     table = Table(title="on the same seeds (p: McNemar's exact test)", box=None)
     for name in ("first", "second", "protocol"):
         table.add_column(name)
     for name in ("seeds", "only first", "only second", "second - first", "p"):
         table.add_column(name, justify="right")
-    for duel in found:
-        it = duel.outcome
-        gap = f"{100 * (it.difference or 0):+.1f} points"
-        counts = map(str, (it.trials, it.only_first, it.only_second))
-        table.add_row(duel.first, duel.second, duel.protocol, *counts, gap, f"{it.p:.2g}")
+    for pair in pairs:
+        outcome = pair.outcome
+        gap = f"{100 * (outcome.difference or 0):+.1f} points"
+        counts = map(str, (outcome.trials, outcome.only_first, outcome.only_second))
+        table.add_row(pair.first, pair.second, pair.protocol, *counts, gap, f"{outcome.p:.2g}")
     return table
 
 
 def _json(
-    columns: Sequence[Column], tasks: Sequence[str], found: Sequence[Duel]
+    columns: Sequence[Column], tasks: Sequence[str], pairs: Sequence[PairedComparison]
 ) -> dict[str, object]:
     return {
         "columns": [
@@ -120,7 +125,7 @@ def _json(
             for column in columns
         ],
         "same_seeds": [
-            {"first": d.first, "second": d.second, "protocol": d.protocol, **d.outcome.to_json()}
-            for d in found
+            {"first": p.first, "second": p.second, "protocol": p.protocol, **p.outcome.to_json()}
+            for p in pairs
         ],
     }

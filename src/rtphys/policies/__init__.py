@@ -1,7 +1,7 @@
 """Policies: what decides the actions of an episode."""
 
 from rtphys.policies.policy import Policy, PolicyGone, PolicySetup, Stepwise
-from rtphys.policies.registry import BUILTIN, open_policy, parse_spec, short_name
+from rtphys.policies.registry import BUILTIN, open_policy, parse_spec
 
 __all__ = [
     "BUILTIN",
@@ -11,5 +11,4 @@ __all__ = [
     "Stepwise",
     "open_policy",
     "parse_spec",
-    "short_name",
 ]

@@ -1,9 +1,7 @@
 """Policies by name: `NAME` or `NAME:ARGUMENT`, imported only when they are opened."""
 
-import re
 from collections.abc import Callable
 from importlib import import_module
-from pathlib import PurePath
 from typing import NamedTuple
 
 from rtphys.core.errors import UnknownName
@@ -80,13 +78,3 @@ def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
         cure = "pip install 'rtphys[serve]'"  # the only part that a policy of ours may lack
         raise PolicyGone(name, f"Python finds no module {error.name!r}; {cure}") from error
     return opener(argument, setup or PolicySetup())
-
-
-def short_name(spec: str) -> str:
-    """What to call a policy in paths and tables: `robotwin:.../pi0/deploy_policy.py` -> `pi0`."""
-    name, _, argument = spec.partition("?")[0].partition(":")
-    if not argument:
-        return name
-    last = PurePath(argument)
-    told = last.parent.name if last.suffix in (".py", ".yml") and last.parent.name else last.name
-    return re.sub(r"[^A-Za-z0-9._-]+", "_", told if name == "robotwin" else f"{name}_{told}")

@@ -1,4 +1,4 @@
-"""Results of evaluations: records, statistics, files; none of it needs a simulator."""
+"""Results of evaluations: records, statistics, files and comparisons, without a simulator."""
 
 from rtphys.results.folder import Results, read_results
 from rtphys.results.record import EpisodeRecord

@@ -1,4 +1,4 @@
-"""Which physics breaks a policy: success against every attribute that varied."""
+"""Which physics breaks a policy: regression of success on every attribute that varied."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,14 +16,14 @@ LEAST = 10  # episodes below which no curve is fitted
 
 @dataclass(frozen=True)
 class Break:
-    """One attribute under one protocol."""
+    """Effect of one physical attribute on success under one protocol."""
 
     key: str
     unit: str
     curve: Curve
-    p_holm: float  # adjusted for the number of attributes
-    bins: tuple[tuple[float, float, Rate], ...]
-    same: tuple[str, ...] = ()  # attributes with the very same values, such as a shared draw
+    p_holm: float  # p-value of `curve`, adjusted for the number of attributes
+    bins: tuple[tuple[float, float, Rate], ...]  # from, to, success rate
+    same: tuple[str, ...] = ()  # attributes that always had the same values (one shared draw)
 
     def to_json(self) -> dict[str, JSON]:
         curve = self.curve
@@ -42,22 +42,14 @@ class Break:
 
 
 def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
-    """Attributes that varied, the most telling first; empty if nothing can be told.
+    """Effects of the attributes that varied, by increasing p-value; empty if none can be fitted.
 
-    A vector counts by its length. Each task has a level of its own. Attributes that share a draw
-    cannot be told apart: they are one.
+    A vector attribute counts by its norm. Every task has its own level in the regression.
+    Attributes that share a draw cannot be separated: they make one entry.
     """
     names = sorted({record.task for record in records})
-    columns: dict[str, list[float | None]] = {}
-    same: dict[str, list[str]] = {}
-    for key in attributes():
-        x = [_number(record.physics.get(key)) for record in records]
-        first = next((other for other, known in columns.items() if known == x), None)
-        if first is None:
-            columns[key] = x
-        elif any(value is not None for value in x):
-            same.setdefault(first, []).append(key)
-    found: list[Break] = []
+    columns, same = _columns(records)
+    effects: list[Break] = []
     for key, column in columns.items():
         known = [(x, r) for x, r in zip(column, records, strict=True) if x is not None]
         if len(known) < LEAST:
@@ -66,13 +58,30 @@ def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
         curve = fit(x, success, [names.index(r.task) for _, r in known])
         if curve is not None:
             unit, others = attributes()[key].unit, tuple(same.get(key, ()))
-            found.append(Break(key, unit, curve, curve.p, tuple(bins(x, success)), others))
-    adjusted = holm([one.curve.p for one in found])
-    made = [replace(one, p_holm=p) for one, p in zip(found, adjusted, strict=True)]
-    return sorted(made, key=lambda one: one.curve.p)
+            effects.append(Break(key, unit, curve, curve.p, tuple(bins(x, success)), others))
+    adjusted = holm([effect.curve.p for effect in effects])
+    effects = [replace(effect, p_holm=p) for effect, p in zip(effects, adjusted, strict=True)]
+    return sorted(effects, key=lambda effect: effect.curve.p)
+
+
+def _columns(
+    records: Sequence[EpisodeRecord],
+) -> tuple[dict[str, list[float | None]], dict[str, list[str]]]:
+    """Values (n,) of each distinct attribute, and the attributes that repeat its values."""
+    columns: dict[str, list[float | None]] = {}
+    same: dict[str, list[str]] = {}
+    for key in attributes():
+        x = [_number(record.physics.get(key)) for record in records]
+        first = next((other for other, values in columns.items() if values == x), None)
+        if first is None:
+            columns[key] = x
+        elif any(value is not None for value in x):
+            same.setdefault(first, []).append(key)
+    return columns, same
 
 
 def _number(value: JSON) -> float | None:
+    """A number as it is, a vector by its norm; None for anything else."""
     if isinstance(value, list | tuple):
         return float(np.linalg.norm(np.array(value, float)))
     if isinstance(value, bool) or not isinstance(value, int | float):

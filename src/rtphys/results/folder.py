@@ -1,12 +1,13 @@
-"""Where the results of one evaluation lie, and how to read them again.
+"""The result folder of one evaluation: its paths, and how to read it.
 
 for record in rtphys.results.read_results("eval/pi0").records[("phys_random", "click_bell")]:
     print(record.seed, record.success, record.physics["friction"])
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from rtphys.core.errors import BadFile
 from rtphys.data import files
@@ -22,6 +23,16 @@ SUMMARY = "summary.json"
 INSTANCES = "instances"
 
 
+def short_name(policy: str) -> str:
+    """Name of a policy in paths and tables: `robotwin:.../pi0/deploy_policy.py` -> `pi0`."""
+    name, _, argument = policy.partition("?")[0].partition(":")
+    if not argument:
+        return name
+    path = PurePath(argument)
+    last = path.parent.name if path.suffix in (".py", ".yml") and path.parent.name else path.name
+    return re.sub(r"[^A-Za-z0-9._-]+", "_", last if name == "robotwin" else f"{name}_{last}")
+
+
 def record_file(out: Path, protocol: str, task: str) -> Path:
     """`<out>/<protocol>/<task>.jsonl`."""
     return out / protocol / f"{task}.jsonl"
@@ -34,27 +45,28 @@ def video_file(out: Path, protocol: str, task: str, seed: int) -> Path:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """One evaluation of one policy."""
+    """Everything in the result folder of one policy's evaluation."""
 
     path: Path
     run: Mapping[str, JSON]  # policy, split, episodes, versions, ...
     records: Mapping[tuple[str, str], Sequence[EpisodeRecord]]  # by (protocol, task)
-    lists: Mapping[tuple[str, str], InstanceList]  # what each was run on
+    lists: Mapping[tuple[str, str], InstanceList]  # certified seeds, same keys
 
     @property
     def policy(self) -> str:
+        """Policy specification, as given to `--policy`."""
         return str(self.run["policy"])
 
 
 def read_results(out: str | Path) -> Results:
-    """A result folder, also of a run that is not finished.
+    """Read a result folder, finished or not.
 
     Raises:
-        BadFile: no result folder, or a file in it is damaged.
+        BadFile: it is no result folder, or a file in it is damaged.
     """
     out = Path(out)
     if not (out / RUN).is_file():
-        raise BadFile(out, f"holds no results: there is no {RUN}, which rtphys evaluate writes")
+        raise BadFile(out, f"holds no results: {RUN}, which rtphys evaluate writes, is missing")
     run = parse_mapping(files.read(out / RUN), out / RUN)
     records, lists = {}, {}
     for protocol in _names(run, "protocols", out):
@@ -69,5 +81,5 @@ def read_results(out: str | Path) -> Results:
 def _names(run: Mapping[str, JSON], key: str, out: Path) -> list[str]:
     names = run.get(key)
     if not isinstance(names, list):
-        raise BadFile(out / RUN, f"{key} must be a list")
+        raise BadFile(out / RUN, f"{key} is {names!r}, but must be a list of names")
     return [str(name) for name in names]

@@ -1,27 +1,34 @@
-"""Certified lists as YAML: a header, one line a feasible seed, the infeasible ones by reason."""
+"""Certified lists as YAML files: a header, a line per feasible seed, infeasible seeds by reason."""
 
 import json
-from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
+from typing import Annotated
+
+from pydantic import ConfigDict, Field, JsonValue, ValidationError
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile
 from rtphys.data import files
-from rtphys.data.episode import JSON
+from rtphys.data.schema_model import Model, SchemaError
 from rtphys.results.instances import InstanceList, Slot
 
 FORMAT = 1
 COLUMNS = ("seed", "state", "replay", "twin")
-WIDTH = 10  # infeasible seeds a line
+WIDTH = 10  # infeasible seeds per line
 
 
 def instance_file(folder: Path, protocol: str, task: str) -> Path:
-    """Where a list lies: `<folder>/<protocol>/<task>.yaml`."""
+    """Path of a list: `<folder>/<protocol>/<task>.yaml`."""
     return folder / protocol / f"{task}.yaml"
 
 
 def write_instances(path: Path, instances: InstanceList) -> None:
-    """Replaces the file by a rename. Equal lists give equal bytes. Raises `CannotWrite`."""
+    """Write a list, replacing the file atomically. Equal lists give equal bytes.
+
+    Raises:
+        CannotWrite: the file system refuses.
+    """
     files.make_folder(path.parent)
     files.replace_file(path, "\n".join([*_lines(instances), ""]).encode())
 
@@ -34,7 +41,7 @@ def _lines(instances: InstanceList) -> list[str]:
         "protocol": instances.protocol,
         "attempts": instances.attempts,
         "feasible": len(feasible),
-        **instances.ground,
+        **instances.fingerprint,
         "baselines": list(instances.baselines),
         "columns": list(COLUMNS),
     }
@@ -55,53 +62,48 @@ def _flow(value: object) -> str:
     return json.dumps(value, sort_keys=True)
 
 
+class _File(Model):
+    """What a list file must hold. Other keys are ignored."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    task: str
+    protocol: str
+    attempts: int
+    feasible: int
+    domain: dict[str, JsonValue]
+    look: str
+    assets: str
+    versions: dict[str, JsonValue]
+    baselines: list[str]
+    instances: list[Annotated[tuple[int, str, bool | None, bool | None], Field(strict=False)]]
+    infeasible: dict[str, list[int]]  # seeds by reason
+
+
 def read_instances(path: Path) -> InstanceList:
     """Inverse of `write_instances`.
 
     Raises:
-        BadFile: missing, not such a list, or its seeds have gaps or contradict its counts.
+        BadFile: missing, of another format, or its seeds have gaps or contradict its counts.
+        SchemaError: a key is missing or has a wrong value.
     """
     data = library.read_yaml(path)
     if data.get("format") != FORMAT:
         raise BadFile(path, f"is no list of certified instances of format {FORMAT}")
     try:
-        slots = _slots(data)
-        ground: dict[str, JSON] = {
-            key: data[key]  # type: ignore[misc] - compared, never computed with
-            for key in ("domain", "look", "assets", "versions")
-        }
-        measured = tuple(map(str, data["baselines"]))  # type: ignore[call-overload]
-        found = InstanceList(str(data["task"]), str(data["protocol"]), ground, slots, measured)
-        counts = data["attempts"], data["feasible"]
-    except (KeyError, TypeError, ValueError) as error:
-        raise BadFile(path, f"is damaged: {type(error).__name__}: {error}") from error
-    seeds = [slot.seed for slot in slots]
-    if seeds and seeds != list(range(seeds[0], seeds[0] + len(seeds))):
-        raise BadFile(path, "a seed is missing or stands there twice; certify it anew")
-    if counts != (found.attempts, len(found.feasible)):
-        raise BadFile(path, f"holds other counts than attempts, feasible = {counts}")
-    return found
-
-
-def _slots(data: Mapping[str, object]) -> tuple[Slot, ...]:
-    rows, rejected = data["instances"], data["infeasible"]
-    if not isinstance(rows, Sequence) or not isinstance(rejected, Mapping):
-        raise TypeError("instances is a list, infeasible a mapping")
-    found = []
-    for seed, state, replay, twin in rows:
-        found.append(Slot(_integer(seed), "", str(state), _flag(replay), _flag(twin)))
-    for reason, seeds in rejected.items():
-        found += [Slot(_integer(seed), str(reason)) for seed in seeds]
-    return tuple(sorted(found, key=lambda slot: slot.seed))
-
-
-def _integer(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise TypeError(f"{value!r} is no seed")
-    return value
-
-
-def _flag(value: object) -> bool | None:
-    if value is not None and not isinstance(value, bool):
-        raise TypeError(f"{value!r} is neither true, false nor null")
-    return value
+        file = _File.model_validate(data)
+    except ValidationError as error:
+        raise SchemaError(str(path), error) from error
+    slots = [Slot(seed, "", state, *baselines) for seed, state, *baselines in file.instances]
+    slots += [Slot(seed, reason) for reason, seeds in file.infeasible.items() for seed in seeds]
+    slots.sort(key=lambda slot: slot.seed)
+    if any(after.seed != before.seed + 1 for before, after in pairwise(slots)):
+        raise BadFile(path, "a seed is missing or occurs twice; certify it again")
+    fingerprint = file.model_dump(include={"domain", "look", "assets", "versions"})
+    instances = InstanceList(
+        file.task, file.protocol, fingerprint, tuple(slots), tuple(file.baselines)
+    )
+    said, counted = (file.attempts, file.feasible), (len(slots), len(instances.feasible))
+    if said != counted:
+        raise BadFile(path, f"attempts, feasible are {said}, but it holds {counted} seeds")
+    return instances

@@ -1,4 +1,4 @@
-"""What a certified list says: every seed that was tried, and what came of it."""
+"""Certified lists: every seed that the expert tried, and whether it was feasible."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -7,19 +7,19 @@ from dataclasses import dataclass, replace
 from rtphys.data.episode import JSON
 
 FIRST_SEED = 100_000
-"""Where certification begins. RoboTwin evaluates from here too; training seeds go up from 0."""
+"""First seed of certification, as in RoboTwin's evaluation; training seeds start at 0."""
 
-HASH_LENGTH = 16  # hexadecimal digits of a state hash that a list keeps
+HASH_LENGTH = 16  # hexadecimal digits of a state hash that are stored
 
 
 @dataclass(frozen=True)
 class Slot:
-    """One seed. Baselines are None where they were not asked for or cannot be."""
+    """Certification of one seed. A baseline that was not measured is None."""
 
     seed: int
-    reason: str = ""  # why the expert failed; empty: feasible
-    state: str = ""  # of a feasible one: first digits of its demonstration's state hash
-    replay: bool | None = None  # the demonstration's recorded actions alone succeed
+    reason: str = ""  # why the expert failed; empty for a feasible seed
+    state: str = ""  # first `HASH_LENGTH` digits of the demonstration's state hash
+    replay: bool | None = None  # the demonstration's recorded actions succeed open loop
     twin: bool | None = None  # the clean demonstration's actions succeed under this physics
 
     @property
@@ -28,8 +28,11 @@ class Slot:
 
 
 @dataclass(frozen=True)
-class Ground:
-    """Everything that decides which seeds are feasible. Equal grounds give equal lists."""
+class Fingerprint:
+    """Certification fingerprint: what decides which seeds are feasible.
+
+    Equal fingerprints give equal lists.
+    """
 
     domain: str  # name
     domain_digest: str  # of the resolved rules
@@ -38,7 +41,7 @@ class Ground:
     versions: Mapping[str, str]
 
     def to_json(self) -> dict[str, JSON]:
-        """Plain values, nested as they are written."""
+        """Plain values, nested as they are written to disk."""
         return {
             "domain": {"name": self.domain, "digest": self.domain_digest},
             "look": self.look_digest,
@@ -49,13 +52,13 @@ class Ground:
 
 @dataclass(frozen=True)
 class InstanceList:
-    """The seeds of one task under one protocol, from the first one upward without a gap."""
+    """Certified seeds of one task under one protocol; seeds are consecutive."""
 
     task: str
     protocol: str
-    ground: Mapping[str, JSON]  # `Ground.to_json()`
+    fingerprint: Mapping[str, JSON]  # `Fingerprint.to_json()`
     slots: tuple[Slot, ...]
-    baselines: tuple[str, ...] = ()  # which were measured
+    baselines: tuple[str, ...] = ()  # names of those that were measured
 
     @property
     def first_seed(self) -> int:
@@ -71,11 +74,11 @@ class InstanceList:
 
     @property
     def rejected(self) -> Counter[str]:
-        """Infeasible seeds by reason."""
+        """Number of infeasible seeds by reason."""
         return Counter(slot.reason for slot in self.slots if not slot.feasible)
 
     def first(self, episodes: int) -> "InstanceList":
-        """The list up to its nth feasible seed: what evaluating n episodes is about."""
+        """The list up to its nth feasible seed: what an evaluation of n episodes uses."""
         kept: list[Slot] = []
         left = episodes
         for slot in self.slots:

@@ -1,4 +1,7 @@
-"""Success against one number: a logistic curve, and rates in bins."""
+"""Logistic regression of success on one number, and success rates in bins of that number.
+
+Ours because neither numpy nor scipy has a logistic regression with a prior and standard errors.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,26 +15,24 @@ from rtphys.results.statistics import Rate
 
 Floats = NDArray[np.float64]
 BINS = 5
-SLOPE_SPREAD = 5.0  # standard deviation of the prior of a log-odds difference over the whole range
-LEVEL_SPREAD = 10.0  # and of a group's own log-odds. Both wide: they only tame perfect separation
+# Standard deviations of the normal priors; both are wide and only matter at perfect separation.
+SLOPE_SPREAD = 5.0  # of the change in log-odds over the whole range of x
+LEVEL_SPREAD = 10.0  # of a group's log-odds at the smallest x
 
 
 @dataclass(frozen=True)
 class Curve:
-    """log-odds(success) = level of the group + slope * share of the range [0, 1] of x.
-
-    `p` is the likelihood-ratio test's: no slope at all.
-    """
+    """Fitted curve: log-odds of success = levels[group] + slope * (x - low) / (high - low)."""
 
     low: float  # smallest x
     high: float  # largest x
     slope: float  # log-odds at `high` minus log-odds at `low`
     error: float  # its standard error
     levels: tuple[float, ...]  # log-odds at `low`, by group
-    p: float
+    p: float  # of the likelihood-ratio test that the slope is zero
 
     def at(self, x: Floats) -> Floats:
-        """Mean rate over the groups, each as heavy as the others."""
+        """Success rate at x (n,), averaged over the groups with equal weights -> (n,)."""
         share = (np.asarray(x, float) - self.low) / (self.high - self.low)
         return np.mean([expit(level + self.slope * share) for level in self.levels], axis=0)
 
@@ -42,14 +43,14 @@ def fit(
     group: Sequence[int] | None = None,
     prior: bool = True,
 ) -> Curve | None:
-    """The curve most in agreement with the data; None where x or the outcome does not vary.
+    """Fit a logistic curve; None where x or the outcome does not vary.
 
     Args:
         x: (n,) any finite numbers.
         success: (n,).
-        group: (n,) from 0 upward, each of which has a level of its own (the task), so that easy
-            tasks with other values of x feign no slope.
-        prior: normal with mean 0 and the spreads above, else plain maximum likelihood.
+        group: (n,) indices from 0 (the task). Each group has its own level, so that an easy task
+            with larger values of x does not look like a slope.
+        prior: use the normal priors above; False: plain maximum likelihood.
     """
     values, y = np.asarray(x, float), np.asarray(success, float)
     if not len(values) or np.ptp(values) == 0 or np.ptp(y) == 0:
@@ -73,7 +74,13 @@ def fit(
 
 
 def _minimum(design: Floats, y: Floats, weight: Floats) -> tuple[Floats, float]:
-    """Coefficients and the negative log-posterior there; convex, so there is one minimum."""
+    """Coefficients (k,) of the only minimum of the convex negative log-posterior, and its value.
+
+    Args:
+        design: (n, k).
+        y: (n,) 0 or 1.
+        weight: (k,) inverse variances of the prior.
+    """
     sign = 2 * y - 1
 
     def cost(b: Floats) -> float:
@@ -82,7 +89,7 @@ def _minimum(design: Floats, y: Floats, weight: Floats) -> tuple[Floats, float]:
     def gradient(b: Floats) -> Floats:
         return design.T @ (expit(design @ b) - y) + weight * b
 
-    found = optimize.minimize(
+    minimum = optimize.minimize(
         cost,
         np.zeros(design.shape[1]),
         jac=gradient,
@@ -90,21 +97,26 @@ def _minimum(design: Floats, y: Floats, weight: Floats) -> tuple[Floats, float]:
         method="trust-exact",
         options={"gtol": 1e-8},
     )
-    return found.x, float(found.fun)
+    return minimum.x, float(minimum.fun)
 
 
 def _hessian(design: Floats, b: Floats, weight: Floats) -> Floats:
+    """Second derivatives (k, k) of the negative log-posterior at the coefficients b (k,)."""
     rate = expit(design @ b)
     return (design * (rate * (1 - rate))[:, None]).T @ design + np.diag(weight)
 
 
 def bins(x: Sequence[float], success: Sequence[bool]) -> list[tuple[float, float, Rate]]:
-    """(from, to, rate) of equally wide bins over the range of x, empty ones left out."""
+    """Success rates in bins of equal width: (from, to, rate); empty bins are omitted.
+
+    Args:
+        x, success: (n,), n >= 1.
+    """
     values, y = np.asarray(x, float), np.asarray(success, bool)
     edges = np.linspace(values.min(), values.max(), BINS + 1)
-    place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, BINS - 1)
+    bin_of = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, BINS - 1)
     return [
-        (float(edges[k]), float(edges[k + 1]), Rate(int(y[place == k].sum()), int(n)))
+        (float(edges[k]), float(edges[k + 1]), Rate(int(y[bin_of == k].sum()), int(n)))
         for k in range(BINS)
-        if (n := (place == k).sum())
+        if (n := (bin_of == k).sum())
     ]

@@ -1,4 +1,4 @@
-"""`_result*.txt`: what scripts around RoboTwin's evaluation look for."""
+"""`_result*.txt` files in RoboTwin's format, for scripts written around its evaluation."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,18 +9,19 @@ FOLDER = "eval_result"
 
 
 def result_file(out: Path, task: str, policy: str, protocol: str) -> Path:
-    """`eval_result/<task>/<policy>/<protocol>/rtphys/_result_clean.txt` or `_result_random.txt`.
+    """`<out>/eval_result/<task>/<policy>/<protocol>/rtphys/_result_{clean,random}.txt`.
 
-    Readers search the folder of a configuration for `_result*.txt` at any depth.
+    Scripts search the folder of a configuration for `_result*.txt` at any depth.
     """
     kind = "clean" if protocol == "clean" else "random"
     return out / FOLDER / task / policy / protocol / "rtphys" / f"_result_{kind}.txt"
 
 
 def result_text(split: str, rollouts: int, slots: int, successes: int, when: datetime) -> str:
-    """The last line is the rate among all slots, infeasible ones included.
+    """Text of a result file; its last line is the success rate among all slots.
 
-    Readers multiply it by the number of attempts to get the successes back.
+    Slots are rollouts plus infeasible seeds: scripts multiply the rate by the number of attempts to
+    recover the successes.
     """
     return (
         f"Timestamp: {when:%Y-%m-%d %H:%M:%S}\n\n"
@@ -33,7 +34,7 @@ def result_text(split: str, rollouts: int, slots: int, successes: int, when: dat
 
 
 def write_result(path: Path, split: str, counts: tuple[int, int, int]) -> None:
-    """Writes rollouts, slots, successes. Raises `CannotWrite`."""
+    """Write a result file; `counts` are (rollouts, slots, successes). Raises `CannotWrite`."""
     files.make_folder(path.parent)
     text = result_text(split, *counts, datetime.now(UTC))
     files.replace_file(path, text.encode())

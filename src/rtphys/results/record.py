@@ -1,4 +1,4 @@
-"""One evaluated episode: a line of JSON, the same bytes on every run."""
+"""The record of one evaluated episode: one line of JSON, the same bytes on every run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -12,28 +12,31 @@ REASONS: dict[str, str] = {
     "step_limit": "the task's number of actions was used up",
     "gave_up": "the policy stopped by itself",
     "policy_error": "the policy raised; `detail` holds the traceback",
-    "infeasible": "the world could not be set up: certified on other ground",
+    "infeasible": "the world could not be set up: the certification fingerprint differs",
     "worker_crash": "the process died, twice",
     "worker_hang": "the episode ran longer than --timeout, twice",
 }
-"""Why an episode is no success."""
+"""Reasons of failure -> what they mean."""
 
 
 @dataclass(frozen=True)
 class EpisodeRecord:
-    """What a policy made of one certified instance. No wall-clock time: runs are compared."""
+    """Outcome of a policy on one certified instance.
+
+    It holds no wall-clock time, because repeated runs must give equal records.
+    """
 
     task: str
     protocol: str
     seed: int
-    success: bool  # the condition held at some instant (official)
-    held: bool = False  # and still did 0.5 s after the policy had stopped
+    success: bool  # the success condition was true at some instant, as RoboTwin counts
+    held: bool = False  # and was still true 0.5 s after the policy had stopped
     reason: str = ""  # one of `REASONS`; empty for a success
-    first_touch: float | None = None  # [s] of simulated time, when the condition first held
-    steps: int = 0  # actions
+    first_touch: float | None = None  # [s] simulated, when the condition first was true
+    steps: int = 0  # number of actions
     time: float = 0.0  # [s] simulated, until the policy stopped
-    unreachable: int = 0  # end-effector targets that an arm could not be brought to
-    physics: Mapping[str, JSON] = field(default_factory=dict)  # attributes and auxiliary draws
+    unreachable: int = 0  # number of end-effector targets that no joint posture reaches
+    physics: Mapping[str, JSON] = field(default_factory=dict)  # value by attribute or other draw
     state: str = ""  # SHA-256 over the states of the episode
     detail: str = ""  # a traceback, or what is missing for success
 

@@ -1,4 +1,4 @@
-"""The records of one task under one protocol as JSON Lines."""
+"""File of episode records (JSON Lines)."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,10 +9,10 @@ from rtphys.results.record import EpisodeRecord
 
 
 def read_records(path: Path) -> list[EpisodeRecord]:
-    """All whole lines; what a crash left after them is passed over.
+    """Read every complete line; a truncated last line is skipped.
 
     Raises:
-        BadFile: unreadable, or a whole line is no record.
+        BadFile: unreadable, or a complete line is no record.
     """
     data = files.read(path)
     lines = data[: data.rfind(b"\n") + 1].splitlines()
@@ -23,6 +23,6 @@ def read_records(path: Path) -> list[EpisodeRecord]:
 
 
 def write_records(path: Path, records: Sequence[EpisodeRecord]) -> None:
-    """Replaces the file by a rename. Raises `CannotWrite`."""
+    """Replace the file by a rename. Raises `CannotWrite`."""
     files.make_folder(path.parent)
     files.replace_file(path, b"".join(compact(one.to_json()) + b"\n" for one in records))

@@ -1,16 +1,16 @@
-"""Rates with intervals, and whether two rates on the same seeds differ."""
+"""Success rates with confidence intervals, and tests whether two rates differ."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 
-Z_95 = 1.959963984540054  # of a standard normal variable: 2.5 % lie above
+Z_95 = 1.959963984540054  # 97.5 % quantile of the standard normal distribution
 
 
 @dataclass(frozen=True)
 class Rate:
-    """Successes of trials with the Wilson 95 % interval (Wilson 1927)."""
+    """A success rate with its Wilson 95 % interval (Wilson 1927)."""
 
     successes: int
     trials: int
@@ -22,6 +22,7 @@ class Rate:
 
     @property
     def interval(self) -> tuple[float, float]:
+        """Lower and upper bound of the rate, at 95 % confidence."""
         return wilson(self.successes, self.trials)
 
     def to_json(self) -> dict[str, float | int | None]:
@@ -36,20 +37,24 @@ class Rate:
 
 
 def wilson(successes: int, trials: int, z: float = Z_95) -> tuple[float, float]:
-    """Score interval of a share; right also at 0 and 1. [0, 1] without a trial."""
+    """Wilson score interval (low, high) of a success rate; [0, 1] without a trial.
+
+    `scipy.stats.BinomTestResult.proportion_ci` orders the same formula otherwise: every second
+    pair of counts differs in the last bit, and summaries on disk hold all bits.
+    """
     if trials == 0:
         return 0.0, 1.0
     p, n = successes / trials, float(trials)
     middle = (p + z * z / (2 * n)) / (1 + z * z / n)
     half = z / (1 + z * z / n) * float(np.sqrt(p * (1 - p) / n + z * z / (4 * n * n)))
-    # Rounding must not leave [0, 1], nor exclude what was observed at its ends.
+    # Rounding must neither leave [0, 1] nor exclude an observed rate of 0 or 1.
     low = 0.0 if successes == 0 else max(middle - half, 0.0)
     return low, 1.0 if successes == trials else min(middle + half, 1.0)
 
 
 @dataclass(frozen=True)
 class Paired:
-    """Two conditions on the same trials, and McNemar's exact test that their rates are equal."""
+    """Outcomes of two conditions on the same trials, with McNemar's exact test."""
 
     both: int
     only_first: int
@@ -62,11 +67,12 @@ class Paired:
 
     @property
     def difference(self) -> float | None:
-        """Rate of the second minus rate of the first."""
+        """Success rate of the second condition minus that of the first; None without a trial."""
         return (self.only_second - self.only_first) / self.trials if self.trials else None
 
     @property
     def p(self) -> float:
+        """p-value of McNemar's exact test that both rates are equal."""
         return mcnemar(self.only_first, self.only_second)
 
     def to_json(self) -> dict[str, float | int | None]:
@@ -82,7 +88,7 @@ class Paired:
 
 
 def paired(outcomes: list[tuple[bool, bool]]) -> Paired:
-    """Counts of (first succeeds, second succeeds)."""
+    """Count pairs of outcomes, each (first condition succeeds, second succeeds)."""
     return Paired(
         both=sum(a and b for a, b in outcomes),
         only_first=sum(a and not b for a, b in outcomes),
@@ -92,15 +98,22 @@ def paired(outcomes: list[tuple[bool, bool]]) -> Paired:
 
 
 def mcnemar(only_first: int, only_second: int) -> float:
-    """Two-sided exact p-value: discordant pairs are fair coin flips if the rates are equal."""
-    flips = only_first + only_second
-    return float(stats.binomtest(only_first, flips, 0.5).pvalue) if flips else 1.0
+    """Two-sided p-value of McNemar's exact test that two paired success rates are equal.
+
+    If they are, each of the discordant pairs goes either way with probability 1/2.
+    """
+    discordant = only_first + only_second
+    return float(stats.binomtest(only_first, discordant, 0.5).pvalue) if discordant else 1.0
 
 
 def holm(p: list[float]) -> list[float]:
-    """p-values adjusted for how many were looked at (Holm 1979), in the same order."""
-    adjusted, worst = [1.0] * len(p), 0.0
+    """p-values adjusted for the number of tests (Holm 1979), in the order given; scipy has no Holm.
+
+    Args:
+        p: (n,) unadjusted p-values.
+    """
+    adjusted, largest = [1.0] * len(p), 0.0
     for rank, index in enumerate(np.argsort(p, kind="stable").tolist()):
-        worst = max(worst, min(1.0, (len(p) - rank) * p[index]))
-        adjusted[index] = worst
+        largest = max(largest, min(1.0, (len(p) - rank) * p[index]))
+        adjusted[index] = largest
     return adjusted

@@ -1,4 +1,4 @@
-"""The summary of an evaluation: a function of its records and of the lists they were run on."""
+"""Summary of an evaluation, computed from its records and the certified lists it was run on."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -19,13 +19,13 @@ Records = Mapping[Key, Sequence[EpisodeRecord]]
 
 @dataclass(frozen=True)
 class Counts:
-    """Some rollouts and the slots of the lists that they came from."""
+    """Numbers of rollouts and successes, and of the certified seeds they were taken from."""
 
     slots: int  # seeds that certification tried
-    infeasible: int  # of these, seeds that the expert could not do
+    infeasible: int  # of these, seeds that the expert could not solve
     rollouts: int
     successes: int
-    held: int
+    held: int  # successes that still held 0.5 s after the policy had stopped
 
     @property
     def complete(self) -> bool:
@@ -34,11 +34,12 @@ class Counts:
 
     @property
     def of_feasible(self) -> Rate:
+        """Success rate among feasible seeds."""
         return Rate(self.successes, self.rollouts)
 
     @property
     def of_slots(self) -> Rate | None:
-        """None before the run is complete: an unknown part of the slots would be missing."""
+        """Success rate among all seeds tried, infeasible ones included; None until complete."""
         return Rate(self.successes, self.slots) if self.complete else None
 
     def to_json(self) -> dict[str, JSON]:
@@ -54,14 +55,14 @@ class Counts:
 
 
 @dataclass(frozen=True)
-class TaskRow:
-    """One task under one protocol."""
+class TaskSummary:
+    """Result of one task under one protocol."""
 
     protocol: str
     task: str
     counts: Counts
     steps: float | None  # mean number of actions of the successes
-    reasons: Mapping[str, int]  # of the failures
+    reasons: Mapping[str, int]  # number of failures by reason
 
     def to_json(self) -> dict[str, JSON]:
         own: dict[str, JSON] = {"protocol": self.protocol, "task": self.task}
@@ -69,13 +70,13 @@ class TaskRow:
 
 
 @dataclass(frozen=True)
-class ProtocolRow:
-    """All tasks under one protocol."""
+class ProtocolSummary:
+    """Result of all tasks under one protocol."""
 
     protocol: str
-    tasks: int
+    tasks: int  # number of tasks
     counts: Counts
-    mean_of_tasks: float | None  # of the tasks' rates among feasible seeds
+    mean_of_tasks: float | None  # mean of the tasks' success rates among feasible seeds
 
     def to_json(self) -> dict[str, JSON]:
         own: dict[str, JSON] = {"protocol": self.protocol, "tasks": self.tasks}
@@ -83,8 +84,8 @@ class ProtocolRow:
 
 
 @dataclass(frozen=True)
-class PairRow:
-    """Two protocols on the seeds that both have."""
+class PairSummary:
+    """Comparison of two protocols on the seeds that were evaluated under both."""
 
     first: str
     second: str
@@ -98,55 +99,58 @@ class PairRow:
 class Summary:
     """All numbers of an evaluation."""
 
-    tasks: tuple[TaskRow, ...]
-    overall: tuple[ProtocolRow, ...]
-    pairs: tuple[PairRow, ...]
-    breaks: Mapping[str, Sequence[Break]]  # by protocol, the most telling attribute first
+    tasks: tuple[TaskSummary, ...]
+    overall: tuple[ProtocolSummary, ...]
+    pairs: tuple[PairSummary, ...]
+    breaks: Mapping[str, Sequence[Break]]  # by protocol; attributes by increasing p-value
 
     def to_json(self) -> dict[str, JSON]:
         return {
             "tasks": [row.to_json() for row in self.tasks],
             "overall": [row.to_json() for row in self.overall],
             "pairs": [row.to_json() for row in self.pairs],
-            "attributes": {key: [one.to_json() for one in v] for key, v in self.breaks.items()},
+            "attributes": {
+                protocol: [effect.to_json() for effect in effects]
+                for protocol, effects in self.breaks.items()
+            },
         }
 
 
 def summarise(records: Records, lists: Mapping[Key, InstanceList]) -> Summary:
-    """The summary does not depend on the order of records.
+    """Summarise an evaluation; the order of records within a task does not matter.
 
     Args:
-        records: of every (protocol, task).
-        lists: what they were run on, `InstanceList.first(episodes)`.
+        records: by (protocol, task).
+        lists: the certified seeds they were run on, `InstanceList.first(episodes)`, same keys.
     """
     protocols = list(dict.fromkeys(protocol for protocol, _ in records))
     return Summary(
         tasks=tuple(_task(key, records[key], lists[key]) for key in records),
         overall=tuple(_protocol(name, records, lists) for name in protocols),
-        pairs=tuple(PairRow(a, b, _pair(records, a, b)) for a, b in combinations(protocols, 2)),
+        pairs=tuple(PairSummary(a, b, _pair(records, a, b)) for a, b in combinations(protocols, 2)),
         breaks={name: breaks(_of(records, name)) for name in protocols},
     )
 
 
-def _counts(found: Sequence[EpisodeRecord], tried: Sequence[InstanceList]) -> Counts:
-    slots = sum(one.attempts for one in tried)
-    feasible = sum(len(one.feasible) for one in tried)
-    wins, held = sum(r.success for r in found), sum(r.held for r in found)
-    return Counts(slots, slots - feasible, len(found), wins, held)
+def _counts(records: Sequence[EpisodeRecord], lists: Sequence[InstanceList]) -> Counts:
+    slots = sum(instances.attempts for instances in lists)
+    feasible = sum(len(instances.feasible) for instances in lists)
+    successes, held = sum(r.success for r in records), sum(r.held for r in records)
+    return Counts(slots, slots - feasible, len(records), successes, held)
 
 
-def _task(key: Key, found: Sequence[EpisodeRecord], tried: InstanceList) -> TaskRow:
-    steps = [record.steps for record in found if record.success]
-    reasons = Counter(record.reason for record in found if not record.success)
+def _task(key: Key, records: Sequence[EpisodeRecord], instances: InstanceList) -> TaskSummary:
+    steps = [record.steps for record in records if record.success]
+    reasons = Counter(record.reason for record in records if not record.success)
     mean = float(np.mean(steps)) if steps else None
-    return TaskRow(*key, _counts(found, [tried]), mean, dict(sorted(reasons.items())))
+    return TaskSummary(*key, _counts(records, [instances]), mean, dict(sorted(reasons.items())))
 
 
-def _protocol(name: str, records: Records, lists: Mapping[Key, InstanceList]) -> ProtocolRow:
+def _protocol(name: str, records: Records, lists: Mapping[Key, InstanceList]) -> ProtocolSummary:
     keys = [key for key in records if key[0] == name]
     counts = _counts(_of(records, name), [lists[key] for key in keys])
     means = [np.mean([r.success for r in records[key]]) for key in keys if records[key]]
-    return ProtocolRow(name, len(keys), counts, float(np.mean(means)) if means else None)
+    return ProtocolSummary(name, len(keys), counts, float(np.mean(means)) if means else None)
 
 
 def _pair(records: Records, first: str, second: str) -> Paired:
@@ -158,4 +162,4 @@ def _pair(records: Records, first: str, second: str) -> Paired:
 
 
 def _of(records: Records, protocol: str) -> list[EpisodeRecord]:
-    return [record for key, found in records.items() if key[0] == protocol for record in found]
+    return [record for key, known in records.items() if key[0] == protocol for record in known]

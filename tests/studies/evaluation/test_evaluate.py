@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rtphys.studies.certify.work import Bench
+from rtphys.studies.certify.work import Job as Trial
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import Pack, default_pack
@@ -18,16 +20,14 @@ from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.video import probe
 from rtphys.episode.film import montage
-from rtphys.episode.fingerprint import ground_of
-from rtphys.policies import PolicySetup, short_name
+from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.policies import PolicySetup
 from rtphys.results import read_results
-from rtphys.results.folder import SUMMARY, record_file
+from rtphys.results.folder import SUMMARY, record_file, short_name
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records
 from rtphys.setting.setting import Setting
-from rtphys.studies.certify.work import Bench
-from rtphys.studies.certify.work import Job as Trial
 from rtphys.studies.evaluate import EvaluatePlan, evaluate
 from rtphys.studies.evaluate.lists import NotCertified, OtherGround
 from rtphys.studies.evaluate.run import OtherRun
@@ -51,7 +51,7 @@ def lists(pack: Pack, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("lists")
     slots = (Slot(SEEDS[0], state="0"), Slot(SEEDS[0] + 1, "slipped"), Slot(SEEDS[1], state="0"))
     for protocol in PROTOCOLS:
-        ground = ground_of(load_task(TASK), protocol, pack).to_json()
+        ground = fingerprint_of(load_task(TASK), protocol, pack).to_json()
         made = InstanceList(TASK, protocol, ground, slots)
         write_instances(instance_file(out, protocol, TASK), made)
     return out

@@ -6,7 +6,7 @@ import pytest
 
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.core import library
-from rtphys.episode.fingerprint import ground_of
+from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.episode.generate import attempt
 from rtphys.results.instance_file import read_instances
 from rtphys.setting.protocol import BUILTIN
@@ -36,7 +36,7 @@ def test_fifty_tasks_have_a_hundred_each(protocol: str) -> None:
 def test_no_list_is_stale(path: Path, pack: Pack) -> None:
     task, protocol = path.stem, path.parent.name
     plan = EvaluatePlan("idle", (task,), (protocol,), Path("unused"))
-    found = certified(plan, task, protocol, ground_of(load_task(task), protocol, pack))
+    found = certified(plan, task, protocol, fingerprint_of(load_task(task), protocol, pack))
     seeds = [slot.seed for slot in found.slots]
     assert seeds == [*range(seeds[0], seeds[0] + len(seeds))]  # every seed tried has its row
     assert all(slot.replay is not None for slot in found.feasible)

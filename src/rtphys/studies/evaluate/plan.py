@@ -10,7 +10,8 @@ from pydantic.dataclasses import dataclass
 from rtphys.campaign.workers.pool import Limits
 from rtphys.core.errors import NoRenderer
 from rtphys.doctor import check_renderer
-from rtphys.policies import PolicySetup, parse_spec, short_name
+from rtphys.policies import PolicySetup, parse_spec
+from rtphys.results.folder import short_name
 from rtphys.setting.option import Option, at_least, entries_of, one_of
 from rtphys.setting.protocol import load_protocol
 from rtphys.setting.setting import SPLITS, Setting

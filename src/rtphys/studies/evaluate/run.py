@@ -17,10 +17,9 @@ from rtphys.data.episode import JSON
 from rtphys.data.json_text import parse_mapping, pretty
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
-from rtphys.policies import short_name
 from rtphys.report.figures.breaks import draw_breaks
 from rtphys.results import EpisodeRecord, summarise
-from rtphys.results.folder import INSTANCES, RUN, SUMMARY, record_file, video_file
+from rtphys.results.folder import INSTANCES, RUN, SUMMARY, record_file, short_name, video_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import InstanceList
 from rtphys.results.official import result_file, write_result

@@ -1,30 +1,30 @@
-"""What the RoboTwin-Phys paper reports (arXiv 2609.26292, Tables 1 and 3).
+"""Success rates published in the RoboTwin-Phys paper (arXiv 2609.26292, Tables 1 and 3).
 
-Success is in percent of 100 rollouts a task. Two things to know before citing:
+Rates are percent of 100 rollouts per task. Two things to know before citing:
 
 * Table 3 prints `place_burger_fries` twice, with the same numbers, so it has 51 rows for 50 tasks.
-  Here it stands once.
-* Of the averages that it prints, two are not the means of its 50 tasks: Motus has 39.56 (printed
-  39.60), pi0.5 31.50 (printed 31.60; the same in Table 1). The other three agree.
+  Here it occurs once.
+* Two of its printed averages are not the means of its 50 tasks: Motus has 39.56 (printed 39.60),
+  pi0.5 31.50 (printed 31.60, also in Table 1). The other three agree.
 """
 
 import csv
 from importlib.resources import files
 
-from rtphys.compare.columns import Column
+from rtphys.results.comparison import Column
 from rtphys.results.statistics import Rate
 
-ROLLOUTS = 100  # a task
+ROLLOUTS = 100  # per task
 PROTOCOLS = {
     "clean": "clean",
     "official_random": "official_random",
     "physical_random": "phys_random_all",
 }
-"""The paper's settings -> our protocols."""
+"""The paper's name of a setting -> our protocol."""
 
 
 def per_task() -> list[Column]:
-    """Table 3: five methods under Physical Random, on 50 tasks."""
+    """Table 3 of the paper: five methods on 50 tasks under Physical Random, a column each."""
     rows = _read("paper_table3.csv")
     return [
         Column(
@@ -38,7 +38,7 @@ def per_task() -> list[Column]:
 
 
 def settings() -> dict[str, dict[str, float]]:
-    """Table 1 as printed: method -> our protocol -> mean success in percent."""
+    """Table 1 of the paper as printed: method -> our protocol -> mean success [%]."""
     return {
         row["method"]: {ours: float(row[theirs]) for theirs, ours in PROTOCOLS.items()}
         for row in _read("paper_table1.csv")
@@ -46,5 +46,5 @@ def settings() -> dict[str, dict[str, float]]:
 
 
 def _read(name: str) -> list[dict[str, str]]:
-    text = (files("rtphys.compare") / name).read_text(encoding="utf-8")
+    text = (files("rtphys.results") / name).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))

@@ -8,13 +8,14 @@ import pytest
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
-from rtphys.compare import columns_of, duels, per_task, settings
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data.json_text import pretty
 from rtphys.results import EpisodeRecord, read_results
+from rtphys.results.comparison import columns_of, paired_comparisons
 from rtphys.results.folder import INSTANCES, RUN, record_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import InstanceList, Slot
+from rtphys.results.published import per_task, settings
 from rtphys.results.record_file import RecordFile
 from rtphys.task.spec import task_names
 
@@ -74,13 +75,13 @@ def test_columns(two: list[Path]) -> None:
         columns_of([read_results(two[0])], "phys_randm")
 
 
-def test_a_duel_is_about_common_seeds(two: list[Path]) -> None:
-    (duel,) = duels([read_results(path) for path in two])
-    it = duel.outcome
-    assert (duel.first, duel.second, duel.protocol) == ("alpha", "idle", "clean")
+def test_a_paired_comparison_is_of_common_seeds(two: list[Path]) -> None:
+    (pair,) = paired_comparisons([read_results(path) for path in two])
+    outcome = pair.outcome
+    assert (pair.first, pair.second, pair.protocol) == ("alpha", "idle", "clean")
     # Seeds 2 to 9: B has the four odd ones, A all eight.
-    assert (it.trials, it.both, it.only_first, it.only_second) == (8, 4, 4, 0)
-    assert it.p == pytest.approx(2 / 2**4)
+    assert (outcome.trials, outcome.both, outcome.only_first, outcome.only_second) == (8, 4, 4, 0)
+    assert outcome.p == pytest.approx(2 / 2**4)
 
 
 def test_two_runs_of_one_policy_are_told_apart(tmp_path: Path) -> None:
