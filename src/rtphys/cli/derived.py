@@ -79,7 +79,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
                 default = None
             flag = option.flag or "--" + field.name.replace("_", "-")
             names = [f"{flag}/--no-{flag[2:]}"] if default is True else [flag]
-            text = _help(option, field)
+            text = option.help
             kind_of = (
                 typer.Argument(help=text) if option.positional else typer.Option(*names, help=text)
             )
@@ -87,12 +87,6 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
             yield inspect.Parameter(
                 field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
             )
-
-
-def _help(option: Option, field: Field[Any]) -> str:
-    default = _default(field)
-    names = ",".join(default) if isinstance(default, tuple) and default else ""
-    return f"{option.help} \\[default: {names}]" if names else option.help
 
 
 def _option(hint: object) -> Option | None:

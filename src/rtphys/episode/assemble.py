@@ -75,7 +75,7 @@ def _label(instance: Instance) -> dict[str, object]:
         },
         "draws": {key: physics[key] for key in physics if key not in known},
         "readback": readback(instance.world),
-        **({} if recipe.visual() is None else {"visual": instance.look.to_json()}),
+        **({} if recipe.setting.visual() is None else {"visual": instance.look.to_json()}),
     }
 
 

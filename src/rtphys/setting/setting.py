@@ -41,7 +41,7 @@ Ranges = Annotated[Domain | None, PlainValidator(_domain), PlainSerializer(_doma
 class Setting:
     """What decides an episode but its seed. Equal settings and seeds give equal bits."""
 
-    task: str
+    task: str = ""  # empty in a template of several tasks
     protocol: Annotated[str, Option("What varies between episodes.")] = "clean"
     only: Annotated[
         tuple[str, ...] | None, Option("Vary these attributes alone (comma-separated).")
@@ -87,7 +87,7 @@ class Setting:
 
     def at(self, seed: int) -> "Recipe":
         """One episode of it."""
-        return Setting(self).at(seed)
+        return Recipe(self, seed)
 
     def to_json(self) -> dict[str, object]:
         """Plain values by field; those of rare fields only where they differ from the default."""
