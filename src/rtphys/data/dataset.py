@@ -191,8 +191,9 @@ class Dataset(Sequence[Episode]):
     def pairs(self) -> tuple[Pair, ...]:
         """Every episode here that was recorded with a twin, and that twin.
 
-        Empty without `collect --twin`. A pair's layout is one, so what differs is the protocol's
-        doing. Works after `where` too: `data.where(protocol="phys_random").pairs()`.
+        Empty unless the dataset was collected with a twin. Both episodes of a pair have the same
+        layout, so what differs between them is due to the protocol. Works after `where` too:
+        `data.where(protocol="phys_random").pairs()`.
         """
         every = self.manifest.leaves.values()
         twins = {(e.task, e.embodiment, e.config): e for e in every if e.twin_of is not None}

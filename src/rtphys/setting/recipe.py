@@ -73,7 +73,7 @@ def check_varies(ranges: Domain, protocols: Iterable[str]) -> None:
     named = [load_protocol(name) for name in protocols]
     if not any(one.physics for one in named):
         names = ", ".join(one.name for one in named)
-        raise BadValue("--domain", ranges.name, f"protocol {names} varies no physics")
+        raise BadValue("domain", ranges.name, f"protocol {names} varies no physics")
 
 
 NOMINAL = Domain("nominal", {})
