@@ -166,6 +166,10 @@ class Dataset(Sequence[Episode]):
     def protocols(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(leaf.config for leaf in self.leaves))
 
+    def leaf_of(self, index: int) -> LeafEntry:
+        """The task dataset that an episode belongs to, by the episode's index."""
+        return [entry for entry in self.leaves for _ in entry.seeds][index]
+
     def where(self, task: str | None = None, protocol: str | None = None) -> "Dataset":
         """The episodes of one task and/or one protocol, as a dataset of its own.
 

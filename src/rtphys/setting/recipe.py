@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.physics.domain import Domain
 from rtphys.physics.load import domain_for_task
-from rtphys.physics.values import Value
+from rtphys.physics.values import Value, plain_value
 from rtphys.setting.protocol import VisualRules, load_protocol
 
 SPLITS = ("seen", "unseen")
@@ -46,6 +46,29 @@ class Recipe:
         if self.split not in SPLITS:
             raise UnknownName("texture split", self.split, SPLITS)
         return load_protocol(self.protocol).visual
+
+    @staticmethod
+    def from_json(stored: Mapping[str, object]) -> "Recipe":
+        """Inverse of `to_json`.
+
+        Raises:
+            KeyError, ValueError: a key is missing, or a value is none.
+            BadValue: a rule of its domain cannot be read.
+        """
+        only, held, ranges = (stored.get(key) for key in ("only", "overrides", "ranges"))
+        return Recipe(
+            task=str(stored["task"]),
+            seed=int(str(stored["seed"])),
+            protocol=str(stored["protocol"]),
+            only=tuple(map(str, only)) if isinstance(only, list) else None,
+            overrides={k: plain_value(v) for k, v in held.items()}
+            if isinstance(held, dict)
+            else {},
+            embodiment=str(stored["embodiment"]),
+            split=str(stored.get("split", "seen")),
+            ranges=Domain.from_json(ranges) if isinstance(ranges, dict) else None,
+            recovery=stored.get("recovery") is not False,
+        )
 
     def to_json(self) -> dict[str, object]:
         return {
