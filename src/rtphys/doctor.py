@@ -82,7 +82,7 @@ CAUSES = {
         "install the system library that it names; for cv2, `pip install --force-reinstall "
         "--no-deps opencv-contrib-python-headless` in rtphys's environment",
     ),
-    "bad_assets": Cause(24, "the asset pack is not usable", "`rtphys assets --help`"),
+    "bad_assets": Cause(24, "the asset pack is not usable", "`rtphys assets` lists the cures"),
     "bad_library": Cause(25, "the task library is not usable", "check $RTPHYS_LIBRARY"),
 }
 

@@ -6,7 +6,9 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 import typer
@@ -14,7 +16,9 @@ from typer.testing import CliRunner
 
 from rtphys.cli import lazy
 from rtphys.cli.main import COMMANDS, app
-from rtphys.core.errors import BadValue, NoRenderer
+from rtphys.cli.options import taking
+from rtphys.core.errors import BadValue, NoRenderer, RtphysError
+from rtphys.data.faults import CannotWrite
 
 PACKAGE = Path(lazy.__file__).parent
 RUN = CliRunner()
@@ -142,3 +146,47 @@ def test_ctrl_c_in_a_real_process() -> None:
     _, complaint = child.communicate(timeout=20)
     assert child.returncode == 130
     assert complaint.strip() == "rtphys: stopped"
+
+
+def flagged(problem: BaseException, *arguments: str) -> str:
+    """What the frame says when a command with options of many spellings fails."""
+    inner = program(problem)
+
+    @dataclass
+    class Options:
+        most_attempts: Annotated[int, typer.Option("--max-attempts")] = 1
+        held: Annotated[str, typer.Option("--set")] = ""
+        out_folder: Annotated[str, typer.Option()] = ""
+
+    @taking(Options)
+    def fail(_: Options) -> None:
+        raise problem
+
+    sys.modules["rtphys.cli.fail"].fail = fail  # type: ignore[attr-defined]
+    result = RUN.invoke(inner, ["fail", *arguments])
+    assert result.exit_code == 2, result.output
+    return result.stderr.strip()
+
+
+@pytest.mark.parametrize(
+    ("problem", "said"),
+    [
+        (BadValue("most_attempts", 0, "at least 1"), "--max-attempts = 0 is not allowed"),
+        (BadValue("max_attempts", 0, "at least 1"), "--max-attempts = 0 is not allowed"),
+        (BadValue("set", "x", "write key=value"), "--set = 'x' is not allowed"),
+        (BadValue("debug", 1, "it needs `out_folder`"), "it needs --out-folder"),
+        (BadValue("set", 1, "a mapping", "some.yaml"), "some.yaml: set = 1 is not allowed"),
+        (BadValue("friction", 9.0, "0 to `most`"), "friction = 9.0 is not allowed; 0 to `most`"),
+        (CannotWrite("x", OSError(errno.EROFS, "")), "choose another `out`"),
+        (RtphysError("try `rtphys merge out=DIR`"), "try `rtphys merge --out DIR`"),
+    ],
+    ids=str,
+)
+def test_a_field_is_spelled_as_the_flag_of_the_command(problem: RtphysError, said: str) -> None:
+    assert said in flagged(problem)
+
+
+def test_an_error_of_the_library_names_the_flag() -> None:
+    """Also below a command of two words."""
+    result = RUN.invoke(app, ["physics", "sample", "--task", "global", "--set", "friction"])
+    assert "rtphys: --set = 'friction' is not allowed; write key=value" in result.stderr

@@ -22,7 +22,7 @@ MOST_FAILURES = 10
 class Output:
     """Where the results go beside the screen."""
 
-    json_file: Annotated[Path | None, Option("Also write the numbers here.", "--json")] = None
+    json_file: Annotated[Path | None, Option("Also write the numbers here.", "json")] = None
     sheet: Annotated[
         Path | None,
         Option("Write a contact sheet here: a .png for one task, else a folder."),

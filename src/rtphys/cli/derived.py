@@ -77,7 +77,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
                 default = inspect.Parameter.empty
             elif spelled == list[str] | None:
                 default = None
-            flag = option.flag or "--" + field.name.replace("_", "-")
+            flag = "--" + (option.name or field.name).replace("_", "-")
             names = [f"{flag}/--no-{flag[2:]}"] if default is True else [flag]
             text = option.help
             kind_of = (

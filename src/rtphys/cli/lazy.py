@@ -1,14 +1,15 @@
 """A command group that imports a command's module only when that command is called."""
 
 import errno
+import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 
 import typer
 from typer.core import TyperGroup
 
-from rtphys.core.errors import RtphysError
+from rtphys.core.errors import BadValue, RtphysError
 
 # Package -> the optional part of rtphys that brings it.
 EXTRAS = {
@@ -18,11 +19,14 @@ EXTRAS = {
     "gymnasium": "gym",
     "ray": "ray",
 }
+RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
 INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
 
 class LazyGroup(TyperGroup):
     """Turns every error that a user can cause into one line and an exit code.
+
+    The line names options by their flags, where the library that raised the error names fields.
 
     Commands are registered as stubs (name and help); the module `rtphys.cli.<name>` is imported
     when its command is resolved, so `rtphys --help` loads neither SAPIEN nor numpy.
@@ -30,7 +34,9 @@ class LazyGroup(TyperGroup):
 
     def resolve_command(self, ctx, args):
         name, stub, rest = super().resolve_command(ctx, args)
-        return name, _load(name) if name and stub else stub, rest
+        command = _load(name) if name and stub else stub
+        ctx.meta[RUNNING] = (command, rest)
+        return name, command, rest
 
     def invoke(self, ctx):
         if ctx.params.get("debug"):
@@ -38,7 +44,8 @@ class LazyGroup(TyperGroup):
         try:
             return super().invoke(ctx)
         except RtphysError as error:
-            _stop(str(error), error.exit_code)
+            running = _parameters(*ctx.meta.get(RUNNING, (None, ())))
+            _stop(with_flags(error, _flags([*self.params, *running])), error.exit_code)
         except KeyboardInterrupt:
             _stop("stopped", INTERRUPTED)
         except ImportError as error:
@@ -74,6 +81,42 @@ def _load(name: str):
         inner = typer.Typer(add_completion=False)
         inner.command()(getattr(module, module_name))
     return typer.main.get_command(inner)
+
+
+def with_flags(error: RtphysError, flags: Mapping[str, str]) -> str:
+    """The text of an error in which fields are spelled as options of the command line.
+
+    Args:
+        error: names fields of the running command, a `BadValue` by its key, other texts in
+            backticks: `out`. Of another command: `rtphys certify task=click_bell`.
+        flags: field -> flag of the running command; a field that is not in it stays as it is.
+    """
+    if isinstance(error, BadValue) and not error.where and error.key in flags:
+        error = BadValue(flags[error.key], error.value, error.allowed)
+    text = re.sub(r"`(\w+)`", lambda match: flags.get(match[1], match[0]), str(error))
+    return re.sub(r"`rtphys ([\w-]+)((?: \w+=[^`]*)+)`", _command_line, text)
+
+
+def _command_line(match: re.Match[str]) -> str:
+    flags = _flags(_load(match[1]).params)
+    words = [word.partition("=") for word in match[2].split()]
+    options = (f" {flags[field]} {value}" for field, _, value in words)
+    return f"`rtphys {match[1]}{''.join(options)}`"
+
+
+def _parameters(command, arguments: Sequence[str]) -> list:
+    """All that the command line may hold, also that of the command below a command."""
+    if command is None:
+        return []
+    below = getattr(command, "commands", {}).get(next(iter(arguments), ""))
+    return [*command.params, *_parameters(below, arguments[1:])]
+
+
+def _flags(parameters: Sequence) -> dict[str, str]:
+    """Field -> flag, by the parameter's name and by the flag's own; an argument in capitals."""
+    spelled = {p.name: p.opts[0] if p.opts[0][0] == "-" else p.name.upper() for p in parameters}
+    own = {flag.lstrip("-").replace("-", "_"): flag for flag in spelled.values() if flag[0] == "-"}
+    return own | spelled
 
 
 def _stop(message: str, code: int) -> None:

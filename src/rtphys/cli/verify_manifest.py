@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -12,8 +11,7 @@ from rtphys.core.errors import BadValue
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
 from rtphys.data.verified import default_path
-from rtphys.data.verify import Problem, Report, verify
-from rtphys.setting.setting import Recipe
+from rtphys.data.verify import Report, verify
 
 
 def verify_manifest(
@@ -43,7 +41,10 @@ def verify_manifest(
     effort = Effort.QUICK if quick else Effort.DEEP if deep else Effort.NORMAL
     report = _with_bar(out, effort, None if fresh else default_path())
     if replay and report.sound:
-        report.problems += _replayed(Dataset(out), replay)
+        # Imported here: all other checks need no simulator.
+        from rtphys.episode.prove import replayed
+
+        report.problems += replayed(Dataset(out), replay)
     for problem in report.problems:
         typer.echo(_printable(str(problem)))
     for note in report.notes:
@@ -71,33 +72,3 @@ def _with_bar(out: Path, effort: Effort, memory: Path | None) -> Report:
             memory=memory,
             progress=lambda done, total: bar.update(row, completed=done, total=total),
         )
-
-
-def _replayed(dataset: Dataset, count: int) -> list[Problem]:
-    """Makes episodes anew from their recipes, spread evenly over the dataset."""
-    # Imported here: all other checks need no simulator.
-    from rtphys.assets.pack import default_pack, pack_with
-    from rtphys.episode.generate import attempt
-    from rtphys.task.spec import load_task
-
-    usual = default_pack()
-    digests = {leaf.assets.get("digest", "") for leaf in dataset.leaves}
-    packs = {digest: pack_with(digest) or usual for digest in digests}
-    picked = np.unique(np.linspace(0, len(dataset) - 1, min(count, len(dataset))).astype(int))
-    found = []
-    for episode in (dataset[int(n)] for n in picked):
-        meta = episode.meta
-        try:
-            recipe = Recipe.from_json(meta.recipe)
-        except (KeyError, ValueError) as error:
-            found.append(Problem(episode.paths.phys_meta, f"its recipe is not whole ({error})"))
-            continue
-        made = next(leaf.assets for leaf in dataset.leaves if leaf.task == meta.task)
-        pack = packs[made.get("digest", "")]
-        tried = attempt(recipe, load_task(recipe.task), pack)
-        told = tried.recording.hash if tried.accepted and tried.recording else tried.reason
-        if told != meta.state_hash:
-            where = "" if made.get("digest") == pack.digest else ", with other assets than today's"
-            text = f"simulated again it gives {told}, not state_hash {meta.state_hash}{where}"
-            found.append(Problem(episode.paths.phys_meta, text))
-    return found

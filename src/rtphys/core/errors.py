@@ -6,7 +6,11 @@ from pathlib import Path
 
 
 class RtphysError(Exception):
-    """Root of all errors that rtphys raises on purpose. The CLI prints its text, no traceback."""
+    """Root of all errors that rtphys raises on purpose; the command line prints the text alone.
+
+    A text names an option by its field in backticks ("choose another `out`"), never by a flag:
+    the command line puts the flag of the running command in its place.
+    """
 
     exit_code = 2
 
@@ -38,10 +42,17 @@ class UnknownName(RtphysError):
 
 
 class BadValue(RtphysError):
-    """A value outside what is allowed, with the key, the value and the allowed set."""
+    """A value outside what is allowed, with the key, the value and the allowed set.
+
+    Args:
+        key: name of the field, in snake case; the command line shows it as the option's flag.
+        value: what the field holds.
+        allowed: what it may hold. A field that is named here stands in backticks.
+        where: the file that the value comes from; empty for an argument or an option.
+    """
 
     def __init__(self, key: str, value: object, allowed: str, where: str | Path = "") -> None:
-        self.key, self.value, self.allowed = key, value, allowed
+        self.key, self.value, self.allowed, self.where = key, value, allowed, where
         place = f"{where}: " if where else ""
         super().__init__(f"{place}{key} = {value!r} is not allowed; {allowed}")
 

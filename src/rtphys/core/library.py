@@ -1,7 +1,7 @@
 """Where tasks, domains and manifests live: a library root is a folder that holds those three.
 
 The bundled library is the checkout (editable install) or the package folder (wheel). A user's own
-library has the same shape and is added with `--library DIR` or `$RTPHYS_LIBRARY`.
+library has the same shape and is added by `$RTPHYS_LIBRARY` or the option `library`.
 """
 
 import fnmatch

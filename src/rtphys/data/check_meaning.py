@@ -1,4 +1,4 @@
-"""Whether an episode makes physical sense: what `verify-manifest --deep` looks at."""
+"""Whether an episode makes physical sense: the deep checks of a verification."""
 
 from pathlib import Path
 

@@ -166,6 +166,10 @@ class Dataset(Sequence[Episode]):
     def protocols(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(leaf.config for leaf in self.leaves))
 
+    def leaf_of(self, index: int) -> LeafEntry:
+        """The task dataset that an episode belongs to, by the episode's index."""
+        return [entry for entry in self.leaves for _ in entry.seeds][index]
+
     def where(self, task: str | None = None, protocol: str | None = None) -> "Dataset":
         """The episodes of one task and/or one protocol, as a dataset of its own.
 
@@ -191,8 +195,9 @@ class Dataset(Sequence[Episode]):
     def pairs(self) -> tuple[Pair, ...]:
         """Every episode here that was recorded with a twin, and that twin.
 
-        Empty without `collect --twin`. A pair's layout is one, so what differs is the protocol's
-        doing. Works after `where` too: `data.where(protocol="phys_random").pairs()`.
+        Empty unless the dataset was collected with a twin. Both episodes of a pair have the same
+        layout, so what differs between them is due to the protocol. Works after `where` too:
+        `data.where(protocol="phys_random").pairs()`.
         """
         every = self.manifest.leaves.values()
         twins = {(e.task, e.embodiment, e.config): e for e in every if e.twin_of is not None}

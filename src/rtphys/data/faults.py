@@ -29,11 +29,11 @@ class CannotWrite(DatasetError):
     CAUSES = {  # noqa: RUF012 - a constant table
         errno.ENOSPC: "the disk is full; free some space, the same command then resumes",
         errno.EDQUOT: "the disk quota is used up; free some space, the same command then resumes",
-        errno.EROFS: "the file system is read-only; choose another --out",
-        errno.EACCES: "permission denied; choose another --out",
-        errno.EPERM: "permission denied; choose another --out",
-        errno.ENOTDIR: "a file stands where a folder is needed; choose another --out",
-        errno.EEXIST: "a file stands where a folder is needed; choose another --out",
+        errno.EROFS: "the file system is read-only; choose another `out`",
+        errno.EACCES: "permission denied; choose another `out`",
+        errno.EPERM: "permission denied; choose another `out`",
+        errno.ENOTDIR: "a file stands where a folder is needed; choose another `out`",
+        errno.EEXIST: "a file stands where a folder is needed; choose another `out`",
     }
 
     def __init__(self, path: str | Path, cause: OSError) -> None:
@@ -48,7 +48,7 @@ class DatasetLocked(DatasetError):
     def __init__(self, out: str | Path, owner: str) -> None:
         self.out, self.owner = Path(out), owner
         super().__init__(
-            f"{out}: another run writes here ({owner}); wait, stop it, or choose another --out"
+            f"{out}: another run writes here ({owner}); wait, stop it, or choose another `out`"
         )
 
 
@@ -59,7 +59,7 @@ class DatasetMismatch(DatasetError):
         self.folder, self.differences = Path(folder), differences
         super().__init__(
             f"{folder}: holds episodes collected differently and cannot be continued: "
-            f"{'; '.join(differences)}. Choose another --out or ask for the same again"
+            f"{'; '.join(differences)}. Choose another `out` or ask for the same again"
         )
 
 
@@ -70,7 +70,7 @@ class DatasetExists(DatasetError):
         self.folder, self.episodes = Path(folder), episodes
         super().__init__(
             f"{folder}: already holds {episodes} episodes; resume, delete the folder, "
-            "or choose another --out"
+            "or choose another `out`"
         )
 
 

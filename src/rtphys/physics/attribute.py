@@ -26,7 +26,7 @@ class Attribute(ABC, Generic[Target, Label]):
     key: ClassVar[str]  # the YAML key, the label in a dataset, the command line's name
     unit: ClassVar[str]  # of labels; `apply` converts to SI
     nominal: ClassVar[float | Vector | None]  # None: whatever the asset has
-    valid: ClassVar[Interval]  # what the simulator can do; `--set` may go this far
+    valid: ClassVar[Interval]  # what the simulator can do; an override may go this far
     when: ClassVar[Literal["before_build", "after_build"]] = "after_build"
     size: ClassVar[int] = 1  # components; a distribution is drawn per component
     resolution: ClassVar[float] = 0.0  # absolute error that single precision leaves in `read`

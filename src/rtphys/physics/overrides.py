@@ -1,4 +1,4 @@
-"""Reads `--set key=value` from a command line."""
+"""Reads values of attributes that are written as text, `key=value`."""
 
 from collections.abc import Iterable
 
@@ -22,7 +22,7 @@ def parse_overrides(texts: Iterable[str]) -> dict[str, Value]:
         key = key.strip()
         known = [*attributes(), *AUXILIARY]
         if not equals:
-            raise BadValue("--set", text, "write key=value, such as friction=0.2")
+            raise BadValue("set", text, "write key=value, such as friction=0.2")
         if key not in known:
             raise UnknownName("attribute", key, known)
         values[key] = _value(key, spelt.strip())

@@ -138,7 +138,7 @@ def _compatible(
 ) -> list[str]:
     """Options of `selector` under which the overrides hold and something active can move.
 
-    `--only camera_distance` never draws mode rotate, `--set camera_distance=0.05` needs an orbit.
+    Varying `camera_distance` alone never draws mode rotate; holding it at 0.05 needs an orbit.
 
     Raises:
         BadValue: overrides that exclude each other.

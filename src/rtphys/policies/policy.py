@@ -36,7 +36,7 @@ class PolicySetup:
     protocol: str = "clean"
     split: str = "unseen"  # of the sentences, and of the pictures on table and wall
     seed: int = 0  # of the policy's own chance, not of an episode
-    options: Mapping[str, str] = field(default_factory=dict)  # `--set key=value`
+    options: Mapping[str, str] = field(default_factory=dict)  # key -> value, read by the policy
 
 
 class Policy(Protocol):

@@ -23,7 +23,7 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
     """
     module_name, _, attribute = argument.rpartition(":")
     if not module_name or not attribute:
-        raise BadValue("--policy", f"python:{argument}", "write python:MODULE:ATTRIBUTE")
+        raise BadValue("policy", f"python:{argument}", "write python:MODULE:ATTRIBUTE")
     module = _module(module_name)
     if not hasattr(module, attribute):
         known = [name for name in vars(module) if not name.startswith("_")]
@@ -31,7 +31,7 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
     policy = getattr(module, attribute)(setup)
     if not callable(getattr(policy, "play", None)):
         told = f"it made a {type(policy).__name__}, which has no play(episode)"
-        raise BadValue("--policy", f"python:{argument}", told)
+        raise BadValue("policy", f"python:{argument}", told)
     return policy
 
 
@@ -45,7 +45,7 @@ def _module(name: str) -> ModuleType:
         return importlib.import_module(name)
     except ModuleNotFoundError as error:
         told = f"Python finds no module {error.name!r}"
-        raise BadValue("--policy", f"python:{name}", told) from error
+        raise BadValue("policy", f"python:{name}", told) from error
 
 
 def _reach(folder: Path) -> None:

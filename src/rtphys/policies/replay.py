@@ -35,7 +35,7 @@ class Replay:
     def play(self, episode: PolicyEpisode) -> None:
         if episode.seed not in self._stored:
             told = f"{self._folder} holds no episode of {episode.task}, seed {episode.seed}"
-            cure = f"collect it with --seed {episode.seed}, or pass --instances {self._folder}"
+            cure = f"collect that seed, or give `instances` {self._folder}"
             raise PolicyGone("replay", f"{told}; {cure}")
         for action in self._stored[episode.seed].action:
             if episode.over:
@@ -49,7 +49,7 @@ class Replay:
 def open_replay(argument: str, setup: PolicySetup) -> Replay:
     """`replay:DATASET`."""
     if not argument:
-        raise BadValue("--policy", "replay:", "name a dataset's folder: replay:DATASET")
+        raise BadValue("policy", "replay:", "name a dataset's folder: replay:DATASET")
     folder = Path(argument)
     if not folder.exists():
         raise BadFile(folder, "there is no such dataset")

@@ -19,12 +19,12 @@ class Option:
 
     Args:
         help: what its option does.
-        flag: spelling of the option, where it is not the field's name.
+        name: what users call it, where that is not the field's name.
         positional: an argument of the command instead of an option.
     """
 
     help: str
-    flag: str = ""
+    name: str = ""
     positional: bool = False
 
 

@@ -47,10 +47,10 @@ class Setting:
         tuple[str, ...] | None, Option("Vary these attributes alone (comma-separated).")
     ] = None
     overrides: Annotated[
-        Mapping[str, Value], Option("key=value: hold an attribute at a value; repeatable.", "--set")
+        Mapping[str, Value], Option("key=value: hold an attribute at a value; repeatable.", "set")
     ] = field(default_factory=dict[str, Value])
     ranges: Annotated[
-        Ranges, Option("Draw from this domain (name or file), not from the task's own.", "--domain")
+        Ranges, Option("Draw from this domain (name or file), not from the task's own.", "domain")
     ] = None
     split: Annotated[
         str, one_of("texture split", SPLITS), Option("seen or unseen pictures on table and wall.")

@@ -46,7 +46,7 @@ class BenchPlan:
             load_protocol(name)
         for key, least in (("episodes", 1), ("first_seed", 0)):
             if getattr(self, key) < least:
-                raise BadValue(f"--{key.replace('_', '-')}", getattr(self, key), f">= {least}")
+                raise BadValue(key, getattr(self, key), f"at least {least}")
 
 
 @dataclass

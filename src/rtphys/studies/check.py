@@ -43,7 +43,7 @@ class CheckPlan:
         tuple[str, ...], entries_of("tasks"), Option("Tasks or patterns.", positional=True)
     ]
     protocols: Annotated[
-        tuple[str, ...], Option("clean, phys_random; several with commas.", "--protocol")
+        tuple[str, ...], Option("clean, phys_random; several with commas.", "protocol")
     ] = ("clean",)
     seeds: Annotated[int, at_least(1), Option("Number of seeds of each task and protocol.")] = 20
     first_seed: Annotated[int, at_least(0), Option("The first seed.")] = 0
@@ -56,7 +56,7 @@ class CheckPlan:
         None
     )
     ranges: Annotated[
-        Ranges, Option("Draw from this domain (name or file), not from the task's own.", "--domain")
+        Ranges, Option("Draw from this domain (name or file), not from the task's own.", "domain")
     ] = None
     limits: Limits = field(default_factory=Limits)
 

@@ -14,7 +14,7 @@ REASONS: dict[str, str] = {
     "stalled": "an articulated part did not follow the hand",
     "failed_check": "the script ran to its end and the success condition did not hold",
     "not_held": "success held for an instant, but not 0.5 s later",
-    "recovered": "a load was lost and would have to be taken again, which --no-recovery excludes",
+    "recovered": "a load was lost and would have to be taken again, which was not allowed",
     "disturbed": "another object was knocked over or off the table",
     "untwinned": "it was accepted, its twin under another protocol was not",
     "worker_crash": "the worker process died twice on this attempt",

@@ -19,7 +19,7 @@ def pairs(words: Sequence[str]) -> dict[str, object]:
         BadValue: a key without a value.
     """
     if len(words) % 2:
-        raise BadValue("--overrides", words[-1], "give pairs: --key value")
+        raise BadValue("overrides", words[-1], "it is a key without a value")
     keys = (word.lstrip("-") for word in words[::2])
     return dict(zip(keys, map(literal, words[1::2]), strict=True))
 

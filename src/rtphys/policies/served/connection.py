@@ -42,7 +42,7 @@ def endpoint(
         BadValue: no address, or a time that is no number.
     """
     if not where:
-        raise BadValue("--policy", "", "name the server: HOST:PORT")
+        raise BadValue("policy", "", "name the server: HOST:PORT")
     return Endpoint(
         where if "://" in where else f"ws://{where}",
         encoding,

@@ -23,10 +23,10 @@ class CertifyPlan:
     tasks: Annotated[
         tuple[str, ...],
         entries_of("tasks"),
-        Option("Tasks or patterns; several with commas.", "--task"),
+        Option("Tasks or patterns; several with commas.", "task"),
     ]
     protocols: Annotated[
-        tuple[str, ...], Option("clean, phys_random; several with commas.", "--protocol")
+        tuple[str, ...], Option("clean, phys_random; several with commas.", "protocol")
     ]
     out: Annotated[Path, Option("The benchmark's folder.")]
     feasible: Annotated[
@@ -42,7 +42,7 @@ class CertifyPlan:
         ),
     ] = BASELINES
     most_attempts: Annotated[
-        int, at_least(1), Option("Number of seeds to try for one list.", "--max-attempts")
+        int, at_least(1), Option("Number of seeds to try for one list.", "max_attempts")
     ] = 1000
     workers: Annotated[int | None, at_least(1), Option("Worker processes; default one a core.")] = (
         None

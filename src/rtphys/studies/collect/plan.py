@@ -57,7 +57,7 @@ class TaskPlan:
     setting: Setting
     episodes: Annotated[int, at_least(1), Option("Number of episodes of each task.")] = 10
     first_seed: Annotated[
-        int, at_least(0), Option("The first seed; attempts go upward from it.", "--seed")
+        int, at_least(0), Option("The first seed; attempts go upward from it.", "seed")
     ] = 0
     twin: Annotated[
         str | None,
@@ -72,7 +72,7 @@ class TaskPlan:
     most_attempts: Annotated[
         int | None,
         at_least(1),
-        Option("Attempts of each task, those of earlier runs included.", "--max-attempts"),
+        Option("Attempts of each task, those of earlier runs included.", "max_attempts"),
     ] = None
     config: str | None = None  # name of the folder; None: the protocol's
     twin_of: str | None = None  # config of the task dataset whose twin this is
@@ -151,7 +151,7 @@ class Run:
     fallback: Annotated[
         str,
         one_of("fallback", FALLBACKS),
-        Option("`builtin`: it stands in for what the pack of --assets lacks."),
+        Option("`builtin`: it stands in for what the pack of `assets` lacks."),
     ] = ""
     limits: Limits = field(default_factory=Limits)
 

@@ -29,10 +29,10 @@ class EvaluatePlan:
     tasks: Annotated[
         tuple[str, ...],
         entries_of("tasks"),
-        Option("Tasks or patterns; several with commas.", "--task"),
+        Option("Tasks or patterns; several with commas.", "task"),
     ]
     protocols: Annotated[
-        tuple[str, ...], Option("clean, phys_random; several with commas.", "--protocol")
+        tuple[str, ...], Option("clean, phys_random; several with commas.", "protocol")
     ]
     episodes: Annotated[
         int | None,
@@ -51,7 +51,7 @@ class EvaluatePlan:
     ] = "unseen"
     seed: Annotated[int, at_least(0), Option("Seed of the policy's own chance.")] = 0
     options: Annotated[
-        Mapping[str, str], Option("key=value for the policy; repeatable.", "--set")
+        Mapping[str, str], Option("key=value for the policy; repeatable.", "set")
     ] = field(default_factory=dict[str, str])
     video: Annotated[bool, Option("Also write each episode as an MP4.")] = False
     resume: Annotated[bool, Option("Continue what is in the folder.")] = True
