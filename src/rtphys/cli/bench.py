@@ -3,42 +3,40 @@
 import json
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import typer
 from rich.console import Console
 from rich.table import Table
 
 from rtphys.cli.assets import BuildBar
+from rtphys.cli.derived import takes
 from rtphys.cli.fitting import fitting_table, wide_console
-from rtphys.cli.options import expand, split
 from rtphys.core.errors import BadFile
-from rtphys.studies.bench import ATTEMPT, PICTURES, BenchPlan, Cost, means
-from rtphys.studies.bench import bench as measure
+from rtphys.setting.option import Option
+from rtphys.studies.cost import ATTEMPT, PICTURES, BenchPlan, Cost, means
+from rtphys.studies.cost import bench as measure
 
 
-def bench(
-    task: Annotated[
-        list[str] | None, typer.Option(help="Tasks or patterns, by commas or repeated.")
-    ] = None,
-    protocol: Annotated[str, typer.Option(help="Several with commas.")] = "clean,phys_random_all",
-    episodes: Annotated[int, typer.Option(help="Attempts of each task and protocol.")] = 2,
-    first_seed: Annotated[int, typer.Option(help="Where to start.")] = 0,
-    pictures: Annotated[bool, typer.Option(help="Draw and write what is accepted.")] = True,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Also write the numbers here.")
-    ] = None,
-) -> None:
+@dataclass(frozen=True)
+class Output:
+    """Where the numbers go beside the screen."""
+
+    json_file: Annotated[Path | None, Option("Also write the numbers here.", "json")] = None
+
+
+@takes(BenchPlan, Output)
+def bench(plan: BenchPlan, output: Output) -> None:
     """CPU-seconds of an episode by phase, for each task and protocol.
 
     CPU time is what two machines of a kind agree on. Wall time, in the JSON, compares phases of
     one run at most; other jobs on the machine lengthen it.
     """
-    plan = BenchPlan(expand(task or ["*"]), split(protocol), episodes, first_seed, pictures)
     plan.check()
-    if json_file is not None and not os.access(json_file.absolute().parent, os.W_OK):
-        raise BadFile(json_file, "its folder cannot be written, or does not exist")
+    path = output.json_file
+    if path is not None and not os.access(path.absolute().parent, os.W_OK):
+        raise BadFile(path, "its folder cannot be written, or does not exist")
     from rtphys.assets.pack import default_pack
 
     with BuildBar() as building:
@@ -46,11 +44,11 @@ def bench(
     console = Console(stderr=True)
     costs = measure(plan, pack, lambda cost: console.print(_line(cost), highlight=False))
     wide_console().print(_attempts(costs))
-    if pictures:
+    if plan.pictures:
         wide_console().print(_pictures(costs))
-    if json_file is not None:
+    if path is not None:
         content = {"means": means(costs), "rows": [cost.to_json() for cost in costs]}
-        json_file.write_text(json.dumps(content, indent=2) + "\n")
+        path.write_text(json.dumps(content, indent=2) + "\n")
 
 
 def _line(cost: Cost) -> str:

@@ -10,8 +10,8 @@ import typer
 from rtphys.cli.fitting import fitting_table, wide_console
 from rtphys.cli.progress import Lines
 from rtphys.studies.collect.estimate import (
-    Cost,
     Estimate,
+    Expected,
     bytes_below,
     episodes_there,
     estimate,
@@ -38,7 +38,7 @@ def show_plans(plans: Sequence[TaskPlan], run: Run) -> None:
     size = run.room_needed(plans) / 1e9
     typer.echo(
         f"{episodes} episodes in {run.out}, at most {size:.1f} GB, with {run.size()} workers; "
-        "nothing was collected. Estimate the time with --estimate"
+        "nothing was collected. --estimate also says how long"
     )
 
 
@@ -98,15 +98,15 @@ def children_cpu() -> float:
 def _show(expected: Estimate) -> None:
     columns = ("episodes", "attempts", "CPU-s an episode", "MB")
     table = fitting_table(["task", "configuration"], columns, justify="right")
-    for plan, cost in expected.costs:
+    for plan, one in expected.rows:
         setting = plan.setting
-        table.add_row(setting.task, plan.config or setting.protocol, *_cells(cost))
+        table.add_row(setting.task, plan.config or setting.protocol, *_cells(one))
     wide_console().print(table)
 
 
-def _cells(cost: Cost) -> tuple[str, str, str, str]:
-    each = f"{cost.cpu / cost.episodes:.1f}" if cost.episodes else "-"
-    return str(cost.episodes), f"{cost.attempts:.0f}", each, f"{cost.bytes / 1e6:.1f}"
+def _cells(one: Expected) -> tuple[str, str, str, str]:
+    each = f"{one.cpu / one.episodes:.1f}" if one.episodes else "-"
+    return str(one.episodes), f"{one.attempts:.0f}", each, f"{one.bytes / 1e6:.1f}"
 
 
 def _off(was: float, said: float) -> str:

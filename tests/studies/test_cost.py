@@ -14,7 +14,7 @@ from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.timing import Laps
 from rtphys.episode.generate import attempt
 from rtphys.setting.setting import Setting
-from rtphys.studies.bench import ATTEMPT, OUTSIDE, PICTURES, BenchPlan, Cost, Spent, bench, means
+from rtphys.studies.cost import ATTEMPT, OUTSIDE, PICTURES, BenchPlan, Cost, Spent, bench, means
 from rtphys.task.spec import load_task
 
 MOST_OUTSIDE = 0.1  # of the CPU time neither on physics nor planning, rendering, encoding

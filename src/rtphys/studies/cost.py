@@ -1,4 +1,4 @@
-"""What an episode costs on this machine, phase by phase."""
+"""What episodes cost on this machine, phase by phase: `bench` measures, `estimate` builds on it."""
 
 import tempfile
 import time
@@ -6,18 +6,21 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
+
+from pydantic.dataclasses import dataclass as validated
 
 from rtphys.assets.pack import Pack
-from rtphys.core.errors import BadValue
 from rtphys.core.timing import Laps
 from rtphys.data.staging import stage_episode
 from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import photograph
+from rtphys.setting.option import Option, at_least, entries_of
 from rtphys.setting.protocol import load_protocol
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
-from rtphys.task.spec import Task, load_task
+from rtphys.studies.worker import LoadedTasks
 
 ATTEMPT = ("build", "settle", "plan", "simulate")
 """Phases of an attempt; no pictures. What a step of the simulator brings with it is `simulate`."""
@@ -28,25 +31,29 @@ OUTSIDE = ("build", "write", "other")  # neither physics nor planning, nor rende
 CAMERAS = ("head", "left", "right")
 
 
-@dataclass(frozen=True)
+@validated(frozen=True)
 class BenchPlan:
-    """One run of `bench`."""
+    """One run of `bench`: tasks under protocols."""
 
-    tasks: tuple[str, ...]
-    protocols: tuple[str, ...] = ("clean", "phys_random_all")
-    episodes: int = 2  # attempts of each task under each protocol
-    first_seed: int = 0
-    pictures: bool = True  # draw and write what is accepted
+    tasks: Annotated[
+        tuple[str, ...],
+        entries_of("tasks"),
+        Option("Tasks or patterns; several with commas.", "task"),
+    ] = ("*",)
+    protocols: Annotated[tuple[str, ...], Option("Several with commas.", "protocol")] = (
+        "clean",
+        "phys_random_all",
+    )
+    episodes: Annotated[
+        int, at_least(1), Option("Number of attempts of each task and protocol.")
+    ] = 2
+    first_seed: Annotated[int, at_least(0), Option("The first seed.")] = 0
+    pictures: Annotated[bool, Option("Draw and write what is accepted.")] = True
 
     def check(self) -> None:
-        """Raises UnknownName, BadValue or BadFile before any work is done."""
-        for name in self.tasks:
-            load_task(name)
+        """Raises `UnknownName`, `BadValue` or `BadFile` before any work is done."""
         for name in self.protocols:
             load_protocol(name)
-        for key, least in (("episodes", 1), ("first_seed", 0)):
-            if getattr(self, key) < least:
-                raise BadValue(key, getattr(self, key), f"at least {least}")
 
 
 @dataclass
@@ -61,7 +68,7 @@ class Spent:
 
     @contextmanager
     def once(self) -> Iterator[Laps]:
-        """Within: the work is done once, and counts its phases on the laps given."""
+        """Within: the work is done once, and counts its phases on the timer given."""
         began = time.process_time(), time.perf_counter()
         yield self.laps
         self.cpu_total += time.process_time() - began[0]
@@ -73,7 +80,7 @@ class Spent:
         return self._mean(self.laps.cpu_s, self.cpu_total)
 
     def wall_s(self) -> dict[str, float]:
-        """Wall-seconds likewise. What ran beside another phase counts nothing."""
+        """Wall-clock seconds of one repetition. What ran beside another phase counts nothing."""
         return self._mean(self.laps.wall_s, self.wall_total)
 
     def _mean(self, spent: Mapping[str, float], total: float) -> dict[str, float]:
@@ -84,14 +91,16 @@ class Spent:
 
 @dataclass
 class Cost:
-    """One task under one protocol."""
+    """Cost of a setting's episodes."""
 
     task: str
     protocol: str
     attempts: Spent = field(default_factory=lambda: Spent(ATTEMPT))
     pictures: Spent = field(default_factory=lambda: Spent(PICTURES))
     accepted: int = 0
+    frames: int = 0  # drawn, of all cameras at once
     images: int = 0
+    bytes: int = 0  # on disk
 
     @property
     def image_cpu_ms(self) -> float | None:
@@ -123,14 +132,56 @@ class Cost:
         }
 
 
-def bench(plan: BenchPlan, pack: Pack, told: Callable[[Cost], None]) -> list[Cost]:
-    """Measure all tasks under all protocols in this process, one after the other.
+@dataclass
+class Meter:
+    """Measures in this process.
 
-    An attempt before the first, and the world that its pictures need, are not counted: they fill
-    caches that a process fills once.
+    Attributes:
+        pictures: how many accepted episodes of a setting are drawn.
+    """
+
+    pack: Pack
+    folder: Path  # for files that nobody keeps
+    cameras: tuple[str, ...] = CAMERAS
+    layout: str = "native"
+    tasks: LoadedTasks = field(default_factory=LoadedTasks)
+
+    def cost(self, setting: Setting, seeds: Sequence[int], pictures: int) -> Cost:
+        """Cost of attempts, and of drawing the first accepted ones."""
+        cost = Cost(setting.task, setting.protocol)
+        for seed in seeds:
+            with cost.attempts.once() as laps:
+                tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack, laps)
+            cost.accepted += tried.accepted
+            if tried.accepted and cost.pictures.count < pictures:
+                with cost.pictures.once() as laps:
+                    self._draw(tried, laps, cost)
+        return cost
+
+    def warm_up(self, setting: Setting, seed: int, pictures: bool) -> None:
+        """Fills the caches that a process fills once: an attempt, and the world of its pictures."""
+        tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack)
+        if pictures and tried.recording is not None:
+            task = self.tasks[setting.task]
+            photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
+
+    def _draw(self, tried: Attempt, laps: Laps, cost: Cost) -> None:
+        assert tried.recording is not None
+        with laps.phase("build"):
+            task = self.tasks[tried.recipe.task]
+            taken = photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
+            episode = assemble(tried, taken, self.pack)
+        staged = stage_episode(self.folder / "episode", episode, self.layout, laps)
+        cost.frames += staged.frames
+        cost.images += staged.frames * len(self.cameras)
+        cost.bytes += sum(facts.size for facts in staged.files.values())
+
+
+def bench(plan: BenchPlan, pack: Pack, measured: Callable[[Cost], None]) -> list[Cost]:
+    """Measures all tasks under all protocols in this process, one after the other.
 
     Args:
-        told: is given each result as it is there.
+        measured: is given each result as soon as it is there.
 
     Raises:
         NoRenderer: pictures are wanted and cannot be drawn.
@@ -138,51 +189,15 @@ def bench(plan: BenchPlan, pack: Pack, told: Callable[[Cost], None]) -> list[Cos
     if plan.pictures:
         renderer.configure()
         renderer.hold_anchor()
-    costs = []
+    costs: list[Cost] = []
+    seeds = range(plan.first_seed, plan.first_seed + plan.episodes)
     with tempfile.TemporaryDirectory(prefix="rtphys-bench-") as scratch:
-        for name in plan.tasks:
-            task = load_task(name)
-            for protocol in plan.protocols:
-                job = _Job(plan, task, pack, Path(scratch) / "episode")
-                costs.append(job.cost(protocol))
-                told(costs[-1])
+        meter = Meter(pack, Path(scratch))
+        for setting in (Setting(t, protocol) for t in plan.tasks for protocol in plan.protocols):
+            meter.warm_up(setting, seeds.stop, plan.pictures)
+            costs.append(meter.cost(setting, seeds, len(seeds) if plan.pictures else 0))
+            measured(costs[-1])
     return costs
-
-
-@dataclass(frozen=True)
-class _Job:
-    plan: BenchPlan
-    task: Task
-    pack: Pack
-    folder: Path
-
-    def cost(self, protocol: str) -> Cost:
-        cost = Cost(self.task.name, protocol)
-        self._warm_up(protocol)
-        for seed in range(self.plan.first_seed, self.plan.first_seed + self.plan.episodes):
-            with cost.attempts.once() as laps:
-                tried = attempt(
-                    Setting(self.task.name, protocol).at(seed), self.task, self.pack, laps
-                )
-            cost.accepted += tried.accepted
-            if tried.accepted and self.plan.pictures:
-                with cost.pictures.once() as laps:
-                    cost.images += self._draw(tried, laps)
-        return cost
-
-    def _warm_up(self, protocol: str) -> None:
-        seed = self.plan.first_seed + self.plan.episodes
-        tried = attempt(Setting(self.task.name, protocol).at(seed), self.task, self.pack)
-        if self.plan.pictures and tried.recording is not None:
-            photograph(tried.recipe, self.task, self.pack, tried.recording, CAMERAS)
-
-    def _draw(self, tried: Attempt, laps: Laps) -> int:
-        """Number of images that a dataset would hold of it."""
-        assert tried.recording is not None
-        with laps.phase("build"):
-            taken = photograph(tried.recipe, self.task, self.pack, tried.recording, CAMERAS)
-            episode = assemble(tried, taken, self.pack)
-        return stage_episode(self.folder, episode, laps=laps).frames * len(CAMERAS)
 
 
 def means(costs: Sequence[Cost]) -> dict[str, dict[str, float]]:
