@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Annotated
 
-from pydantic import AfterValidator, ValidationInfo
+from pydantic import AfterValidator, Field, ValidationInfo
 
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
@@ -68,6 +68,7 @@ Seed = Annotated[int, at_least(0)]
 
 Tasks = Annotated[
     tuple[str, ...],
+    Field(validate_default=True),
     AfterValidator(lambda patterns: library.matching("tasks", list(patterns))),
     Option("Tasks or patterns; several with commas, or repeated.", "task"),
 ]
