@@ -14,7 +14,9 @@ from rtphys.core.errors import BadFile, UnknownName
 from rtphys.core.python_file import load_file
 from rtphys.physics.attribute import AnyAttribute, Attribute, Attributes
 
-BUNDLED = "rtphys.physics.attributes"  # package with one module for each attribute
+# The package with one module for each attribute. It is imported here and not on use: the import
+# sets `rtphys.physics.attributes`, which then must become the function below and stay it.
+BUNDLED = importlib.import_module("rtphys.physics.attributes")
 ENTRY_POINTS = "rtphys.attributes"  # group in which an installed plug-in names its attributes
 
 
@@ -53,8 +55,8 @@ def _attributes(files: tuple[Path, ...]) -> Attributes:
 def _classes(files: tuple[Path, ...]) -> list[tuple[type[AnyAttribute], str]]:
     """Every attribute class, with the file or entry point that defines it."""
     classes: list[tuple[type[AnyAttribute], str]] = []
-    for info in pkgutil.iter_modules(importlib.import_module(BUNDLED).__path__):
-        module = importlib.import_module(f"{BUNDLED}.{info.name}")
+    for info in pkgutil.iter_modules(BUNDLED.__path__):
+        module = importlib.import_module(f"{BUNDLED.__name__}.{info.name}")
         classes.append((_only_attribute(module, info.name), str(module.__file__)))
     classes += [
         (_only_attribute(load_file(path, "attribute"), path.stem), str(path)) for path in files
