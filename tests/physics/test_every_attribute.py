@@ -75,7 +75,7 @@ def test_applying_twice_is_applying_once_and_touches_no_neighbour(lab, key):
     physics = GLOBAL.sample(5)
     world = build(lab, physics)
     before = read_back(world, physics)
-    attribute = attributes()[key].given(physics)
+    attribute = attributes()[key].for_episode(physics)
     for _ in range(3):
         attribute.apply(world, physics[key])
     assert read_back(world, physics) == before
