@@ -42,15 +42,15 @@ def cluttered(task: str) -> int:
     return max(counts, key=lambda seed: counts[seed])
 
 
-def world(task: str, seed: int, protocol: str) -> World:
+def build_world(task: str, seed: int, protocol: str) -> World:
     recipe = Recipe(task, seed, protocol)
     return prepare(recipe, load_task(task), default_pack(), visuals=True).world
 
 
-def triangles(scene: World) -> int:
+def triangles(world: World) -> int:
     """Number of triangles of everything that is rendered."""
     total = 0
-    for entity in scene.scene.entities:
+    for entity in world.scene.entities:
         body = entity.find_component_by_type(sapien.render.RenderBodyComponent)
         assert body is None or isinstance(body, sapien.render.RenderBodyComponent)
         for shape in body.render_shapes if body else ():
@@ -78,14 +78,14 @@ def main(timed: int = TIMED) -> None:
     seeds = {task: cluttered(task) for task in task_names()}
     counts = {}
     for task, seed in seeds.items():
-        cluttered_world = world(task, seed, "official_random")
+        cluttered_world = build_world(task, seed, "official_random")
         counts[task] = triangles(cluttered_world)
         pieces = len(cluttered_world.clutter)
         print(f"{task:28} seed {seed}, {pieces:2} pieces, {counts[task]:6} triangles")
     ratios = []
     for task in sorted(counts, key=lambda task: -counts[task])[:timed]:
         both = ("clean", "official_random")
-        cost = costs({name: world(task, seeds[task], name) for name in both})
+        cost = costs({name: build_world(task, seeds[task], name) for name in both})
         ratios.append(cost["official_random"] / cost["clean"])
         shown = ", ".join(f"{name} {ms:.2f}" for name, ms in cost.items())
         print(f"{task:28} {shown} CPU-ms per picture, {ratios[-1]:.2f} times clean")

@@ -2,8 +2,8 @@
 
     python benchmarks/workers.py [TASK [FEW MANY]]
 
-Each kind collects FEW and then MANY episodes; the difference excludes the cost of starting. CPU time
-is that of all processes, including Ray's own. Wall time on a shared machine says little.
+Each kind collects FEW and then MANY episodes; the difference excludes the cost of starting. CPU
+time is that of all processes, including Ray's own. Wall time on a shared machine says little.
 """
 
 import os
