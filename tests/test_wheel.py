@@ -51,7 +51,7 @@ def test_installed_wheel_works_outside_the_checkout(wheel: Path, tmp_path: Path)
     python = home / "bin" / "python"
     run(python, "-m", "pip", "install", "--quiet", wheel, cwd=tmp_path)
     code = (
-        "from rtphys import library as L; "
+        "from rtphys.core import library as L; "
         "print(L.bundled()); print(*L.names('tasks')); print(*L.names('domains'))"
     )
     where, tasks, domains = run(python, "-c", code, cwd=tmp_path).splitlines()
