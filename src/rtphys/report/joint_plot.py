@@ -67,7 +67,7 @@ def panels(frames: Frames) -> list[Panel]:
 def joint_plot(episode: Episode) -> str:
     """An SVG document: left arm in the left column, right arm in the right one."""
     frames = episode.frames
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(STYLE):  # pyright: ignore[reportArgumentType] - str is fine
         figure = Figure(figsize=SIZE, layout="constrained")
         title = f"{episode.task} {episode.number}, seed {episode.seed}, {episode.protocol}"
         figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
