@@ -15,7 +15,8 @@ from rtphys.task import (
 )
 
 FROM_ABOVE = tuple(range(8, 16))  # contact points of a can
-EMPTY_KG = 0.08  # [kg] an emptied can: full ones are more than a hand lifts by the arch
+EMPTY = 0.08  # [kg] of an emptied can: a full one is more than a hand lifts by the arch
+DEPTH = 0.02  # [m] of the TCP above the can's contact point when the hand closes
 
 
 def layout(draw: Draw):
@@ -25,11 +26,11 @@ def layout(draw: Draw):
     spot = draw.spot("can", x=x, y=(0.0, 0.1), yaw=(-0.028, -0.028))
     model = draw.choice("can model", 0, 1, 2, 3, 5, 6)
     pose = spot.pose(UP_Z)
-    yield Mesh(name="can", category="071_can", model=model, pose=pose, mass_kg=EMPTY_KG)
+    yield Mesh(name="can", category="071_can", model=model, pose=pose, mass_kg=EMPTY)
 
 
 def script(robot: Robot) -> None:
-    fill_and_lift(robot, "can", FROM_ABOVE, depth=0.02)
+    fill_and_lift(robot, "can", FROM_ABOVE, depth=DEPTH)
 
 
 task = Task(

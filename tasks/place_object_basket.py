@@ -14,7 +14,7 @@ from rtphys.task import (
     filled_and_lifted,
 )
 
-THINGS = {"081_playingcards": 3, "057_toycar": 6}  # and their number of models
+MODELS = {"081_playingcards": 3, "057_toycar": 6}  # how many of each category
 
 
 def layout(draw: Draw):
@@ -22,8 +22,8 @@ def layout(draw: Draw):
     yield carrying_basket(draw, side)
     x = (0.2, 0.25) if side > 0 else (-0.25, -0.2)
     spot = draw.spot("object", x=x, y=(-0.1, 0.1), yaw=(-0.552, 0.496))
-    category = draw.choice("object", *THINGS)
-    model = draw.choice("object model", *range(THINGS[category]))
+    category = draw.choice("object", *MODELS)
+    model = draw.choice("object model", *range(MODELS[category]))
     yield Mesh(name="object", category=category, model=model, pose=spot.pose(UP_Z))
 
 

@@ -1,6 +1,6 @@
-"""Put a small thing on the kitchen scale.
+"""Put a small object on the kitchen scale.
 
-Success: it rests on the platform within 3.5 cm of its centre and the hand that brought it is open.
+Success: it rests on the platform within 3.5 cm of its centre and both hands are open.
 Added to upstream's test: it touches the scale, does not move, and no hand touches it.
 """
 
@@ -26,6 +26,8 @@ from rtphys.task import (
 )
 
 ONTO = Placing(mode="free", pre=0.06, gap=0.004)
+LIFT, RETREAT = 0.12, 0.06  # [m] over the scale; back from the released object
+RADIUS, BELOW = 0.035, 0.01  # [m] of its origin from the platform's centre, across and downward
 
 
 def layout(draw: Draw):
@@ -41,15 +43,15 @@ def layout(draw: Draw):
 
 def on_platform(scene: Scene) -> bool:
     x, y, z = scene.pose("thing").p - scene.functional("scale").p
-    return hypot(x, y) < 0.035 and z > -0.01
+    return hypot(x, y) < RADIUS and z > -BELOW
 
 
 def script(robot: Robot) -> None:
     arm, platform = robot.nearest("thing"), robot.scene.functional("scale")
-    robot.do(arm.grasp("thing", pre=0.1, aim=Aim(platform, None, ONTO)))
-    robot.do(arm.lift(0.12))
+    robot.do(arm.grasp("thing", aim=Aim(platform, None, ONTO)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("thing", platform, how=ONTO))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
