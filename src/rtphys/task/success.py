@@ -15,7 +15,7 @@ Vector = Sequence[float]
 
 @dataclass(frozen=True)
 class Condition:
-    """One claim about the scene. `parts` is empty for a leaf.
+    """A named statement about the scene. `parts` is empty unless it is a conjunction.
 
     A condition that remembers (`Scene.once`, `Scene.peak`) must be asked at every instant;
     `rtphys.sim.watch` sees to that, and spares the others.
@@ -253,7 +253,7 @@ def shaken(prop: str, by: float, turns: int, during: Condition) -> Condition:
     return Condition(f"{prop} shaken {turns} times by {by} m", holds, remembers=True)
 
 
-def claim(text: str, holds: Callable[[Scene], bool], remembers: bool = False) -> Condition:
+def condition(text: str, holds: Callable[[Scene], bool], remembers: bool = False) -> Condition:
     """A task's own condition, with the sentence that names it.
 
     `remembers` must be true when it uses `Scene.once` or `Scene.peak`.
