@@ -18,7 +18,7 @@ from rtphys.task import (
     Robot,
     Scene,
     Task,
-    claim,
+    condition,
     held_by,
     upright,
     yawed,
@@ -58,7 +58,7 @@ def success(props: list[Prop]):
         middle = scene.functional("bottle", 0).p
         return bool(sign * middle[0] > ASIDE and middle[2] > 0.74 + HIGH)
 
-    held = claim(f"the bottle is out to the {side} and high", aside) & held_by("bottle", side)
+    held = condition(f"the bottle is out to the {side} and high", aside) & held_by("bottle", side)
     return held & upright("bottle", axis=1, within=0.35)
 
 

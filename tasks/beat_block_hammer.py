@@ -19,8 +19,8 @@ from rtphys.task import (
     Scene,
     Spot,
     Task,
-    claim,
     clear_of,
+    condition,
     off_centre,
     points_meet,
 )
@@ -77,8 +77,8 @@ task = Task(
     layout=layout,
     script=script,
     success=points_meet("hammer", 0, "block", 1, within=(0.02, 0.02, 0.02))
-    & claim("the block was struck", struck, remembers=True)
-    & claim("the hammer is in a hand", in_hand),
+    & condition("the block was struck", struck, remembers=True)
+    & condition("the hammer is in a hand", in_hand),
     step_limit=400,
     mechanism="tool: strike",
     info={"A": "hammer", "a": "arm:block"},

@@ -21,8 +21,8 @@ from rtphys.task import (
     Spot,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
     off_centre,
     on_table,
@@ -66,7 +66,7 @@ def success(props: list[Prop]):
         return bool(0 < sign * gap[0] < REACH and abs(gap[1]) < LEVEL)
 
     return (
-        claim("the can is beside the pot, on its own side", beside)
+        condition("the can is beside the pot, on its own side", beside)
         & on_table("can")
         & upright("can", axis=1, within=0.26)
         & at_rest("can")

@@ -15,7 +15,7 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
+    condition,
     hands_open,
     on_table,
     reachable,
@@ -49,7 +49,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the cards are far out on their side", outward)
+    success=condition("the cards are far out on their side", outward)
     & on_table("cards")
     & at_rest("cards")
     & hands_open(),

@@ -17,7 +17,7 @@ from rtphys.task import (
     Spot,
     Task,
     at_rest,
-    claim,
+    condition,
     hands_open,
     touching,
 )
@@ -66,7 +66,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("burger and fries are on their halves of the tray", served)
+    success=condition("burger and fries are on their halves of the tray", served)
     & touching("burger", "tray")
     & touching("fries", "tray")
     & at_rest("burger")

@@ -17,7 +17,7 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
+    condition,
     hands_open,
 )
 
@@ -89,7 +89,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("each can is at a place of its own on the box's floor", inside)
+    success=condition("each can is at a place of its own on the box's floor", inside)
     & at_rest("left_can")
     & at_rest("right_can")
     & hands_open(),

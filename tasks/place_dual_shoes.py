@@ -19,8 +19,8 @@ from rtphys.task import (
     Spot,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
     near,
     reachable,
@@ -81,7 +81,7 @@ task = Task(
     & near("right_shoe", (0.0, -0.09, TABLE_TOP + 0.01), within=(0.05, 0.05, 0.03))
     & turned_to("left_shoe", UP_S, TURN)
     & turned_to("right_shoe", UP_S, TURN)
-    & claim("both shoes on the floor of the box", on_the_floor)
+    & condition("both shoes on the floor of the box", on_the_floor)
     & at_rest("left_shoe")
     & at_rest("right_shoe")
     & hands_open(),

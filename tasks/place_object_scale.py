@@ -16,8 +16,8 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     everyday,
     free_of,
     hands_open,
@@ -57,7 +57,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the thing is on the platform", on_platform)
+    success=condition("the thing is on the platform", on_platform)
     & touching("thing", "scale")
     & free_of("thing", "left_gripper", "right_gripper")
     & at_rest("thing")

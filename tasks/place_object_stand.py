@@ -16,8 +16,8 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     everyday,
     hands_open,
     near,
@@ -61,7 +61,7 @@ task = Task(
     layout=layout,
     script=script,
     success=near("thing", "stand", within=(0.03, 0.03, 0.15))
-    & claim("the thing is at the stand's top", at_top)
+    & condition("the thing is at the stand's top", at_top)
     & touching("thing", "stand")
     & at_rest("thing")
     & hands_open(),

@@ -19,8 +19,8 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
     points_meet,
 )
@@ -65,7 +65,7 @@ task = Task(
     layout=layout,
     script=script,
     success=points_meet("phone", 0, "stand", 0, within=(0.045, 0.04, 0.04))
-    & claim("the phone leans on the rest", leaning)
+    & condition("the phone leans on the rest", leaning)
     & at_rest("phone")
     & hands_open(),
     step_limit=400,

@@ -23,7 +23,7 @@ from rtphys.task import (
     Task,
     at_rest,
     axis_angle,
-    claim,
+    condition,
     free_of,
     joint_beyond,
     quat_multiply,
@@ -128,7 +128,7 @@ task = Task(
     layout=layout,
     script=script,
     success=joint_beyond("cabinet", 0.5)
-    & claim("the object is in the drawer", in_drawer)
+    & condition("the object is in the drawer", in_drawer)
     & free_of("object", "left_gripper", "right_gripper", "table")
     & at_rest("object"),
     step_limit=700,

@@ -17,7 +17,7 @@ from rtphys.task import (
     Scene,
     Task,
     axis_angle,
-    claim,
+    condition,
     free_of,
     quat_multiply,
 )
@@ -100,8 +100,8 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the beam meets the code", beam_meets_code)
-    & claim("scanner and box are each in a hand", both_held)
+    success=condition("the beam meets the code", beam_meets_code)
+    & condition("scanner and box are each in a hand", both_held)
     & free_of("scanner", "table")
     & free_of("box", "table"),
     step_limit=500,

@@ -19,7 +19,7 @@ from rtphys.task import (
     Task,
     above,
     axis_angle,
-    claim,
+    condition,
     quat_multiply,
     shaken,
     upright,
@@ -73,7 +73,7 @@ task = Task(
     success=shaken("bottle", by=COUNTS, turns=5, during=in_air & upright("bottle", 1, 0.7))
     & in_air
     & upright("bottle", axis=1, within=0.35)
-    & claim("the bottle is in a hand", in_hand),
+    & condition("the bottle is in a hand", in_hand),
     step_limit=700,
     mechanism="lift, shake",
     info={"A": "bottle", "a": "arm:bottle"},

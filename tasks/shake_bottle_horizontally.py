@@ -18,7 +18,7 @@ from rtphys.task import (
     Task,
     above,
     axis_angle,
-    claim,
+    condition,
     quat_multiply,
     shaken,
 )
@@ -61,7 +61,7 @@ def shake(scene: Scene, centre: tuple[float, float, float], yaw: float, spin: fl
 
 def lying(within: float):
     """The bottle's axis within an angle [rad] of level."""
-    return claim(
+    return condition(
         f"the bottle lies level within {within:.2f} rad",
         lambda s: bool(abs(s.pose("bottle").R[2, 1]) < np.sin(within)),
     )
@@ -94,7 +94,7 @@ task = Task(
     success=shaken("bottle", by=COUNTS, turns=5, during=in_air & lying(0.7))
     & in_air
     & lying(0.35)
-    & claim("the bottle is in a hand", in_hand),
+    & condition("the bottle is in a hand", in_hand),
     step_limit=700,
     mechanism="lift, shake",
     info={"A": "bottle", "a": "arm:bottle"},

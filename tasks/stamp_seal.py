@@ -19,8 +19,8 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
     near,
     off_centre,
@@ -79,7 +79,7 @@ task = Task(
     & on_table("seal")
     & upright("seal", axis=1, within=0.15)
     & at_rest("seal")
-    & claim("the seal was pressed on the square", stamped, remembers=True),
+    & condition("the seal was pressed on the square", stamped, remembers=True),
     step_limit=400,
     mechanism="tool: stamp",
     info={"A": "seal", "B": "mark", "a": "arm:seal"},

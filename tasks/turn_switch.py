@@ -19,7 +19,7 @@ from rtphys.task import (
     Scene,
     Task,
     axis_angle,
-    claim,
+    condition,
     quat_multiply,
 )
 
@@ -95,8 +95,8 @@ def pushed(scene: Scene) -> bool:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the rocker is at its upper stop", lambda s: left_to_go(s) < MARGIN)
-    & claim("a hand has been on the switch", pushed, remembers=True),
+    success=condition("the rocker is at its upper stop", lambda s: left_to_go(s) < MARGIN)
+    & condition("a hand has been on the switch", pushed, remembers=True),
     step_limit=400,
     mechanism="press articulated",
     info={"A": "switch", "a": "arm:switch"},

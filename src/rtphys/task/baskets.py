@@ -12,7 +12,7 @@ from rtphys.task.draw import Draw
 from rtphys.task.orientation import DOWN, UP_Y
 from rtphys.task.props import Mesh
 from rtphys.task.scene import LEFT, RIGHT, Scene
-from rtphys.task.success import Condition, claim, free_of, touching, upright
+from rtphys.task.success import Condition, condition, free_of, touching, upright
 
 # [m] along and above the basket's frame, where a thing's origin is let go: as low as the hand
 # comes; a long thing from above the rim, clear of the arch. The far half is out of reach.
@@ -100,8 +100,8 @@ def _drop(robot: Robot, arm: Arm, thing: str) -> None:
 def filled_and_lifted(thing: str) -> Condition:
     """The thing lies in the basket, touching neither table nor hand, and a hand carries both."""
     return (
-        claim(f"the {thing} is in the basket", lambda s: _inside(s, thing))
-        & claim("a hand carries both", lambda s: _carried(s, thing))
+        condition(f"the {thing} is in the basket", lambda s: _inside(s, thing))
+        & condition("a hand carries both", lambda s: _carried(s, thing))
         & upright("basket", axis=1, within=1.047)
         & touching(thing, "basket")
         & free_of(thing, "table", "left_gripper", "right_gripper")
