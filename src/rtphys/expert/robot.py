@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from rtphys.assets.embodiment import Hand
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose
 from rtphys.expert.arm import ExpertArm
@@ -44,6 +45,11 @@ class ExpertRobot:
         self.refresh()
 
     # ---- what scripts say ------------------------------------------------------------------------
+
+    @property
+    def hand(self) -> Hand:
+        """Measures of each arm's gripper [m]."""
+        return self.world.robot.embodiment.hand
 
     @property
     def holding(self) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """Everything a task file may import."""
 
+from rtphys.assets.embodiment import Hand
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.alternatives import place_at_first
@@ -77,6 +78,7 @@ __all__ = [
     "Box",
     "Condition",
     "Draw",
+    "Hand",
     "Infeasible",
     "Mesh",
     "Motion",

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+from rtphys.assets.embodiment import Hand
 from rtphys.core.poses import Pose
 from rtphys.task.scene import Scene
 
@@ -251,6 +252,10 @@ class Robot(Protocol):
     def right(self) -> Arm: ...
     @property
     def scene(self) -> Scene: ...
+    @property
+    def hand(self) -> Hand:
+        """Measures of each arm's gripper: ee to TCP, TCP to fingertips, size of the pads [m]."""
+        ...
 
     def do(self, *motions: Motion) -> None:
         """Carry out motions: those of different arms together, those of one arm in order.
