@@ -11,6 +11,7 @@ from rtphys.task import UP_Y, Draw, Mesh, Robot, Task, pressed
 PRESS_POINT = 2  # contact point at the free end
 REACH, RETREAT = 0.08, 0.06  # [m] down from the hover, at most; back up
 
+
 def layout(draw: Draw):
     spot = draw.spot("stapler", x=(-0.2, 0.2), y=(-0.1, 0.05), yaw=(-pi, pi))
     model, pose = draw.choice("model", *range(7)), spot.pose(UP_Y)
