@@ -19,6 +19,7 @@ from rtphys.task import (
     at_rest,
     condition,
     hands_open,
+    in_hand,
 )
 
 PLACES = {"left": 1, "right": 0}  # functional point of the box for each hand's can
@@ -51,7 +52,7 @@ def inside(scene: Scene) -> bool:
         near = [n for n, place in enumerate(places) if max(abs((can - place)[:2])) < MISS]
         if not near or scene.lowest(f"{side}_can") > places[0][2] + RISE:
             return False
-        if any(scene.touching(f"{hand}_gripper", f"{side}_can") for hand in PLACES):
+        if in_hand(scene, f"{side}_can"):
             return False
         taken.append(near[0])
     return taken[0] != taken[1]

@@ -38,7 +38,7 @@ TURN = 0.17  # [rad] officially 0.07 in each component of the quaternion
 
 
 def room(spot: Spot) -> bool:
-    """Far from the middle, and the shoe beside the box or behind it (not upstream's)."""
+    """Far from the table's centre, the shoe beside the box or behind it (not in upstream)."""
     across, along = abs(np.sin(spot.yaw)), abs(np.cos(spot.yaw))
     beside = abs(spot.x) - HALF_LENGTH * across - HALF_WIDTH * along > BESIDE
     behind = spot.y - HALF_LENGTH * along - HALF_WIDTH * across > BEHIND

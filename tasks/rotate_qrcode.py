@@ -25,9 +25,10 @@ from rtphys.task import (
     turned_to,
 )
 
-FACING = Placing(mode="align", pre=0.07, gap=0.005)  # in one turn
+FACING = Placing(mode="align", pre=0.07, gap=0.005)
+# Where the whole turn is out of reach: a part of it, and the rest from a second grasp.
 PARTLY = replace(FACING, yaws=(1.2, -1.2, 1.6, -1.6, 0.8, -0.8, 2.0, -2.0))
-GRASPS = 2  # at most: one turn of the hand, or two parts of it
+GRASPS = 2  # at most
 OUT, BACK = 0.08, -0.22  # [m] |x| and y of a place where the hand can point back at the robot
 APPROACH, LIFT, RETREAT = 0.05, 0.07, 0.06  # [m] before the grasp; to carry; back from the sign
 ENOUGH = 0.1  # [rad] officially 0.05 in each component of the quaternion

@@ -31,10 +31,10 @@ PUSH = 12.0  # [N] on the rocker that its damping may cost: the servos yield 2 m
 LEVER = 0.025  # [m] of the push about the rocker's hinge
 LEAST_TIME = 0.8  # [s] of the push
 LEAN = 0.03  # [m] commanded past the plate, so that the last of the way is pushed with 15 N
-LEANS = (LEAN, 0.6 * LEAN)  # [m]
+LEANS = (LEAN, 0.6 * LEAN)  # [m]: less where all of it is out of reach
 PITCHES = (0.0, 0.2, -0.2, 0.4)  # [rad] of the hand: level where that is in reach
 CLEAR = 0.08  # [m] TCP to switch before the push
-WAITS, WAIT = 30, 0.3  # at most so many, of so many seconds: a stiff rocker follows late
+WAITS, WAIT = 30, 0.3  # number at most, and [s] each: a stiff rocker follows the hand late
 
 
 def layout(draw: Draw):
