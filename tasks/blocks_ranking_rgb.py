@@ -10,7 +10,6 @@ from rtphys.task import (
     GREEN,
     RED,
     Aim,
-    Block,
     Draw,
     Infeasible,
     Placing,
@@ -21,9 +20,9 @@ from rtphys.task import (
     hands_open,
     in_row,
     on_table,
-    ranked,
-    scattered,
 )
+
+from ._blocks import Block, ranked, scattered
 
 COLOURS = {"red": RED, "green": GREEN, "blue": BLUE}
 ROW = {"red": -0.105, "green": 0.0, "blue": 0.105}  # [m] x; open fingers fit between neighbours

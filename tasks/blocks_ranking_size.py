@@ -7,7 +7,6 @@ Added to upstream's test: all three stand on the table, at rest.
 from rtphys.task import (
     DOWN,
     Aim,
-    Block,
     Draw,
     Infeasible,
     Placing,
@@ -18,9 +17,9 @@ from rtphys.task import (
     hands_open,
     in_row,
     on_table,
-    ranked,
-    scattered,
 )
+
+from ._blocks import Block, ranked, scattered
 
 HALVES = {"large": (0.030, 0.033), "medium": (0.024, 0.027), "small": (0.018, 0.021)}  # [m]
 ROW = {"large": -0.115, "medium": 0.0, "small": 0.105}  # [m] x; open fingers fit between neighbours

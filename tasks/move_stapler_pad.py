@@ -18,7 +18,6 @@ from rtphys.task import (
     Task,
     at_rest,
     clear_of,
-    coloured_pad,
     hands_open,
     near,
     off_centre,
@@ -26,6 +25,8 @@ from rtphys.task import (
     upright,
     yawed,
 )
+
+from ._pads import coloured_pad
 
 # Slow: at the usual pace it turned by some degrees in the hand, differently in every replay.
 LENGTHWISE = Placing(mode="align", pre=0.1, gap=0.002, speed=0.35, yaws=(0.0, pi))

@@ -3,16 +3,9 @@
 Success: the can lies in the basket, touching neither table nor hand, and a hand carries both.
 """
 
-from rtphys.task import (
-    UP_Z,
-    Draw,
-    Mesh,
-    Robot,
-    Task,
-    carrying_basket,
-    fill_and_lift,
-    filled_and_lifted,
-)
+from rtphys.task import UP_Z, Draw, Mesh, Robot, Task
+
+from ._baskets import carrying_basket, fill_and_lift, filled_and_lifted
 
 FROM_ABOVE = tuple(range(8, 16))  # contact points of a can
 EMPTY = 0.08  # [kg] of an emptied can: a full one is more than a hand lifts by the arch

@@ -19,13 +19,14 @@ from rtphys.task import (
     Robot,
     Task,
     at_rest,
-    coloured_pad,
     hands_open,
     near,
     off_centre,
     on_table,
     turned_to,
 )
+
+from ._pads import coloured_pad
 
 TURN = 0.12  # [rad] officially 0.05 in each component of the quaternion
 FACING = Placing(mode="align", pre=-0.06, gap=-0.004, along="point")  # the pad's z points up

@@ -19,13 +19,14 @@ from rtphys.task import (
     Task,
     at_rest,
     clear_of,
-    coloured_pad,
     hands_open,
     near,
     off_centre,
     parallel,
     yawed,
 )
+
+from ._pads import coloured_pad
 
 LENGTHWISE = Placing(mode="align", pre=0.07, gap=0.003, yaws=(0.0, pi))
 LIFT, RETREAT = 0.1, 0.07  # [m] to carry the mouse; back from it once it is released

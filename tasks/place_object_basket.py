@@ -3,16 +3,9 @@
 Success: the object lies in the basket, touching neither table nor hand, and a hand carries both.
 """
 
-from rtphys.task import (
-    UP_Z,
-    Draw,
-    Mesh,
-    Robot,
-    Task,
-    carrying_basket,
-    fill_and_lift,
-    filled_and_lifted,
-)
+from rtphys.task import UP_Z, Draw, Mesh, Robot, Task
+
+from ._baskets import carrying_basket, fill_and_lift, filled_and_lifted
 
 MODELS = {"081_playingcards": 3, "057_toycar": 6}  # how many of each category
 

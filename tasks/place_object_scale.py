@@ -18,12 +18,13 @@ from rtphys.task import (
     at_rest,
     clear_of,
     condition,
-    everyday,
     free_of,
     hands_open,
     off_centre,
     touching,
 )
+
+from ._everyday import everyday
 
 ONTO = Placing(mode="free", pre=0.06, gap=0.004)
 LIFT, RETREAT = 0.12, 0.06  # [m] over the scale; back from the released object

@@ -18,11 +18,12 @@ from rtphys.task import (
     at_rest,
     clear_of,
     condition,
-    everyday,
     hands_open,
     near,
     touching,
 )
+
+from ._everyday import everyday
 
 KINDS = ("047_mouse", "048_stapler", "057_toycar", "073_rubikscube", "079_remotecontrol")
 ONTO = Placing(mode="free", pre=0.07, gap=0.004)

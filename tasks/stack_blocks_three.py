@@ -9,7 +9,6 @@ from rtphys.task import (
     GREEN,
     RED,
     Aim,
-    Block,
     Draw,
     Placing,
     Pose,
@@ -18,8 +17,9 @@ from rtphys.task import (
     at_rest,
     hands_open,
     near,
-    scattered,
 )
+
+from ._blocks import Block, scattered
 
 HALF = 0.025  # [m]
 BLOCKS = [Block(name, HALF, c) for name, c in (("red", RED), ("green", GREEN), ("blue", BLUE))]

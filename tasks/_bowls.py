@@ -5,13 +5,29 @@ from itertools import pairwise
 
 import numpy as np
 
-from rtphys.core.errors import Infeasible
-from rtphys.core.poses import Pose
-from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
-from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
-from rtphys.task.orientation import DOWN, UP_Y
-from rtphys.task.props import TABLE_TOP, Mesh
-from rtphys.task.success import Condition, at_rest, hands_open, near, on_table
+from rtphys.task import (
+    DOWN,
+    TABLE_TOP,
+    UP_Y,
+    Aim,
+    Arm,
+    Condition,
+    Draw,
+    Infeasible,
+    Mesh,
+    Motion,
+    Placing,
+    Pose,
+    Robot,
+    Spot,
+    at_rest,
+    clear_of,
+    hands_open,
+    near,
+    off_centre,
+    on_table,
+    reachable,
+)
 
 CENTRE = (0.0, -0.1)  # [m]
 NEST = 0.035  # [m] between the bowls' feet

@@ -4,8 +4,13 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rtphys.task.draw import Draw, clear_of, off_centre, reachable
-from rtphys.task.props import Box
+from rtphys.task import (
+    Box,
+    Draw,
+    clear_of,
+    off_centre,
+    reachable,
+)
 
 MIDDLE = (0.0, -0.1)  # [m] where such tasks build, kept free at the start
 APART = 0.1  # [m] between the centres of two blocks

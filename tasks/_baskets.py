@@ -5,14 +5,28 @@ from dataclasses import replace
 
 import numpy as np
 
-from rtphys.core.errors import Infeasible
-from rtphys.core.poses import Pose, axis_angle, quat_multiply
-from rtphys.task.arm import Aim, Arm, Placing, Robot
-from rtphys.task.draw import Draw
-from rtphys.task.orientation import DOWN, UP_Y
-from rtphys.task.props import Mesh
-from rtphys.task.scene import LEFT, RIGHT, Scene
-from rtphys.task.success import Condition, condition, free_of, touching, upright
+from rtphys.task import (
+    DOWN,
+    LEFT,
+    RIGHT,
+    UP_Y,
+    Aim,
+    Arm,
+    Condition,
+    Draw,
+    Infeasible,
+    Mesh,
+    Placing,
+    Pose,
+    Robot,
+    Scene,
+    axis_angle,
+    condition,
+    free_of,
+    quat_multiply,
+    touching,
+    upright,
+)
 
 # [m] along and above the basket's frame, where a thing's origin is let go: as low as the hand
 # comes; a long thing from above the rim, clear of the arch. The far half is out of reach.
