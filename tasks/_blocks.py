@@ -1,19 +1,35 @@
-"""The toy blocks of the stacking and ranking tasks, scattered in front of the robot."""
+"""Toy blocks that are scattered in front of the robot, to be stacked or to be set in a row."""
 
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rtphys.task import (
+    BLUE,
+    DOWN,
+    GREEN,
+    RED,
+    TABLE_TOP,
+    Aim,
+    Arm,
     Box,
+    Condition,
     Draw,
+    Placing,
+    Pose,
+    Robot,
     clear_of,
+    near,
     off_centre,
     reachable,
 )
 
 MIDDLE = (0.0, -0.1)  # [m] where such tasks build, kept free at the start
 APART = 0.1  # [m] between the centres of two blocks
+APPROACH, LIFT = 0.09, 0.07  # [m] before the grasp; to carry a block, and up from it
+SET_DOWN = Placing(pre=0.05, gap=0.0, along="point")
+STACK = Pose((0.0, -0.13, TABLE_TOP), DOWN)  # where the lowest block of a stack stands
+HALF = 0.025  # [m] half an edge of a block that is stacked
 
 
 @dataclass(frozen=True)
@@ -23,6 +39,10 @@ class Block:
     name: str
     half: float  # [m]
     colour: tuple[float, float, float]
+
+
+RED_BLOCK, GREEN_BLOCK = Block("red", HALF, RED), Block("green", HALF, GREEN)
+BLUE_BLOCK = Block("blue", HALF, BLUE)
 
 
 def scattered(draw: Draw, blocks: Sequence[Block], clear: float) -> list[Box]:
@@ -65,3 +85,38 @@ def ranked(boxes: Sequence[Box]) -> bool:
     """Whether the boxes nearly form a row from left to right: little would be left to do."""
     gaps = [b.pose.p - a.pose.p for a, b in itertools.pairwise(boxes)]
     return all(0 < gap[0] < 0.13 and abs(gap[1]) < 0.04 for gap in gaps)
+
+
+def put_block(robot: Robot, name: str, place: Pose, last: Arm | None) -> Arm:
+    """Set a block's foot down at a place, while the arm that was last goes home unless it is used.
+
+    Returns:
+        The arm that was used.
+
+    Raises:
+        Infeasible: from the verbs.
+    """
+    arm = robot.nearest(name)
+    away = [last.home()] if last and last is not arm else []
+    robot.do(arm.grasp(name, pre=APPROACH, aim=Aim(place, 0, SET_DOWN)), *away)
+    robot.do(arm.lift(LIFT))
+    robot.do(arm.place(name, place, point=0, how=SET_DOWN))
+    robot.do(arm.lift(LIFT))
+    return arm
+
+
+def stack(robot: Robot, blocks: Sequence[Block]) -> None:
+    """The first block in the middle of the table, each further one on the last.
+
+    Raises:
+        Infeasible: from the verbs.
+    """
+    place, arm = STACK, None
+    for block in blocks:
+        arm = put_block(robot, block.name, place, arm)
+        place = robot.scene.functional(block.name, 1)
+
+
+def stacked(block: str, below: str) -> Condition:
+    """A block of the stack is centred on the one below."""
+    return near(block, below, within=(0.025, 0.025, 0.012), offset=(0, 0, 2 * HALF))
