@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtphys.campaign.workers.ray_cluster import connect
+
 from rtphys.studies.collect import CollectPlan, Listener, collect
 
 KINDS = {"one worker": ("local", 1), "two workers": ("local", 2), "two Ray workers": ("ray", 2)}

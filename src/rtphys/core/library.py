@@ -1,7 +1,7 @@
 """Finds tasks, domains, manifests, attributes and protocols in the library folders.
 
 The bundled library is the checkout (editable install) or the package folder (wheel). A user's own
-library is a folder with the same subfolders, added with the option `library` or with `$RTPHYS_LIBRARY`.
+library is a folder with the same subfolders, added by `$RTPHYS_LIBRARY` or the option `library`.
 """
 
 import fnmatch
