@@ -119,11 +119,18 @@ class Recipe:
 
     @staticmethod
     def from_json(stored: Mapping[str, object]) -> "Recipe":
-        """Inverse of `to_json`. Raises `ValueError` where a field is missing or of another kind."""
-        rest = dict(stored)
+        """Inverse of `to_json`.
+
+        Raises:
+            KeyError: a field is missing that every label has.
+            ValueError: a value of another kind.
+        """
+        seed, rest = stored["seed"], {key: v for key, v in stored.items() if key != "seed"}
+        for key in ("task", "protocol", "embodiment"):
+            _ = rest[key]
         try:
-            return Recipe(seed=rest.pop("seed"), setting=_ADAPTER.validate_python(rest))  # type: ignore[arg-type] - validated
-        except (ValidationError, KeyError) as error:
+            return Recipe(_ADAPTER.validate_python(rest), seed)  # type: ignore[arg-type] - validated
+        except ValidationError as error:
             raise ValueError(str(error)) from error
 
 
