@@ -25,7 +25,7 @@ OWNERS = {
     "simplejpeg": {"data"},
     "av": {"data"},
     "pydantic": {"data", "results"},
-    "pydantic_core": {"data"},
+    "pydantic_core": {"data", "setting"},
     "pinocchio": {"plan"},
     "coal": {"plan"},
     "toppra": {"plan"},

@@ -9,10 +9,23 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from pydantic import AfterValidator, Field, ValidationInfo
+from pydantic.dataclasses import dataclass as checked_dataclass
 
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.setting.protocol import protocol_names
+
+__all__ = [
+    "Option",
+    "Positive",
+    "Protocols",
+    "Seed",
+    "Tasks",
+    "Workers",
+    "at_least",
+    "checked_dataclass",
+    "one_of",
+]
 
 
 @dataclass(frozen=True)

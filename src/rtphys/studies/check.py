@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic.dataclasses import dataclass as validated
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
@@ -22,7 +21,15 @@ from rtphys.episode.instance import prepare
 from rtphys.episode.photograph import photograph
 from rtphys.episode.replay import actions_of, replay
 from rtphys.policies import open_policy
-from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks, Workers
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Protocols,
+    Seed,
+    Tasks,
+    Workers,
+    checked_dataclass,
+)
 from rtphys.setting.protocol import load_protocol
 from rtphys.setting.setting import Ranges, Recipe, Setting, check_varies
 from rtphys.sim import renderer
@@ -35,7 +42,7 @@ SHEET_CAMERAS = ("head", "left", "right", "front")
 Robot = Literal["expert", "again", "idle", "random", "sheet"]
 
 
-@validated(frozen=True)
+@checked_dataclass(frozen=True)
 class CheckPlan:
     """One run of `check`: tasks under protocols."""
 

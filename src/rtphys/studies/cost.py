@@ -8,15 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from pydantic.dataclasses import dataclass as validated
-
 from rtphys.assets.pack import Pack
 from rtphys.core.timing import Laps
 from rtphys.data.staging import stage_episode
 from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import photograph
-from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks
+from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks, checked_dataclass
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.studies.worker import LoadedTasks
@@ -30,7 +28,7 @@ OUTSIDE = ("build", "write", "other")  # neither physics nor planning, nor rende
 CAMERAS = ("head", "left", "right")
 
 
-@validated(frozen=True)
+@checked_dataclass(frozen=True)
 class BenchPlan:
     """One run of `bench`: tasks under protocols."""
 

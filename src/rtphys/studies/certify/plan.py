@@ -4,17 +4,24 @@ from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
-from pydantic.dataclasses import dataclass
-
 from rtphys.campaign.workers.pool import Limits
 from rtphys.results.instances import FIRST_SEED
-from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks, Workers, one_of
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Protocols,
+    Seed,
+    Tasks,
+    Workers,
+    checked_dataclass,
+    one_of,
+)
 
 BASELINES = ("replay", "twin")
 """Measured on feasible seeds. replay: the recorded actions alone; twin: those of the clean demo."""
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class CertifyPlan:
     """One run of `certify`: one list for each task and protocol."""
 

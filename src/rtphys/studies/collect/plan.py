@@ -7,8 +7,6 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated
 
-from pydantic.dataclasses import dataclass
-
 from rtphys.assets.pack import FALLBACKS, Pack, Progress, chosen_pack
 from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
@@ -21,7 +19,7 @@ from rtphys.core.errors import (
 )
 from rtphys.data.layout import LAYOUTS, Leaf
 from rtphys.doctor import PROBE, check_disk, check_renderer
-from rtphys.setting.option import Option, Positive, Seed, Workers, one_of
+from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
 from rtphys.setting.protocol import protocols
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
@@ -49,7 +47,7 @@ class NoRoom(RtphysError):
     """Less disk space than the episodes will need."""
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class TaskPlan:
     """One task dataset: under which setting, how much of it, and what is recorded."""
 
@@ -123,7 +121,7 @@ class TaskPlan:
         return task
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class Run:
     """Where and on what a collection is made. None of it moves a byte of an episode."""
 

@@ -5,14 +5,21 @@ from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
-from pydantic.dataclasses import dataclass
-
 from rtphys.campaign.workers.pool import Limits
 from rtphys.core.errors import NoRenderer
 from rtphys.doctor import check_renderer
 from rtphys.policies import PolicySetup, parse_spec
 from rtphys.results.folder import short_name
-from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks, Workers, one_of
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Protocols,
+    Seed,
+    Tasks,
+    Workers,
+    checked_dataclass,
+    one_of,
+)
 from rtphys.setting.setting import SPLITS, Setting
 from rtphys.task.spec import Task, load_task
 
@@ -20,7 +27,7 @@ from rtphys.task.spec import Task, load_task
 MOST_MEMORY = 256e9  # [bytes]
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class EvaluatePlan:
     """One run of `evaluate`: a policy on certified instances of tasks under protocols."""
 
