@@ -1,7 +1,7 @@
 """Toy blocks that are scattered in front of the robot, to be stacked or to be set in a row."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rtphys.task import (
@@ -18,9 +18,13 @@ from rtphys.task import (
     Placing,
     Pose,
     Robot,
+    at_rest,
     clear_of,
+    hands_open,
+    in_row,
     near,
     off_centre,
+    on_table,
     reachable,
 )
 
@@ -29,6 +33,7 @@ APART = 0.1  # [m] between the centres of two blocks
 APPROACH, LIFT = 0.09, 0.07  # [m] before the grasp; to carry a block, and up from it
 SET_DOWN = Placing(pre=0.05, gap=0.0, along="point")
 STACK = Pose((0.0, -0.13, TABLE_TOP), DOWN)  # where the lowest block of a stack stands
+ROW_Y = -0.19  # [m] of a row of blocks
 HALF = 0.025  # [m] half an edge of a block that is stacked
 
 
@@ -103,6 +108,25 @@ def put_block(robot: Robot, name: str, place: Pose, last: Arm | None) -> Arm:
     robot.do(arm.place(name, place, point=0, how=SET_DOWN))
     robot.do(arm.lift(LIFT))
     return arm
+
+
+def line_up(robot: Robot, row: Mapping[str, float]) -> None:
+    """The blocks side by side, each at its x [m].
+
+    Raises:
+        Infeasible: from the verbs.
+    """
+    arm = None
+    for name, x in row.items():
+        arm = put_block(robot, name, Pose((x, ROW_Y, TABLE_TOP), DOWN), arm)
+
+
+def lined_up(*names: str) -> Condition:
+    """Blocks in a row from left to right on the table, at rest, both hands open."""
+    done = in_row(*names) & on_table(*names)
+    for name in names:
+        done = done & at_rest(name)
+    return done & hands_open()
 
 
 def stack(robot: Robot, blocks: Sequence[Block]) -> None:

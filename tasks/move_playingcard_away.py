@@ -23,6 +23,8 @@ from rtphys.task import (
 
 AWAY = 0.23  # [m] |x| that is far enough
 GOAL = 0.3  # [m] |x| to which the pack is slid
+APPROACH, RETREAT = 0.05, 0.06  # [m] straight down to the pack; off it
+DEPTH = 0.01  # [m] at which the TCP stops short of the contact point: the pack is thin
 
 
 def layout(draw: Draw):
@@ -39,11 +41,11 @@ def outward(scene: Scene) -> bool:
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("cards")
-    robot.do(arm.grasp("cards", pre=0.05, depth=0.01))
+    robot.do(arm.grasp("cards", pre=APPROACH, depth=DEPTH))
     x = robot.scene.pose("cards").p[0]
     robot.do(arm.shift(x=GOAL - x if x > 0 else -GOAL - x))
     robot.do(arm.open())
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
