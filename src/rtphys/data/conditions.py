@@ -1,4 +1,4 @@
-"""Under which conditions a leaf is collected: equal conditions may continue each other's work."""
+"""Conditions of a task dataset: equal conditions may continue each other's work."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -7,13 +7,13 @@ from pathlib import Path
 from rtphys.core.errors import UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
-from rtphys.data.layout import EMBODIMENT, LAYOUTS, Leaf
+from rtphys.data.layout import EMBODIMENT, LAYOUTS, TaskDataset
 from rtphys.data.schema import DATASET_VERSION
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """Everything that decides what the episodes of one leaf are; the journal's first line."""
+    """Everything that decides the episodes of a task dataset; the journal's first line."""
 
     task: str
     protocol: str
@@ -29,10 +29,10 @@ class Conditions:
     embodiment: str = EMBODIMENT
     layout: str = "native"
     visual: Mapping[str, object] | None = None  # rules of the look, resolved
-    config: str | None = None  # the leaf's folder; None: named after the protocol
+    config: str | None = None  # name of the folder; None: named after the protocol
     split: str | None = None  # of its pictures; None where nothing is drawn
-    twin: str | None = None  # config of the leaf with the same seeds under another protocol
-    twin_of: str | None = None  # config of the leaf whose twin this is
+    twin: str | None = None  # config of the task dataset of the same seeds
+    twin_of: str | None = None  # config of the task dataset whose twin this is
     recovery: bool | None = None  # False: episodes with a recovery are left out; None: kept
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
 
@@ -50,8 +50,9 @@ class Conditions:
         first, step = self.stride or (0, 1)
         return (seed - self.first_seed - first) // step
 
-    def leaf(self, out: Path) -> Leaf:
-        return Leaf(out, self.config or self.protocol, self.task, self.embodiment, self.layout)
+    def task_dataset(self, out: Path) -> TaskDataset:
+        config = self.config or self.protocol
+        return TaskDataset(out, config, self.task, self.embodiment, self.layout)
 
     @staticmethod
     def from_json(header: Mapping[str, JSON]) -> "Conditions":

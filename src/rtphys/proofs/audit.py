@@ -3,24 +3,23 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from rtphys.data.convert import leaf_at
 from rtphys.data.dataset import Dataset
 from rtphys.data.journal import read_journal
 from rtphys.physics.registry import attributes
 from rtphys.proofs.audit_selection import Selection, selections
 
 
-def selections_by_leaf(dataset: Dataset) -> dict[str, list[Selection]]:
-    """Leaf (task and protocol) -> its selections; all leaves of one protocol together as "all".
+def selections_by_task_dataset(dataset: Dataset) -> dict[str, list[Selection]]:
+    """Task dataset -> its selections; all task datasets of one protocol together as "all".
 
     Raises:
-        BadFile: a leaf's journal is missing or damaged: attempts are told nowhere else.
+        BadFile: a task dataset's journal is missing or damaged: attempts are told nowhere else.
     """
     units = {key: attribute.unit for key, attribute in attributes().items()}
     found: dict[str, list[Selection]] = {}
     everything: list[tuple[Mapping[str, object], bool]] = []
-    for name, entry in dataset.manifest.leaves.items():
-        own = list(_attempts(leaf_at(dataset.path, entry).journal))
+    for name, entry in dataset.manifest.task_datasets.items():
+        own = list(_attempts(entry.below(dataset.path).journal))
         found[name] = selections(own, units)
         everything += own
     if len(found) > 1:

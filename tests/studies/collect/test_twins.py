@@ -118,7 +118,7 @@ def test_half_a_pair_is_no_episode(hard: CollectPlan) -> None:
     assert not summary.complete
     assert verify(hard.out).problems == []
     told = {
-        config: Dataset(hard.out).manifest.leaves[f"{config}/hard/aloha_agilex"].rejections
+        config: Dataset(hard.out).manifest.task_datasets[f"{config}/hard/aloha_agilex"].rejections
         for config in ("phys_random", "phys_random.twin=clean")
     }
     assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"untwinned": 2}}

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from rtphys.data.leaf_writer import TaskWriter
 from rtphys.data.restage import restage
+from rtphys.data.task_writer import TaskWriter
 from rtphys.data.writer import DatasetWriter
 from rtphys.studies.collect.deal import plan_of
 from rtphys.studies.collect.pieces import Piece, pieces_of, shards_in

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from rtphys.campaign.workers.pool import Done, Lost
 from rtphys.data.faults import DatasetMismatch
-from rtphys.data.leaf_writer import TaskWriter
 from rtphys.data.staging import StagedEpisode
+from rtphys.data.task_writer import TaskWriter
 from rtphys.studies.collect.plan import BARREN, CollectPlan
 from rtphys.studies.collect.remote import Sent, Shipped
 from rtphys.studies.collect.tally import Tally
@@ -144,4 +144,4 @@ def _record(writer: TaskWriter, result: Result) -> None:
     elif isinstance(result, StagedEpisode) != writer.accepted(result.seed):
         now = "accepted" if isinstance(result, StagedEpisode) else f"rejected ({result.reason})"
         clause = f"seed {result.seed} is {now} when its twin is made, and was not before"
-        raise DatasetMismatch(writer.leaf.folder, [clause])
+        raise DatasetMismatch(writer.task_dataset.folder, [clause])

@@ -10,8 +10,8 @@ from rtphys.data.conditions import Conditions, differences
 from rtphys.data.episode import JSON
 from rtphys.data.faults import DatasetError
 from rtphys.data.journal import read_journal
-from rtphys.data.layout import SHARD, Leaf
-from rtphys.data.manifest import journals_below, leaf_of
+from rtphys.data.layout import SHARD, TaskDataset
+from rtphys.data.manifest import journals_below, task_dataset_of
 from rtphys.studies.collect.plan import BARREN
 from rtphys.studies.collect.shard import Shard, Unit, read_shard
 
@@ -27,7 +27,7 @@ class Piece:
     """One shard's journal of one leaf."""
 
     shard: Shard
-    leaf: Leaf
+    leaf: TaskDataset
     conditions: Conditions
     entries: tuple[Entry, ...]  # attempts
 
@@ -107,7 +107,7 @@ def _piece(part: Path, shard: Shard, journal: Path) -> Piece:
     if (conditions.stride or (0, 1)) != shard.stride:
         raise BadFile(journal, f"is not of {shard}, as {SHARD} says")
     entries = tuple(line.entry for line in lines)
-    return Piece(shard, leaf_of(part, header.entry), conditions, entries)
+    return Piece(shard, task_dataset_of(part, header.entry), conditions, entries)
 
 
 def _check_finished(piece: Piece, unit: Unit) -> None:

@@ -18,7 +18,7 @@ from rtphys.core.errors import (
     UnknownName,
 )
 from rtphys.data.conditions import Conditions
-from rtphys.data.layout import LAYOUTS, Leaf
+from rtphys.data.layout import LAYOUTS, TaskDataset
 from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.episode.assemble import versions
 from rtphys.physics.domain import Domain
@@ -121,7 +121,7 @@ class CollectPlan:
 
     def leaf_name(self, task: str) -> str:
         """The folder of a task's episodes, below `out`."""
-        return Leaf(self.out, self.config or self.protocol, task, layout=self.layout).name
+        return TaskDataset(self.out, self.config or self.protocol, task, layout=self.layout).name
 
     def conditions(self, task: Task, pack: Pack) -> Conditions:
         """What makes two runs continue each other."""

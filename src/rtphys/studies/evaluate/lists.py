@@ -84,7 +84,7 @@ def _enforced(ground: Mapping[str, JSON]) -> dict[str, JSON]:
 
 def _of_dataset(folder: Path, task: str, protocol: str, ground: Ground) -> InstanceList:
     """Every seed that was tried for a dataset; its manifest has vouched for the ground."""
-    leaves = [leaf for leaf in Dataset(folder).leaves if leaf.task == task]
+    leaves = [leaf for leaf in Dataset(folder).task_datasets if leaf.task == task]
     if not leaves:
         raise BadValue("--instances", str(folder), f"the dataset has no episodes of {task}")
     own = [leaf for leaf in leaves if protocol in (leaf.protocol, leaf.config)]
