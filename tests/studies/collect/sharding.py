@@ -6,8 +6,8 @@ from pathlib import Path
 from rtphys.core.seeds import stream
 from rtphys.data import files
 from rtphys.data.conditions import Conditions
-from rtphys.data.leaf_writer import TaskWriter
 from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO
+from rtphys.data.task_writer import TaskWriter
 from rtphys.data.writer import DatasetWriter, Rejection, StagedEpisode
 from rtphys.studies.collect import CollectPlan, Summary, Tally, dealt
 from rtphys.studies.collect.run import Known

@@ -20,7 +20,7 @@ def test_each_value_is_a_plan_with_a_leaf_of_its_own() -> None:
     ]
     assert [plan.overrides for plan in plans] == [{"friction": 0.05}, {"friction": 0.4}]
     task, pack = load_task("click_bell"), default_pack()
-    leaves = {plan.conditions(task, pack).leaf(plan.out).name for plan in plans}
+    leaves = {plan.conditions(task, pack).task_dataset(plan.out).name for plan in plans}
     assert len(leaves) == 2
 
 

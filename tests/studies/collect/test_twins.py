@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from collecting import PLAN, content
+from rtphys.studies.collect.order import Order
 
 from rtphys.campaign.workers.pool import Done
 from rtphys.data.dataset import Dataset
@@ -15,7 +16,6 @@ from rtphys.data.journal import read_journal
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
 from rtphys.studies.collect import CollectPlan, Tally, collect
-from rtphys.studies.collect.order import Order
 from rtphys.studies.collect.work import rejection
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
@@ -118,7 +118,7 @@ def test_half_a_pair_is_no_episode(hard: CollectPlan) -> None:
     assert not summary.complete
     assert verify(hard.out).problems == []
     told = {
-        config: Dataset(hard.out).manifest.leaves[f"{config}/hard/aloha_agilex"].rejections
+        config: Dataset(hard.out).manifest.task_datasets[f"{config}/hard/aloha_agilex"].rejections
         for config in ("phys_random", "phys_random.twin=clean")
     }
     assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"untwinned": 2}}

@@ -17,7 +17,7 @@ from rtphys.core.errors import (
     NoRenderer,
     RtphysError,
 )
-from rtphys.data.layout import LAYOUTS, Leaf
+from rtphys.data.layout import LAYOUTS, TaskDataset
 from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
 from rtphys.setting.protocol import protocols
@@ -81,7 +81,8 @@ class TaskPlan:
     def folder(self) -> str:
         """Path of the task dataset below the dataset's folder."""
         setting = self.setting
-        return Leaf(Path(), self.config or setting.protocol, setting.task, layout=self.layout).name
+        config = self.config or setting.protocol
+        return TaskDataset(Path(), config, setting.task, layout=self.layout).name
 
     @property
     def sides(self) -> "tuple[TaskPlan, ...]":
