@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
@@ -148,7 +149,7 @@ def read_protocol(path: Path) -> Protocol:
     elif visual is None:
         rules = None
     elif isinstance(visual, Mapping):
-        rules = VisualRules.from_json({str(k): v for k, v in visual.items()}, path)
+        rules = VisualRules.from_json(cast(Mapping[str, object], visual), path)
     else:
         raise BadValue("visual", visual, "a mapping of rules, or `official`", path)
     return Protocol(path.stem, rules, physics, str(content.get("what", "")))
