@@ -18,12 +18,6 @@ from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import InstanceList, Slot
 from rtphys.results.record_file import RecordFile
 
-FINGERPRINT = {
-    "domain": {"name": "global", "digest": "d"},
-    "look": "",
-    "assets": "a",
-    "versions": {},
-}
 Outcomes = dict[tuple[str, str], dict[int, bool]]  # (protocol, task) -> seed -> success
 
 
