@@ -23,7 +23,7 @@ from rtphys.episode.film import montage
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import PolicySetup
 from rtphys.results import read_results
-from rtphys.results.folder import SUMMARY, record_file, short_name
+from rtphys.results.folder import SUMMARY, record_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records
@@ -204,12 +204,6 @@ def test_a_folder_holds_one_evaluation(tmp_path: Path, lists: Path, pack: Pack) 
         run(resume=False)
     run(episodes=None)  # more of the same: all there are
     assert len(read_records(record_file(tmp_path, "clean", TASK))) == 2
-
-
-def test_a_policy_has_a_short_name() -> None:
-    assert short_name("robotwin:/x/policy/pi0/deploy_policy.py?port=9") == "pi0"
-    assert short_name("replay:runs/clean") == "replay_clean"
-    assert short_name("idle") == "idle"
 
 
 def test_a_video_shows_the_head_over_both_wrists() -> None:
