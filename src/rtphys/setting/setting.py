@@ -121,6 +121,9 @@ class Recipe:
     def from_json(stored: Mapping[str, object]) -> "Recipe":
         """Inverse of `to_json`. Raises `ValueError` where a field is missing or of another kind."""
         rest = dict(stored)
+        # Older labels leave the others out.
+        if missing := [key for key in ("task", "protocol", "embodiment") if key not in rest]:
+            raise ValueError(f"{', '.join(missing)}: field required")
         try:
             return Recipe(seed=rest.pop("seed"), setting=_ADAPTER.validate_python(rest))  # type: ignore[arg-type] - validated
         except (ValidationError, KeyError) as error:
