@@ -157,9 +157,9 @@ class Run:
 
     def __post_init__(self) -> None:
         if self.fallback and self.assets is None:
-            raise BadValue("fallback", self.fallback, "it needs assets, the pack that lacks models")
+            raise BadValue("fallback", self.fallback, "it needs `assets`, which lacks models")
         if self.address is not None and self.runner != "ray":
-            raise BadValue("address", self.address, "it belongs to runner `ray`")
+            raise BadValue("address", self.address, "it belongs to `runner` ray")
 
     def size(self) -> int:
         """Number of workers: as many as were asked for, else one for each CPU.
@@ -204,7 +204,7 @@ def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
         NoRoom, NoRenderer, NoCluster: with the cure.
     """
     if not plans:
-        raise BadValue("task", None, "name at least one task; `rtphys tasks` lists them")
+        raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")
     folders = [plan.folder for plan in plans]
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")
