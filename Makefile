@@ -5,37 +5,54 @@ OUT ?= data
 PYTEST ?=
 BIN := .venv/bin
 
-.PHONY: setup collect test test-all check format bench wheel tables pictures clean
+.PHONY: setup setup-test setup-dev collect test test-all check format ci smoke wheel bench tables \
+        pictures clean
 
 setup:            ## environment, Vulkan driver, assets (quick when nothing is to do)
 	@scripts/setup.sh
 
+setup-test:       ## the same, and what the tests need
+	@scripts/setup.sh test
+
+setup-dev:        ## the same, and ruff and pyright
+	@scripts/setup.sh dev
+
 collect: setup    ## EPISODES verified episodes of TASK in OUT
 	$(BIN)/rtphys collect --task $(TASK) --episodes $(EPISODES) --out $(OUT)
 
-test: setup       ## the tests that take seconds
+test: setup-test  ## all tests but the slow ones: minutes
 	$(BIN)/python -m pytest -n 2 -m "not slow" $(PYTEST)
 
-test-all: setup   ## all tests, minutes
+test-all: setup-test  ## all tests
 	$(BIN)/python -m pytest -n 2 $(PYTEST)
 
-check: setup      ## format, lint, types
+# Without that variable pyright asks PyPI for a newer version of itself in every run.
+check: setup-dev  ## format, lint, types
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/pyright
+	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright
 
-format: setup     ## let ruff fix what it can
+format: setup-dev ## let ruff fix what it can
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+wheel: setup-test ## build the wheel into dist/ and try it in a clean environment
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	$(BIN)/python -m pytest -m slow tests/test_wheel.py
+
+smoke: setup      ## collect manifests/smoke.yaml into build/smoke, and verify it
+	rm -rf build/smoke
+	$(BIN)/rtphys collect --manifest manifests/smoke.yaml --out build/smoke
+	$(BIN)/rtphys verify-manifest build/smoke --deep --replay 1
+
+# The tests run last, and also when an earlier part has failed: pytest's summary ends the output.
+ci:               ## what continuous integration runs: check, wheel, smoke, test
+	@$(MAKE) --no-print-directory --keep-going --jobs=1 check wheel smoke test
 
 bench: setup      ## CPU cost by phase of every task, and of an export, in build/bench.json
 	@mkdir -p build
 	$(BIN)/rtphys bench --json build/bench.json
 	$(BIN)/python benchmarks/export.py
-
-wheel: setup      ## build the wheel into dist/ and try it in a clean environment
-	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
-	$(BIN)/python -m pytest -m slow tests/test_wheel.py
 
 tables: setup     ## write the generated tables into the documents
 	$(BIN)/python scripts/tables.py

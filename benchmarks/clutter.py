@@ -1,7 +1,10 @@
-"""What textures, lights and clutter cost: triangles of every task's scene, time of the heaviest.
+"""Cost of textures, lights and clutter: triangles of every task's scene, time of the heaviest.
 
-Each task in the seed, of the first ten, in which most clutter stands on its table. Times are CPU
-time of this process, the least of several rounds in which both scenes take turns.
+    python benchmarks/clutter.py [TASKS]
+
+Each task uses the seed, among the first ten, with the most clutter on the table. The TASKS tasks
+with the most triangles are timed: CPU time of this process, the minimum over several rounds in
+which the clean and the cluttered scene alternate.
 """
 
 import sys
@@ -22,12 +25,12 @@ from rtphys.task.spec import load_task, task_names
 from rtphys.visual import draw_look
 
 CAMERAS = ("head", "left", "right", "front")
-TIMED = 4  # tasks with the most triangles
+TIMED = 4  # tasks with the most triangles, whose pictures are timed
 ROUNDS, PICTURES = 6, 5
 
 
 def cluttered(task: str) -> int:
-    """The seed with the most clutter."""
+    """The seed, among the first ten, with the most clutter."""
     loaded, pack = load_task(task), default_pack()
     counts = {}
     for seed in range(10):
@@ -39,15 +42,15 @@ def cluttered(task: str) -> int:
     return max(counts, key=lambda seed: counts[seed])
 
 
-def world(task: str, seed: int, protocol: str) -> World:
+def build_world(task: str, seed: int, protocol: str) -> World:
     recipe = Setting(task, protocol).at(seed)
     return prepare(recipe, load_task(task), default_pack(), visuals=True).world
 
 
-def triangles(shown: World) -> int:
-    """Of everything that is drawn."""
+def triangles(world: World) -> int:
+    """Number of triangles of everything that is rendered."""
     total = 0
-    for entity in shown.scene.entities:
+    for entity in world.scene.entities:
         body = entity.find_component_by_type(sapien.render.RenderBodyComponent)
         assert body is None or isinstance(body, sapien.render.RenderBodyComponent)
         for shape in body.render_shapes if body else ():
@@ -56,7 +59,7 @@ def triangles(shown: World) -> int:
 
 
 def costs(worlds: dict[str, World]) -> dict[str, float]:
-    """CPU-milliseconds a picture, the state's transfer to the renderer included."""
+    """CPU-milliseconds per picture, including the transfer of the state to the renderer."""
     studios = {name: (Studio(w, CAMERAS), w.scene.pack_poses()) for name, w in worlds.items()}
     rounds: dict[str, list[float]] = {name: [] for name in worlds}
     for _ in range(ROUNDS + 1):
@@ -73,18 +76,19 @@ def main(timed: int = TIMED) -> None:
     renderer.configure("slim")
     renderer.hold_anchor()
     seeds = {task: cluttered(task) for task in task_names()}
-    found = {}
+    counts = {}
     for task, seed in seeds.items():
-        shown = world(task, seed, "official_random")
-        found[task] = triangles(shown)
-        print(f"{task:28} seed {seed}, {len(shown.clutter):2} pieces, {found[task]:6} triangles")
+        cluttered_world = build_world(task, seed, "official_random")
+        counts[task] = triangles(cluttered_world)
+        pieces = len(cluttered_world.clutter)
+        print(f"{task:28} seed {seed}, {pieces:2} pieces, {counts[task]:6} triangles")
     ratios = []
-    for task in sorted(found, key=lambda task: -found[task])[:timed]:
+    for task in sorted(counts, key=lambda task: -counts[task])[:timed]:
         both = ("clean", "official_random")
-        cost = costs({name: world(task, seeds[task], name) for name in both})
+        cost = costs({name: build_world(task, seeds[task], name) for name in both})
         ratios.append(cost["official_random"] / cost["clean"])
-        told = ", ".join(f"{name} {ms:.2f}" for name, ms in cost.items())
-        print(f"{task:28} {told} CPU-ms a picture, {ratios[-1]:.2f} times clean")
+        shown = ", ".join(f"{name} {ms:.2f}" for name, ms in cost.items())
+        print(f"{task:28} {shown} CPU-ms per picture, {ratios[-1]:.2f} times clean")
     print(f"mean of the {timed} heaviest: {np.mean(ratios):.2f} times clean")
 
 

@@ -1,7 +1,9 @@
-"""All 50 tasks in one run, verified: `python benchmarks/every_task.py OUT [EPISODES [WORKERS]]`.
+"""Collect and verify all 50 tasks in one run.
 
-With 10 episodes of each, the default, this is the run of 500. Prints what was estimated, seconds
-of each task, and how right it was. The same command goes on after an interruption.
+    python benchmarks/every_task.py OUT [EPISODES [WORKERS]]
+
+The default is 10 episodes of each task, 500 in all. Prints the estimate, the cost of each task, and
+the error of the estimate. After an interruption, the same command continues.
 """
 
 import subprocess
@@ -21,8 +23,8 @@ def main(out: str, episodes: str = "10", workers: str = "2") -> None:
     manifest = Path(out).with_suffix(".yaml")
     manifest.write_text(MANIFEST.format(episodes=episodes))
     rtphys = [sys.executable, "-m", "rtphys.cli.main"]
-    told = ["collect", "--manifest", str(manifest), "--out", out, "--workers", workers]
-    collected = subprocess.run([*rtphys, *told])
+    options = ["collect", "--manifest", str(manifest), "--out", out, "--workers", workers]
+    collected = subprocess.run([*rtphys, *options])
     verified = subprocess.run([*rtphys, "verify-manifest", out])
     sys.exit(collected.returncode or verified.returncode)
 

@@ -1,9 +1,9 @@
-"""CPU and wall time of a LeRobot v3.0 export, against what its videos alone cost to encode.
+"""CPU and wall time of a LeRobot v3.0 export, compared with encoding its videos with PyAV.
 
     python benchmarks/export.py [DATASET]
 
-The yardstick is PyAV's plain path, which LeRobot takes itself: pictures in memory, `from_ndarray`,
-the same encoder with the same settings.
+PyAV encodes pictures from memory with `from_ndarray`, as LeRobot does itself, with the same encoder
+and the same settings. Without a dataset, typical episodes are collected.
 """
 
 import math
@@ -29,14 +29,14 @@ ROUNDS = 3
 
 
 def spent(work: Callable[[], object]) -> np.ndarray:
-    """(2,) [s] CPU time of this process, all threads, and wall time."""
+    """CPU time of this process, summed over its threads, and wall time: (2,) [s]."""
     start = np.array([time.process_time(), time.perf_counter()])
     work()
     return np.array([time.process_time(), time.perf_counter()]) - start
 
 
 def plain(episodes: Sequence[Episode], camera: str) -> np.ndarray:
-    """(2,) [s] PyAV takes to encode a camera's pictures as one video."""
+    """CPU and wall time that PyAV takes to encode a camera's pictures as one video: (2,) [s]."""
     container = av.open(BytesIO(), "w", format="mp4")
     stream = container.add_stream("libx264", rate=RATE)
     assert isinstance(stream, VideoStream)
@@ -56,7 +56,7 @@ def plain(episodes: Sequence[Episode], camera: str) -> np.ndarray:
 
 
 def own(episodes: Sequence[Episode], camera: str) -> np.ndarray:
-    """(2,) [s] of the same by rtphys."""
+    """CPU and wall time that rtphys takes to encode the same pictures: (2,) [s]."""
     height, width, _ = episodes[0].image(camera, 0).shape
     writer, total = VideoWriter(height, width, RATE, KEYFRAMES), np.zeros(2)
     for episode in episodes:
@@ -76,18 +76,18 @@ def main(path: str | None = None) -> None:
         costs: dict[str, np.ndarray] = dict.fromkeys(
             ("PyAV", "own", "export"), np.full(2, math.inf)
         )
-        for turn in range(ROUNDS):  # in turn, and the least of each: other programs disturb
+        for turn in range(ROUNDS):  # alternating, and the minimum of each: other programs disturb
             out = Path(folder) / str(turn)
-            found: dict[str, np.ndarray] = {
+            measured: dict[str, np.ndarray] = {
                 "PyAV": np.sum([plain(data, camera) for camera in cameras], axis=0),
                 "own": np.sum([own(data, camera) for camera in cameras], axis=0),
                 "export": spent(lambda out=out: export_lerobot(Dataset(path), out)),
             }
-            costs = {name: np.minimum(costs[name], found[name]) for name in found}
+            costs = {name: np.minimum(costs[name], measured[name]) for name in measured}
     for name, seconds in costs.items():
         share, each = seconds / costs["PyAV"], 1e3 * seconds / pictures
         print(
-            f"{name:8} {each[0]:6.3f} CPU-ms a picture, {share[0]:.2f} of PyAV's; "
+            f"{name:8} {each[0]:6.3f} CPU-ms per picture, {share[0]:.2f} of PyAV's; "
             f"{each[1]:6.3f} ms of wall time, {share[1]:.2f}"
         )
 

@@ -1,10 +1,10 @@
-"""What it saves to draw successes alone: against a collector that draws every attempt.
+"""Cost of rendering only the successes, compared with rendering every attempt.
 
     python benchmarks/simulate_first.py TASK PROTOCOL SEEDS [KEY=VALUE...]
 
-Choose a case that is accepted about every other time. Both columns are of the same attempts in
-this process: all of them simulated, and drawn, encoded and written either where they were accepted
-or always, as far as each one went.
+Choose a case in which about half of the attempts are accepted. Both costs are measured on the same
+attempts in this process: all of them are simulated, and either the accepted ones or all are
+rendered, encoded and written, as far as each one went.
 """
 
 import sys
@@ -26,7 +26,7 @@ CAMERAS = ("head", "left", "right")
 
 
 def cpu(work: Callable[[], object]) -> float:
-    """[s] of this process, all threads."""
+    """CPU time of this process, summed over its threads [s]."""
     start = time.process_time()
     work()
     return time.process_time() - start
@@ -53,13 +53,13 @@ def main(task: str, protocol: str, seeds: str, *held: str) -> None:
 
 
 def warm(desk: Desk, recipe: Recipe) -> None:
-    """Fills caches that a worker fills once."""
+    """Fill the caches that a worker fills once."""
     (tried,) = desk.attempt((recipe,))
     draw(desk, tried)
 
 
 def draw(desk: Desk, tried: Attempt) -> None:
-    """Pictures of all there is; files if it was accepted, else encoded as such and not kept."""
+    """Render all recorded states; write files if accepted, else encode and discard."""
     if tried.recording is None or not tried.recording.rows:
         return
     if tried.accepted:

@@ -1,6 +1,6 @@
-"""Episodes to measure with, as long as the fifty tasks' are on average: 150 frames.
+"""Episodes to measure with, whose mean length is that of all fifty tasks: 150 frames.
 
-Half of what checking an episode costs is the same for a short and a long one, so length matters.
+Half of the cost of checking an episode does not depend on its length, so the length matters.
 """
 
 from pathlib import Path
@@ -12,5 +12,5 @@ EPISODES = 5  # of each
 
 
 def collect_typical(out: Path) -> None:
-    """20 episodes under `phys_random_all`."""
+    """Collect 20 episodes under `phys_random_all`."""
     collect(CollectPlan(TASKS, EPISODES, out, protocol="phys_random_all"))

@@ -1,10 +1,10 @@
-"""MB a CPU-second that `verify-manifest --quick` checks, of one core.
+"""Speed of `verify-manifest --quick` in MB per CPU-second of one core.
 
     python benchmarks/verify.py [DATASET]
 
-`checking` is a whole dataset in a process that runs already, which is what a large one costs;
-`command` is the command from the start of Python to its exit, imports included. Without a dataset
-typical episodes are collected. Nothing is remembered from one turn to the next.
+`checking` checks a whole dataset in a process that runs already, which is the cost of a large one.
+`command` is the command from the start of Python to its exit, with its imports. Without a dataset,
+typical episodes are collected. No round uses results of an earlier one.
 """
 
 import math
@@ -25,7 +25,7 @@ COMMAND = "from rtphys.cli.main import app; app()"
 
 
 def checking(path: Path, effort: Effort) -> float:
-    """[s] of this process."""
+    """CPU time of the check in this process [s]."""
     start = time.process_time()
     report = verify(path, effort)
     if not report.sound:
@@ -34,7 +34,7 @@ def checking(path: Path, effort: Effort) -> float:
 
 
 def command(path: Path) -> float:
-    """[s] of a process of its own, user and system."""
+    """CPU time of the command in a process of its own, user and system [s]."""
     before = os.times()
     line = [sys.executable, "-c", COMMAND, "verify-manifest", "--quick", "--fresh", str(path)]
     subprocess.run(line, check=True, capture_output=True)
@@ -55,10 +55,10 @@ def main(path: str | None = None) -> None:
             "decoding every picture": lambda: checking(data, Effort.NORMAL),
         }
         costs = dict.fromkeys(work, math.inf)
-        for _ in range(ROUNDS):  # in turn, and the least of each: other programs disturb
+        for _ in range(ROUNDS):  # alternating, and the minimum of each: other programs disturb
             costs |= {name: min(costs[name], once()) for name, once in work.items()}
     for name, seconds in costs.items():
-        print(f"{name:23} {size / seconds:6.0f} MB a CPU-s ({seconds:.2f} CPU-s, {size:.0f} MB)")
+        print(f"{name:23} {size / seconds:6.0f} MB per CPU-s ({seconds:.2f} CPU-s, {size:.0f} MB)")
 
 
 if __name__ == "__main__":

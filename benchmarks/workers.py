@@ -1,9 +1,9 @@
-"""One worker, two workers, and two of a Ray cluster of this machine: the same episodes by each.
+"""Cost of the same episodes with one worker, two workers, and two workers of a local Ray cluster.
 
     python benchmarks/workers.py [TASK [FEW MANY]]
 
-Each kind collects FEW and then MANY episodes; the difference is free of what starting costs. CPU
-time is that of all processes, Ray's own included; wall time on a shared machine says little.
+Each kind collects FEW and then MANY episodes; the difference excludes the cost of starting. CPU
+time is that of all processes, including Ray's own. Wall time on a shared machine says little.
 """
 
 import os
@@ -14,15 +14,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtphys.campaign.workers.ray_cluster import connect
+
 from rtphys.studies.collect import CollectPlan, Listener, collect
 
-KINDS = {"one worker": ("local", 1), "two workers": ("local", 2), "two of Ray": ("ray", 2)}
+KINDS = {"one worker": ("local", 1), "two workers": ("local", 2), "two Ray workers": ("ray", 2)}
 TICK = os.sysconf("SC_CLK_TCK")
 
 
 @dataclass(frozen=True)
 class Spent:
-    """Of one run."""
+    """Frames and time of one run."""
 
     frames: int
     cpu: float  # [s]
@@ -33,7 +34,7 @@ class Spent:
 
 
 class Meter(Listener):
-    """Reads the clocks while the workers live: a killed process takes its times with it."""
+    """Reads the clocks while the workers live: the times of a killed process are lost."""
 
     cpu = 0.0
 
@@ -42,7 +43,7 @@ class Meter(Listener):
 
 
 def tree_cpu() -> float:
-    """CPU-seconds of this process and all below it, ended children included."""
+    """CPU time of this process and all its descendants, including children that ended [s]."""
     rows: dict[int, tuple[int, float]] = {}
     for folder in Path("/proc").glob("[0-9]*"):
         try:
@@ -74,13 +75,13 @@ def run(task: str, kind: str, episodes: int) -> Spent:
 def main(task: str = "click_bell", few: str = "3", many: str = "15") -> None:
     connect("local", 2)
     base: Spent | None = None
-    print(f"{task}: {few} and {many} episodes; the difference, in ms a frame")
+    print(f"{task}: difference between {few} and {many} episodes, in ms per frame")
     for kind in KINDS:
-        found = run(task, kind, int(many)) - run(task, kind, int(few))
-        base = base or found
-        cpu, wall = (1e3 * t / found.frames for t in (found.cpu, found.wall))
-        share = (base.cpu / base.frames) / (found.cpu / found.frames)
-        print(f"{kind:12} {cpu:7.1f} CPU {wall:7.1f} wall; episodes per CPU-second: {share:.3f}")
+        spent = run(task, kind, int(many)) - run(task, kind, int(few))
+        base = base or spent
+        cpu, wall = (1e3 * t / spent.frames for t in (spent.cpu, spent.wall))
+        share = (base.cpu / base.frames) / (spent.cpu / spent.frames)
+        print(f"{kind:15} {cpu:7.1f} CPU {wall:7.1f} wall; episodes per CPU-second: {share:.3f}")
 
 
 if __name__ == "__main__":

@@ -1,14 +1,24 @@
 #!/usr/bin/env bash
 # Makes a checkout ready to collect: environment, system libraries, Vulkan driver, assets.
 # Safe to repeat: what is in place is left alone. Every system-wide step is announced first.
+#   scripts/setup.sh                       what collecting needs
+#   scripts/setup.sh test                  and what the tests need
+#   scripts/setup.sh dev                   and ruff and pyright
 #   PYTHON=python3.12 scripts/setup.sh     use that interpreter
 #   RTPHYS_SETUP=venv scripts/setup.sh     take no system-wide step at all
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/system.sh
 
+case ${1:-run} in  # an extra of pyproject.toml, and the levels that it includes
+    run) EXTRA="" LEVELS="run" ;;
+    test) EXTRA="[test]" LEVELS="run test" ;;
+    dev) EXTRA="[dev]" LEVELS="run test dev" ;;
+    *) die "$1 is not a level of the set-up: run, test or dev" ;;
+esac
+LEVEL=${1:-run}
 VENV=.venv
-STAMP=$VENV/.setup-stamp          # what was installed, by the hash of what asked for it
+STAMP=$VENV/.setup-stamp          # one for each level: installed for these versions of the files
 DRIVER_STAMP=$VENV/.driver-stamp  # a frame was rendered with this set of drivers
 
 hash_of() { { cat "$@" 2>/dev/null || true; } | sha256sum | cut -d" " -f1; }
@@ -42,8 +52,8 @@ create_environment() {
 }
 
 install_dependencies() {
-    say "installing rtphys and what it depends on into $VENV"
-    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check -e '.[dev]'
+    say "installing rtphys$EXTRA and what it depends on into $VENV"
+    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check -e ".$EXTRA"
     headless_opencv ||
         "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
             --force-reinstall --no-deps opencv-contrib-python-headless
@@ -103,13 +113,14 @@ build_assets() {
 }
 
 main() {
-    if ! stamped "$STAMP" "$(environment_key)" || [ ! -x "$VENV/bin/rtphys" ]; then
+    local level
+    if ! stamped "$STAMP-$LEVEL" "$(environment_key)" || [ ! -x "$VENV/bin/rtphys" ]; then
         [ -x "$VENV/bin/python" ] || create_environment
         install_dependencies
         ensure_libraries
         ensure_driver
         build_assets
-        environment_key >"$STAMP"
+        for level in $LEVELS; do environment_key >"$STAMP-$level"; done
         say "ready: $VENV/bin/rtphys --help"
     else
         ensure_driver

@@ -9,7 +9,9 @@ from math import pi
 
 from rtphys.task import (
     DOWN,
+    TABLE_TOP,
     Aim,
+    Condition,
     Draw,
     Mesh,
     Placing,
@@ -18,14 +20,17 @@ from rtphys.task import (
     Robot,
     Scene,
     Task,
-    claim,
+    condition,
     held_by,
     upright,
     yawed,
 )
 
 LYING = (0.7071067811865476, 0.0, 0.0, -0.7071067811865476)  # top towards +x
-ASIDE, HIGH = 0.15, 0.16  # [m]
+ASIDE, HIGH = 0.15, 0.16  # [m] to the side and above the table: more than that is success
+UPRIGHT = 0.35  # [rad] that the bottle may lean
+OUT, Y, Z = 0.24, -0.08, 1.01  # [m] where its middle is brought
+APPROACH, LIFT = 0.075, 0.1  # [m] straight on to the bottle; up before it turns
 # The level hand points forward and inward; a turn about DOWN is clockwise from above.
 INWARD = tuple(0.785 + d for d in (0.0, 0.3, -0.3, 0.6, -0.6))
 
@@ -42,24 +47,27 @@ def layout(draw: Draw):
 def script(robot: Robot) -> None:
     arm = robot.nearest("bottle")
     sign = -1 if arm.side == "left" else 1
-    aside = Pose((0.24 * sign, -0.08, 1.01), DOWN)
+    aside = Pose((OUT * sign, Y, Z), DOWN)
     yaws = tuple(sign * yaw for yaw in INWARD)
     how = Placing(mode="free", pre=0.0, gap=0.0, release=False, yaws=yaws)
-    robot.do(arm.grasp("bottle", pre=0.075, aim=Aim(aside, 0, how)))
-    robot.do(arm.lift(0.1))
+    robot.do(arm.grasp("bottle", pre=APPROACH, aim=Aim(aside, 0, how)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("bottle", aside, point=0, how=how))
 
 
-def success(props: list[Prop]):
+def success(props: list[Prop]) -> Condition:
     side = "left" if props[0].pose.p[0] < 0 else "right"
     sign = -1 if side == "left" else 1
 
     def aside(scene: Scene) -> bool:
         middle = scene.functional("bottle", 0).p
-        return bool(sign * middle[0] > ASIDE and middle[2] > 0.74 + HIGH)
+        return bool(sign * middle[0] > ASIDE and middle[2] > TABLE_TOP + HIGH)
 
-    held = claim(f"the bottle is out to the {side} and high", aside) & held_by("bottle", side)
-    return held & upright("bottle", axis=1, within=0.35)
+    return (
+        condition(f"the bottle is out to the {side} and high", aside)
+        & held_by("bottle", side)
+        & upright("bottle", axis=1, within=UPRIGHT)
+    )
 
 
 task = Task(

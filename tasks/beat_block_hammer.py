@@ -19,8 +19,9 @@ from rtphys.task import (
     Scene,
     Spot,
     Task,
-    claim,
     clear_of,
+    condition,
+    in_either_hand,
     off_centre,
     points_meet,
 )
@@ -29,6 +30,9 @@ LYING = Pose((0.0, -0.06, 0.783), (0.0, 0.0, 0.995, 0.105))  # face down, head a
 STRIKE = 0.001  # [N s] a blow that moves a gram by 1 m/s; resting contact of one step is below it
 # [m] past the first touch: in a replay the head hangs up to a few millimetres higher.
 FOLLOW_THROUGH = 0.01
+APPROACH, LIFT = 0.12, 0.07  # [m] straight on to the handle; up before the hammer is aimed
+DEPTH = 0.01  # [m] at which the TCP stops short of the handle's contact point
+HALF = 0.025  # [m] half the block's edge
 RAISED = Placing(pre=0.06, gap=0.06, along="point", release=False)
 OVER = Placing(pre=0.06, gap=-0.02, along="point", release=False, until="block")
 
@@ -37,7 +41,7 @@ def layout(draw: Draw):
     yield Mesh(name="hammer", category="020_hammer", model=0, pose=LYING)
     spot = draw.spot("block", x=(-0.25, 0.25), y=(-0.05, 0.15), yaw=(-0.5, 0.5), where=room)
     yield Box(
-        name="block", half_size=(0.025,) * 3, colour=RED, pose=spot.pose(), fixed=True,
+        name="block", half_size=(HALF, HALF, HALF), colour=RED, pose=spot.pose(), fixed=True,
         phrase="red block",
     )  # fmt: skip
 
@@ -51,10 +55,6 @@ def struck(scene: Scene) -> bool:
     return scene.peak("blow", scene.impulse("hammer", "block")) > STRIKE
 
 
-def in_hand(scene: Scene) -> bool:
-    return any(scene.touching(f"{side}_gripper", "hammer") for side in ("left", "right"))
-
-
 def aim(robot: Robot, arm: Arm, how: Placing) -> None:
     """Face flat over the block; a head too heavy for the hand strikes as it hangs."""
     top = robot.scene.functional("block", 1)
@@ -65,8 +65,8 @@ def aim(robot: Robot, arm: Arm, how: Placing) -> None:
 
 def script(robot: Robot) -> None:
     arm, top = robot.nearest("block"), robot.scene.functional("block", 1)
-    robot.do(arm.grasp("hammer", pre=0.12, depth=0.01, aim=Aim(top, 0, OVER)))
-    robot.do(arm.lift(0.07))
+    robot.do(arm.grasp("hammer", pre=APPROACH, depth=DEPTH, aim=Aim(top, 0, OVER)))
+    robot.do(arm.lift(LIFT))
     aim(robot, arm, RAISED)
     # A heavy head sags in the hand on the way: aim anew from above the block.
     aim(robot, arm, OVER)
@@ -77,8 +77,8 @@ task = Task(
     layout=layout,
     script=script,
     success=points_meet("hammer", 0, "block", 1, within=(0.02, 0.02, 0.02))
-    & claim("the block was struck", struck, remembers=True)
-    & claim("the hammer is in a hand", in_hand),
+    & condition("the block was struck", struck, remembers=True)
+    & in_either_hand("hammer"),
     step_limit=400,
     mechanism="tool: strike",
     info={"A": "hammer", "a": "arm:block"},

@@ -6,29 +6,18 @@ Added to upstream's test: all three stand on the table, at rest.
 
 from rtphys.task import (
     BLUE,
-    DOWN,
     GREEN,
     RED,
-    Aim,
-    Block,
     Draw,
     Infeasible,
-    Placing,
-    Pose,
     Robot,
     Task,
-    at_rest,
-    hands_open,
-    in_row,
-    on_table,
-    ranked,
-    scattered,
 )
+
+from ._blocks import Block, line_up, lined_up, ranked, scattered
 
 COLOURS = {"red": RED, "green": GREEN, "blue": BLUE}
 ROW = {"red": -0.105, "green": 0.0, "blue": 0.105}  # [m] x; open fingers fit between neighbours
-DEPTH = -0.19  # [m] y of the row
-LINE_UP = Placing(pre=0.05, gap=0.0, along="point")
 
 
 def layout(draw: Draw):
@@ -40,26 +29,13 @@ def layout(draw: Draw):
 
 
 def script(robot: Robot) -> None:
-    last = None
-    for name, x in ROW.items():
-        arm, place = robot.nearest(name), Pose((x, DEPTH, 0.74), DOWN)
-        away = [last.home()] if last and last is not arm else []
-        robot.do(arm.grasp(name, pre=0.09, aim=Aim(place, 0, LINE_UP)), *away)
-        robot.do(arm.lift(0.07))
-        robot.do(arm.place(name, place, point=0, how=LINE_UP))
-        robot.do(arm.lift(0.07))
-        last = arm
+    line_up(robot, ROW)
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=in_row(*ROW)
-    & on_table(*ROW)
-    & at_rest("red")
-    & at_rest("green")
-    & at_rest("blue")
-    & hands_open(),
+    success=lined_up(*ROW),
     step_limit=1200,
     mechanism="order",
     info={

@@ -5,27 +5,16 @@ Added to upstream's test: all three stand on the table, at rest.
 """
 
 from rtphys.task import (
-    DOWN,
-    Aim,
-    Block,
     Draw,
     Infeasible,
-    Placing,
-    Pose,
     Robot,
     Task,
-    at_rest,
-    hands_open,
-    in_row,
-    on_table,
-    ranked,
-    scattered,
 )
+
+from ._blocks import Block, line_up, lined_up, ranked, scattered
 
 HALVES = {"large": (0.030, 0.033), "medium": (0.024, 0.027), "small": (0.018, 0.021)}  # [m]
 ROW = {"large": -0.115, "medium": 0.0, "small": 0.105}  # [m] x; open fingers fit between neighbours
-DEPTH = -0.19  # [m] y of the row
-LINE_UP = Placing(pre=0.05, gap=0.0, along="point")
 
 
 def layout(draw: Draw):
@@ -43,26 +32,13 @@ def colour(draw: Draw, name: str) -> tuple[float, float, float]:
 
 
 def script(robot: Robot) -> None:
-    last = None
-    for name, x in ROW.items():
-        arm, place = robot.nearest(name), Pose((x, DEPTH, 0.74), DOWN)
-        away = [last.home()] if last and last is not arm else []
-        robot.do(arm.grasp(name, pre=0.09, aim=Aim(place, 0, LINE_UP)), *away)
-        robot.do(arm.lift(0.07))
-        robot.do(arm.place(name, place, point=0, how=LINE_UP))
-        robot.do(arm.lift(0.07))
-        last = arm
+    line_up(robot, ROW)
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=in_row(*ROW)
-    & on_table(*ROW)
-    & at_rest("large")
-    & at_rest("medium")
-    & at_rest("small")
-    & hands_open(),
+    success=lined_up(*ROW),
     step_limit=1200,
     mechanism="order",
     info={

@@ -9,6 +9,9 @@ from math import pi
 
 from rtphys.task import UP_Y, Draw, Mesh, Robot, Task, off_centre, pressed
 
+ABOVE, REACH = 0.06, 0.065  # [m] TCP over the button; way of the tap, at most
+RETREAT = 0.02  # [m] off the button
+
 
 def layout(draw: Draw):
     spot = draw.spot("clock", x=(-0.25, 0.25), y=(-0.2, 0.0), yaw=(-pi, pi), where=off_centre(0.05))
@@ -18,9 +21,9 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("clock")
-    robot.do(arm.hover("clock", contact=0, gap=0.06), arm.close())
-    robot.do(arm.press("clock", reach=0.065))
-    robot.do(arm.retreat(0.02))
+    robot.do(arm.hover("clock", contact=0, gap=ABOVE), arm.close())
+    robot.do(arm.press("clock", reach=REACH))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(

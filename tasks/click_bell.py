@@ -5,6 +5,9 @@ Success: a fingertip of a closed hand has touched the bell at its plunger.
 
 from rtphys.task import UP_Y, Draw, Mesh, Robot, Task, off_centre, pressed
 
+ABOVE, REACH = 0.1, 0.07  # [m] TCP over the plunger; way of the tap, at most
+RETREAT = 0.045  # [m] off the plunger
+
 
 def layout(draw: Draw):
     spot = draw.spot("bell", x=(-0.25, 0.25), y=(-0.2, 0.0), where=off_centre(0.05))
@@ -14,9 +17,9 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("bell")
-    robot.do(arm.hover("bell", contact=0, gap=0.1), arm.close())
-    robot.do(arm.press("bell", reach=0.07))
-    robot.do(arm.retreat(0.045))
+    robot.do(arm.hover("bell", contact=0, gap=ABOVE), arm.close())
+    robot.do(arm.press("bell", reach=REACH))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(

@@ -22,7 +22,7 @@ from rtphys.task import (
     Task,
     at_rest,
     axis_angle,
-    claim,
+    condition,
     off_centre,
     place_at_first,
     quat_multiply,
@@ -120,8 +120,8 @@ task = Task(
     layout=layout,
     script=script,
     success=at_rest(*BALLS)
-    & claim("the balls are in the big bin", emptied)
-    & claim("the bin is held up", held_up),
+    & condition("the balls are in the big bin", emptied)
+    & condition("the bin is held up", held_up),
     step_limit=600,
     mechanism="pour",
     table_shift=(0.3, 0.0),

@@ -6,6 +6,9 @@ commanded closure and height only, so an empty second hand would pass.
 
 from rtphys.task import UP_F, UP_Y, Draw, Mesh, Robot, Task, above, held_by
 
+APPROACH = 0.08  # [m] straight on to the handles
+HELD, HIGH = 0.85, 0.8  # [m] height of the roller's frame: aimed at, and success
+
 
 def layout(draw: Draw):
     model = draw.choice("model", 0, 2)
@@ -16,15 +19,15 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     left, right = robot.left, robot.right
-    robot.do(left.grasp("roller", (0,), pre=0.08), right.grasp("roller", (1,), pre=0.08))
-    rise = 0.85 - robot.scene.pose("roller").p[2]
+    robot.do(left.grasp("roller", (0,), pre=APPROACH), right.grasp("roller", (1,), pre=APPROACH))
+    rise = HELD - robot.scene.pose("roller").p[2]
     robot.do(left.lift(rise), right.lift(rise))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=held_by("roller", "left", "right") & above("roller", 0.8),
+    success=held_by("roller", "left", "right") & above("roller", HIGH),
     step_limit=400,
     arms="dual, in step",
     mechanism="dual lift",

@@ -20,7 +20,9 @@ from rtphys.task import (
 )
 
 TURNED = 0.3927  # [rad] the block's mean yaw, 22.5 deg
-UPPER, LOWER = (0, 1, 2, 3), (4, 5, 6, 7)
+UPPER, LOWER = (0, 1, 2, 3), (4, 5, 6, 7)  # contact points
+MEETING = Pose((0.0, 0.0, 0.9), DOWN)  # of the block's foot, where both hands reach
+APPROACH, LIFT, RETREAT = 0.07, 0.1, 0.1  # [m] straight on to the block; up; off it
 OFFER = Placing(mode="free", pre=0.0, gap=0.0, release=False)
 STAND = Placing(mode="align", pre=0.05, gap=0.0, along="point")
 
@@ -41,12 +43,12 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     giver, taker = robot.left, robot.right
-    robot.do(giver.grasp("block", UPPER, pre=0.07))
-    robot.do(giver.lift(0.1))
-    robot.do(giver.place("block", Pose((0.0, 0.0, 0.9), DOWN), point=0, how=OFFER))
-    robot.do(taker.grasp("block", LOWER, pre=0.07))
+    robot.do(giver.grasp("block", UPPER, pre=APPROACH))
+    robot.do(giver.lift(LIFT))
+    robot.do(giver.place("block", MEETING, point=0, how=OFFER))
+    robot.do(taker.grasp("block", LOWER, pre=APPROACH))
     robot.do(giver.open())
-    robot.do(giver.retreat(0.1))
+    robot.do(giver.retreat(RETREAT))
     pad = robot.scene.functional("pad", 1)
     robot.do(taker.place("block", pad, point=0, how=STAND), giver.home())
 

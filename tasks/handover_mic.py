@@ -20,7 +20,7 @@ from rtphys.task import (
     Scene,
     Task,
     axis_angle,
-    claim,
+    condition,
     free_of,
     held_by,
     opened,
@@ -136,7 +136,9 @@ def over_there(scene: Scene, side: str) -> bool:
 def success(props: list[Prop]) -> Condition:
     giver, taker = ("left", "right") if props[0].pose.p[0] < 0 else ("right", "left")
     return (
-        claim(f"the microphone is in the air on the {taker} side", lambda s: over_there(s, taker))
+        condition(
+            f"the microphone is in the air on the {taker} side", lambda s: over_there(s, taker)
+        )
         & held_by("microphone", taker)
         & free_of("microphone", f"{giver}_gripper", "table")
         & opened(giver)

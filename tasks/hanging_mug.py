@@ -18,7 +18,7 @@ from rtphys.task import (
     Robot,
     Scene,
     Task,
-    claim,
+    condition,
     free_of,
     opened,
     reachable,
@@ -128,7 +128,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the handle is round the peg", on_peg)
+    success=condition("the handle is round the peg", on_peg)
     & opened("right")
     & touching("mug", "rack")
     & free_of("mug", "left_gripper", "right_gripper", "table"),

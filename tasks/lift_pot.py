@@ -16,7 +16,7 @@ from rtphys.task import (
     Scene,
     Task,
     above,
-    claim,
+    condition,
     held_by,
 )
 
@@ -86,8 +86,8 @@ task = Task(
     script=script,
     success=above("pot", 0.82)
     & held_by("pot", "left", "right")
-    & claim("each hand is at its handle", at_handles)
-    & claim("the pot is level", level),
+    & condition("each hand is at its handle", at_handles)
+    & condition("the pot is level", level),
     step_limit=400,
     arms="dual, in step",
     mechanism="dual lift",

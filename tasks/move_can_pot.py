@@ -11,6 +11,7 @@ from rtphys.task import (
     UP_Y,
     Aim,
     Articulated,
+    Condition,
     Draw,
     Mesh,
     Placing,
@@ -21,8 +22,8 @@ from rtphys.task import (
     Spot,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
     off_centre,
     on_table,
@@ -30,6 +31,9 @@ from rtphys.task import (
 )
 
 ASIDE, REACH, LEVEL = 0.18, 0.2, 0.035  # [m] from the pot: aimed at, farthest, and in y
+APPROACH, RETREAT = 0.05, 0.06  # [m] straight on to the can; off it
+UP, BACK = 0.1, 0.1  # [m] the way of the lift: up, and towards the robot
+UPRIGHT = 0.26  # [rad] that the can may lean
 POT = (0.0, 0.0, 0.0, 1.0)
 BESIDE = Placing(mode="free", pre=0.05, gap=0.003, along="point")
 
@@ -52,13 +56,13 @@ def script(robot: Robot) -> None:
     sign = -1 if arm.side == "left" else 1
     foot = robot.scene.pose("can").p[2]
     beside = Pose((pot[0] + sign * ASIDE, pot[1], foot), DOWN)
-    robot.do(arm.grasp("can", pre=0.05, aim=Aim(beside, None, BESIDE)))
-    robot.do(arm.shift(y=-0.1, z=0.1))
+    robot.do(arm.grasp("can", pre=APPROACH, aim=Aim(beside, None, BESIDE)))
+    robot.do(arm.shift(y=-BACK, z=UP))
     robot.do(arm.place("can", beside, how=BESIDE))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
-def success(props: list[Prop]):
+def success(props: list[Prop]) -> Condition:
     sign = -1 if props[1].pose.p[0] < 0 else 1
 
     def beside(scene: Scene) -> bool:
@@ -66,9 +70,9 @@ def success(props: list[Prop]):
         return bool(0 < sign * gap[0] < REACH and abs(gap[1]) < LEVEL)
 
     return (
-        claim("the can is beside the pot, on its own side", beside)
+        condition("the can is beside the pot, on its own side", beside)
         & on_table("can")
-        & upright("can", axis=1, within=0.26)
+        & upright("can", axis=1, within=UPRIGHT)
         & at_rest("can")
         & hands_open()
     )

@@ -23,6 +23,8 @@ from rtphys.task import (
 )
 
 ONTO = Placing(mode="free", pre=0.05, gap=0.002, along="point")
+APPROACH, LIFT = 0.06, 0.05  # [m] straight on to the bottle; up before it is carried
+RETREAT, ABOVE = 0.06, 0.1  # [m] off the bottle, or else up from it
 
 
 def layout(draw: Draw):
@@ -39,12 +41,12 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm, pad = robot.nearest("bottle"), robot.scene.functional("pad", 1)
-    robot.do(arm.grasp("bottle", pre=0.06, aim=Aim(pad, 0, ONTO)))
-    robot.do(arm.lift(0.05))
+    robot.do(arm.grasp("bottle", pre=APPROACH, aim=Aim(pad, 0, ONTO)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("bottle", pad, point=0, how=ONTO))
     # Near its base the arm cannot draw back any further: it leaves the bottle upwards.
-    if not robot.tried(lambda: robot.do(arm.retreat(0.06))):
-        robot.do(arm.lift(0.1))
+    if not robot.tried(lambda: robot.do(arm.retreat(RETREAT))):
+        robot.do(arm.lift(ABOVE))
 
 
 task = Task(

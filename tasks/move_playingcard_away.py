@@ -15,7 +15,7 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
+    condition,
     hands_open,
     on_table,
     reachable,
@@ -23,6 +23,8 @@ from rtphys.task import (
 
 AWAY = 0.23  # [m] |x| that is far enough
 GOAL = 0.3  # [m] |x| to which the pack is slid
+APPROACH, RETREAT = 0.05, 0.06  # [m] straight down to the pack; off it
+DEPTH = 0.01  # [m] at which the TCP stops short of the contact point: the pack is thin
 
 
 def layout(draw: Draw):
@@ -39,17 +41,17 @@ def outward(scene: Scene) -> bool:
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("cards")
-    robot.do(arm.grasp("cards", pre=0.05, depth=0.01))
+    robot.do(arm.grasp("cards", pre=APPROACH, depth=DEPTH))
     x = robot.scene.pose("cards").p[0]
     robot.do(arm.shift(x=GOAL - x if x > 0 else -GOAL - x))
     robot.do(arm.open())
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the cards are far out on their side", outward)
+    success=condition("the cards are far out on their side", outward)
     & on_table("cards")
     & at_rest("cards")
     & hands_open(),

@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import pi
 
 from rtphys.task import (
+    IDENTITY,
     SHORT_COLOURS,
     UP_Y,
     Aim,
@@ -18,7 +19,6 @@ from rtphys.task import (
     Task,
     at_rest,
     clear_of,
-    coloured_pad,
     hands_open,
     near,
     off_centre,
@@ -27,9 +27,12 @@ from rtphys.task import (
     yawed,
 )
 
+from ._pads import coloured_pad
+
 # Slow: at the usual pace it turned by some degrees in the hand, differently in every replay.
 LENGTHWISE = Placing(mode="align", pre=0.1, gap=0.002, speed=0.35, yaws=(0.0, pi))
 ABOVE = replace(LENGTHWISE, gap=0.04, release=False)
+AWAY, RETREAT = 0.1, 0.07  # [m] off the table with the stapler; off it once it lies
 EXACT = 0.04  # [rad] what RoboTwin's bound of 0.02 between quaternion entries amounts to
 
 
@@ -46,13 +49,13 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("stapler")
-    pad = Pose(robot.scene.functional("pad", 1).p, yawed((1, 0, 0, 0), pi / 2))
-    robot.do(arm.grasp("stapler", pre=0.1, aim=Aim(pad, None, LENGTHWISE)))
-    robot.do(arm.retreat(0.1))
+    pad = Pose(robot.scene.functional("pad", 1).p, yawed(IDENTITY, pi / 2))
+    robot.do(arm.grasp("stapler", aim=Aim(pad, None, LENGTHWISE)))
+    robot.do(arm.retreat(AWAY))
     # It may turn a little in the hand on the way: aim anew from above the pad.
     robot.tried(lambda: robot.do(arm.place("stapler", pad, how=ABOVE)))
     robot.do(arm.place("stapler", pad, how=LENGTHWISE))
-    robot.do(arm.retreat(0.07))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(

@@ -17,7 +17,7 @@ from rtphys.task import (
     Scene,
     Task,
     axis_angle,
-    claim,
+    condition,
     joint_beyond,
     quat_multiply,
 )
@@ -110,7 +110,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=joint_beyond("laptop", 0.4) & claim("a hand is at the lid", hand_at_lid),
+    success=joint_beyond("laptop", 0.4) & condition("a hand is at the lid", hand_at_lid),
     step_limit=700,
     mechanism="articulated: open",
     info={"A": "laptop", "a": "arm:laptop"},

@@ -16,7 +16,7 @@ from rtphys.task import (
     Scene,
     Task,
     axis_angle,
-    claim,
+    condition,
     joint_beyond,
     quat_multiply,
 )
@@ -87,7 +87,8 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=joint_beyond("microwave", 0.6) & claim("the left hand is at the door", hand_at_door),
+    success=joint_beyond("microwave", 0.6)
+    & condition("the left hand is at the door", hand_at_door),
     step_limit=1500,
     mechanism="articulated: open",
     info={"A": "microwave", "a": "left"},

@@ -4,13 +4,9 @@ Success: both stand side by side in the air, each in its own hand, near its plac
 table. Upstream asks for position and height only.
 """
 
-from rtphys.task import (
-    Draw,
-    Task,
-    bottles_together,
-    bring_bottles_together,
-    two_bottles,
-)
+from rtphys.task import Draw, Task
+
+from ._bottle_pairs import bottles_together, bring_bottles_together, two_bottles
 
 
 def layout(draw: Draw):

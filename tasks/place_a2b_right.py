@@ -4,7 +4,10 @@ Success: they are 8 to 20 cm apart, in this order, less than 5 cm apart in depth
 open. Added to upstream's test: both lie on the table, at rest.
 """
 
-from rtphys.task import RIGHT, Draw, Robot, Spot, Task, pair, set_beside, stands_beside
+from rtphys.task import RIGHT, Draw, Robot, Spot, Task
+
+from ._everyday import pair
+from ._set_beside import set_beside, stands_beside
 
 
 def layout(draw: Draw):

@@ -30,7 +30,9 @@ from rtphys.task import (
 
 BASKET = Spot(0.0, -0.2)
 BREADS = ("bread0", "bread1")
-ASIDE, LONG = 0.03, 0  # [m] from the basket's middle, along its longer axis
+LENGTHWISE, ASIDE = 0, 0.03  # the basket's longer axis; [m] along it from its middle
+WITHIN = (0.05, 0.05, 0.08)  # [m] of the basket's frame: between its walls
+APPROACH, LIFT = 0.07, 0.1  # [m] straight down to a bread; clear of the basket and the other
 INTO = Placing(mode="free", pre=0.12, gap=0.03, along="point")
 
 
@@ -54,8 +56,9 @@ def layout(draw: Draw):
 
 def place(arm: Arm, robot: Robot, name: str, end: str) -> Motion:
     """Onto the left or right end of the floor, so that both breads find room."""
-    floor, lengthwise = robot.scene.functional("basket", 0).p, robot.scene.pose("basket").R[:, LONG]
-    towards = lengthwise if (lengthwise[0] > 0) == (end == "right") else -lengthwise
+    floor = robot.scene.functional("basket", 0).p
+    axis = robot.scene.pose("basket").R[:, LENGTHWISE]
+    towards = axis if (axis[0] > 0) == (end == "right") else -axis
     return arm.place(name, Pose(floor + ASIDE * towards, DOWN), how=INTO)
 
 
@@ -63,28 +66,29 @@ def together(robot: Robot) -> None:
     """A bread in each hand: lift both, put them in one after the other."""
     left, right = robot.left, robot.right
     ours = {robot.nearest(name).side: name for name in BREADS}
-    robot.do(left.grasp(ours["left"], pre=0.07), right.grasp(ours["right"], pre=0.07))
-    robot.do(left.lift(0.1), right.lift(0.1))
+    robot.do(left.grasp(ours["left"], pre=APPROACH), right.grasp(ours["right"], pre=APPROACH))
+    robot.do(left.lift(LIFT), right.lift(LIFT))
     robot.do(place(left, robot, ours["left"], "left"))
-    robot.do(left.lift(0.1))
+    robot.do(left.lift(LIFT))
     robot.do(left.home(), place(right, robot, ours["right"], "right"))
-    robot.do(right.lift(0.1))
+    robot.do(right.lift(LIFT))
 
 
 def script(robot: Robot) -> None:
     if robot.nearest("bread0") is not robot.nearest("bread1"):
         together(robot)
         return
-    for end, name in enumerate(sorted(BREADS, key=lambda n: robot.scene.pose(n).p[1])):
+    nearest_first = sorted(BREADS, key=lambda name: robot.scene.pose(name).p[1])
+    for end, name in zip(("left", "right"), nearest_first, strict=True):
         arm = robot.nearest(name)
-        robot.do(arm.grasp(name, pre=0.07))
-        robot.do(arm.lift(0.1))
-        robot.do(place(arm, robot, name, ("left", "right")[end]))
-        robot.do(arm.lift(0.1))
+        robot.do(arm.grasp(name, pre=APPROACH))
+        robot.do(arm.lift(LIFT))
+        robot.do(place(arm, robot, name, end))
+        robot.do(arm.lift(LIFT))
 
 
 def inside(bread: str) -> Condition:
-    close = near(bread, "basket", within=(0.05, 0.05, 0.08))
+    close = near(bread, "basket", within=WITHIN)
     return close & free_of(bread, "table") & at_rest(bread)
 
 

@@ -19,7 +19,7 @@ from rtphys.task import (
     Scene,
     Task,
     axis_angle,
-    claim,
+    condition,
     free_of,
     quat_multiply,
     touching,
@@ -140,8 +140,8 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the bread is in the pan", in_pan)
-    & claim("the pan is held up", held_up)
+    success=condition("the bread is in the pan", in_pan)
+    & condition("the pan is held up", held_up)
     & touching("bread", "skillet")
     & free_of("bread", "left_gripper", "right_gripper", "table"),
     step_limit=500,

@@ -1,7 +1,7 @@
 """Serve a burger and fries: the left hand puts the burger on a tray, the right hand the fries.
 
 Success: both lie on their halves of the tray, at rest, and both hands are open. Upstream does not
-look at the height.
+test the height.
 """
 
 from rtphys.task import (
@@ -17,13 +17,15 @@ from rtphys.task import (
     Spot,
     Task,
     at_rest,
-    claim,
+    condition,
     hands_open,
     touching,
 )
 
-MEAL = {"burger": 0, "fries": 1}  # and their functional points of the tray
+MEAL = {"burger": 0, "fries": 1}  # and the functional point of the tray where each goes
+ACROSS, UPWARD = 0.08, 0.03  # [m] by which the food may miss its point of the tray
 ONTO = Placing(mode="free", pre=0.08, gap=0.005, along="point")
+LIFT, RETREAT = 0.1, 0.08  # [m] to carry the food; up from it once it is released
 
 
 def layout(draw: Draw):
@@ -40,9 +42,9 @@ def layout(draw: Draw):
 
 
 def served(scene: Scene) -> bool:
-    for food, place in MEAL.items():
-        gap = scene.functional(food, 0).p - scene.functional("tray", place).p
-        if (gap[:2] ** 2).sum() ** 0.5 > 0.08 or abs(gap[2]) > 0.03:
+    for food, point in MEAL.items():
+        gap = scene.functional(food).p - scene.functional("tray", point).p
+        if (gap[:2] ** 2).sum() ** 0.5 > ACROSS or abs(gap[2]) > UPWARD:
             return False
     return True
 
@@ -54,17 +56,17 @@ def script(robot: Robot) -> None:
         left.grasp("burger", aim=Aim(places["burger"], 0, ONTO)),
         right.grasp("fries", aim=Aim(places["fries"], 0, ONTO)),
     )
-    robot.do(left.lift(0.1), right.lift(0.1))
+    robot.do(left.lift(LIFT), right.lift(LIFT))
     robot.do(left.place("burger", places["burger"], point=0, how=ONTO))
-    robot.do(left.lift(0.08))
+    robot.do(left.lift(RETREAT))
     robot.do(left.home(), right.place("fries", places["fries"], point=0, how=ONTO))
-    robot.do(right.lift(0.08))
+    robot.do(right.lift(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=claim("burger and fries are on their halves of the tray", served)
+    success=condition("burger and fries are on their halves of the tray", served)
     & touching("burger", "tray")
     & touching("fries", "tray")
     & at_rest("burger")

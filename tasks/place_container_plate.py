@@ -18,8 +18,9 @@ from rtphys.task import (
     upright,
 )
 
-OUTER = {"left": (2, 3), "right": (0, 1)}  # the rim on the arm's own side
-HALF = 0.5  # an opening with which the inner finger stays clear of the far wall
+from ._by_the_rim import OUTER, release_rim
+
+LIFT, RETREAT = 0.07, 0.08  # [m] to carry the container; up from it once it is released
 ONTO = Placing(mode="free", pre=0.05, gap=0.008, along="point", release=False)
 
 
@@ -28,7 +29,7 @@ def layout(draw: Draw):
     x = (0.02, 0.08) if sign > 0 else (-0.08, -0.02)
     plate = draw.spot("plate", x=x, y=(-0.15, -0.1))
     x = (0.2, 0.28) if sign > 0 else (-0.28, -0.2)
-    # Wide rims would overlap (not upstream's).
+    # So far apart that wide rims do not overlap (not in upstream).
     container = draw.spot("container", x=x, y=(-0.1, 0.05), where=clear_of((plate, 0.2)))
     category = draw.choice("category", "002_bowl", "021_cup")
     models = (1, 2, 3, 5) if category == "002_bowl" else range(1, 8)
@@ -39,13 +40,10 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm, spot = robot.nearest("container"), robot.scene.functional("plate", 0)
-    robot.do(arm.grasp("container", OUTER[arm.side], pre=0.1, aim=Aim(spot, 0, ONTO)))
-    robot.do(arm.lift(0.07))
+    robot.do(arm.grasp("container", OUTER[arm.side], aim=Aim(spot, 0, ONTO)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("container", spot, point=0, how=ONTO))
-    robot.do(arm.open(HALF))
-    robot.do(arm.lift(0.08))
-    robot.do(arm.open())
-    robot.do(arm.wait(0.4))  # damped fingers open slowly
+    release_rim(robot, arm, RETREAT)
 
 
 task = Task(

@@ -6,6 +6,7 @@ Success: each shoe stands in its half of the box, turned as it should be, and bo
 import numpy as np
 
 from rtphys.task import (
+    TABLE_TOP,
     UP_S,
     UP_Z,
     Aim,
@@ -18,26 +19,30 @@ from rtphys.task import (
     Spot,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
     near,
     reachable,
     turned_to,
 )
 
-BOX = Pose((0.0, -0.13, 0.74), UP_S)
+BOX = Pose((0.0, -0.13, TABLE_TOP), UP_S)
+BESIDE, BEHIND = 0.14, -0.03  # [m] |x| and y from which a shoe is clear of the box
+HALF_LENGTH, HALF_WIDTH = 0.12, 0.045  # [m] of the largest shoe
+CENTRE = ((0.0, 0.0), 0.15)  # kept free at the start: a point and a distance [m]
+FLOOR = (-0.01, 0.03)  # [m] of a sole that is on the box's floor, above the box's origin
 INTO = Placing(mode="align", pre=0.12, gap=0.01, along="point")
+LIFT, RETREAT = 0.15, 0.1  # [m] over the box's wall; up from the second shoe
 TURN = 0.17  # [rad] officially 0.07 in each component of the quaternion
 
 
 def room(spot: Spot) -> bool:
-    """Far from the middle, and the shoe beside the box or behind it (not upstream's)."""
-    long, wide = 0.12, 0.045  # [m] halves of the largest shoe
+    """Far from the table's centre, the shoe beside the box or behind it (not in upstream)."""
     across, along = abs(np.sin(spot.yaw)), abs(np.cos(spot.yaw))
-    beside = abs(spot.x) - long * across - wide * along > 0.14
-    behind = spot.y - long * along - wide * across > -0.03
-    return clear_of(((0.0, 0.0), 0.15))(spot) and reachable(spot) and (beside or behind)
+    beside = abs(spot.x) - HALF_LENGTH * across - HALF_WIDTH * along > BESIDE
+    behind = spot.y - HALF_LENGTH * along - HALF_WIDTH * across > BEHIND
+    return clear_of(CENTRE)(spot) and reachable(spot) and (beside or behind)
 
 
 def layout(draw: Draw):
@@ -51,32 +56,32 @@ def layout(draw: Draw):
 
 def on_the_floor(scene: Scene) -> bool:
     """Both soles on the floor of the box."""
-    floor = scene.pose("box").p[2]
-    return all(-0.01 < scene.lowest(f"{side}_shoe") - floor < 0.03 for side in ("left", "right"))
+    box, (low, high) = scene.pose("box").p[2], FLOOR
+    return all(low < scene.lowest(f"{side}_shoe") - box < high for side in ("left", "right"))
 
 
 def script(robot: Robot) -> None:
     left, right, scene = robot.left, robot.right, robot.scene
     places = scene.functional("box", 0), scene.functional("box", 1)
     robot.do(
-        left.grasp("left_shoe", pre=0.1, aim=Aim(places[0], 0, INTO)),
-        right.grasp("right_shoe", pre=0.1, aim=Aim(places[1], 0, INTO)),
+        left.grasp("left_shoe", aim=Aim(places[0], 0, INTO)),
+        right.grasp("right_shoe", aim=Aim(places[1], 0, INTO)),
     )
-    robot.do(left.lift(0.15), right.lift(0.15))
+    robot.do(left.lift(LIFT), right.lift(LIFT))
     robot.do(left.place("left_shoe", places[0], point=0, how=INTO))
-    robot.do(left.lift(0.15))
+    robot.do(left.lift(LIFT))
     robot.do(left.home(), right.place("right_shoe", places[1], point=0, how=INTO))
-    robot.do(right.lift(0.1))
+    robot.do(right.lift(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=near("left_shoe", (0.0, -0.17, 0.75), within=(0.05, 0.05, 0.03))
-    & near("right_shoe", (0.0, -0.09, 0.75), within=(0.05, 0.05, 0.03))
+    success=near("left_shoe", (0.0, -0.17, TABLE_TOP + 0.01), within=(0.05, 0.05, 0.03))
+    & near("right_shoe", (0.0, -0.09, TABLE_TOP + 0.01), within=(0.05, 0.05, 0.03))
     & turned_to("left_shoe", UP_S, TURN)
     & turned_to("right_shoe", UP_S, TURN)
-    & claim("both shoes on the floor of the box", on_the_floor)
+    & condition("both shoes on the floor of the box", on_the_floor)
     & at_rest("left_shoe")
     & at_rest("right_shoe")
     & hands_open(),

@@ -19,11 +19,11 @@ from rtphys.task import (
     upright,
 )
 
-OUTER = {"left": (2, 3), "right": (0, 1)}  # the rim on the arm's own side
-HALF = 0.5  # an opening with which the inner finger stays clear of the far wall
-ONTO = Placing(
-    mode="free", pre=0.05, gap=-0.006, along="point", release=False
-)  # the point is 5-8 mm under
+from ._by_the_rim import HALF_OPEN, OUTER, release_rim
+
+LIFT, RETREAT = 0.08, 0.06  # [m] to carry the cup; up from it once it is released
+# The coaster's point is 5 to 8 mm under its surface.
+ONTO = Placing(mode="free", pre=0.05, gap=-0.006, along="point", release=False)
 
 
 def layout(draw: Draw):
@@ -39,14 +39,11 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm, spot = robot.nearest("cup"), robot.scene.functional("coaster", 0)
-    robot.do(arm.close(HALF))
-    robot.do(arm.grasp("cup", OUTER[arm.side], pre=0.1, aim=Aim(spot, 0, ONTO)))
-    robot.do(arm.lift(0.08))
+    robot.do(arm.close(HALF_OPEN))
+    robot.do(arm.grasp("cup", OUTER[arm.side], aim=Aim(spot, 0, ONTO)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("cup", spot, point=0, how=ONTO))
-    robot.do(arm.open(HALF))
-    robot.do(arm.lift(0.06))
-    robot.do(arm.open())
-    robot.do(arm.wait(0.4))  # damped fingers open slowly
+    release_rim(robot, arm, RETREAT)
 
 
 task = Task(

@@ -19,7 +19,6 @@ from rtphys.task import (
     Robot,
     Task,
     at_rest,
-    coloured_pad,
     hands_open,
     near,
     off_centre,
@@ -27,8 +26,11 @@ from rtphys.task import (
     turned_to,
 )
 
+from ._pads import coloured_pad
+
 TURN = 0.12  # [rad] officially 0.05 in each component of the quaternion
-FACING = Placing(mode="align", pre=0.06, gap=0.004, along="point")
+FACING = Placing(mode="align", pre=-0.06, gap=-0.004, along="point")  # the pad's z points up
+APPROACH, LIFT, RETREAT = 0.05, 0.05, 0.06  # [m] before the grasp; to carry; up from the fan
 
 
 def layout(draw: Draw):
@@ -42,13 +44,12 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("fan")
-    lift = robot.scene.pose("fan").p[2] - robot.scene.lowest("fan")
-    pad = Pose(robot.scene.functional("pad", 1).p + np.array([0, 0, lift]), IDENTITY)
-    how = Placing(mode="align", pre=-FACING.pre, gap=-FACING.gap, along="point")
-    robot.do(arm.grasp("fan", pre=0.05, aim=Aim(pad, None, how)))
-    robot.do(arm.lift(0.05))
-    robot.do(arm.place("fan", pad, how=how))
-    robot.do(arm.lift(0.06))
+    height = robot.scene.pose("fan").p[2] - robot.scene.lowest("fan")
+    pad = Pose(robot.scene.functional("pad", 1).p + np.array([0, 0, height]), IDENTITY)
+    robot.do(arm.grasp("fan", pre=APPROACH, aim=Aim(pad, None, FACING)))
+    robot.do(arm.lift(LIFT))
+    robot.do(arm.place("fan", pad, how=FACING))
+    robot.do(arm.lift(RETREAT))
 
 
 task = Task(

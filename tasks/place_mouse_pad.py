@@ -7,6 +7,7 @@ Added to upstream's test: height and rest.
 from math import pi
 
 from rtphys.task import (
+    IDENTITY,
     SHORT_COLOURS,
     UP_Y,
     Aim,
@@ -18,7 +19,6 @@ from rtphys.task import (
     Task,
     at_rest,
     clear_of,
-    coloured_pad,
     hands_open,
     near,
     off_centre,
@@ -26,7 +26,10 @@ from rtphys.task import (
     yawed,
 )
 
+from ._pads import coloured_pad
+
 LENGTHWISE = Placing(mode="align", pre=0.07, gap=0.003, yaws=(0.0, pi))
+LIFT, RETREAT = 0.1, 0.07  # [m] to carry the mouse; back from it once it is released
 
 
 def layout(draw: Draw):
@@ -42,11 +45,11 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("mouse")
-    pad = Pose(robot.scene.functional("pad", 1).p, yawed((1, 0, 0, 0), pi))
-    robot.do(arm.grasp("mouse", pre=0.1, aim=Aim(pad, None, LENGTHWISE)))
-    robot.do(arm.lift(0.1))
+    pad = Pose(robot.scene.functional("pad", 1).p, yawed(IDENTITY, pi))
+    robot.do(arm.grasp("mouse", aim=Aim(pad, None, LENGTHWISE)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("mouse", pad, how=LENGTHWISE))
-    robot.do(arm.retreat(0.07))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(

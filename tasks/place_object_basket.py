@@ -3,18 +3,11 @@
 Success: the object lies in the basket, touching neither table nor hand, and a hand carries both.
 """
 
-from rtphys.task import (
-    UP_Z,
-    Draw,
-    Mesh,
-    Robot,
-    Task,
-    carrying_basket,
-    fill_and_lift,
-    filled_and_lifted,
-)
+from rtphys.task import UP_Z, Draw, Mesh, Robot, Task
 
-THINGS = {"081_playingcards": 3, "057_toycar": 6}  # and their number of models
+from ._baskets import carrying_basket, fill_and_lift, filled_and_lifted
+
+MODELS = {"081_playingcards": 3, "057_toycar": 6}  # how many of each category
 
 
 def layout(draw: Draw):
@@ -22,8 +15,8 @@ def layout(draw: Draw):
     yield carrying_basket(draw, side)
     x = (0.2, 0.25) if side > 0 else (-0.25, -0.2)
     spot = draw.spot("object", x=x, y=(-0.1, 0.1), yaw=(-0.552, 0.496))
-    category = draw.choice("object", *THINGS)
-    model = draw.choice("object model", *range(THINGS[category]))
+    category = draw.choice("object", *MODELS)
+    model = draw.choice("object model", *range(MODELS[category]))
     yield Mesh(name="object", category=category, model=model, pose=spot.pose(UP_Z))
 
 

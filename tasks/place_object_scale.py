@@ -1,6 +1,6 @@
-"""Put a small thing on the kitchen scale.
+"""Put a small object on the kitchen scale.
 
-Success: it rests on the platform within 3.5 cm of its centre and the hand that brought it is open.
+Success: it rests on the platform within 3.5 cm of its centre and both hands are open.
 Added to upstream's test: it touches the scale, does not move, and no hand touches it.
 """
 
@@ -16,16 +16,19 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
-    everyday,
+    condition,
     free_of,
     hands_open,
     off_centre,
     touching,
 )
 
+from ._everyday import everyday
+
 ONTO = Placing(mode="free", pre=0.06, gap=0.004)
+LIFT, RETREAT = 0.12, 0.06  # [m] over the scale; back from the released object
+RADIUS, BELOW = 0.035, 0.01  # [m] of its origin from the platform's centre, across and downward
 
 
 def layout(draw: Draw):
@@ -41,21 +44,21 @@ def layout(draw: Draw):
 
 def on_platform(scene: Scene) -> bool:
     x, y, z = scene.pose("thing").p - scene.functional("scale").p
-    return hypot(x, y) < 0.035 and z > -0.01
+    return hypot(x, y) < RADIUS and z > -BELOW
 
 
 def script(robot: Robot) -> None:
     arm, platform = robot.nearest("thing"), robot.scene.functional("scale")
-    robot.do(arm.grasp("thing", pre=0.1, aim=Aim(platform, None, ONTO)))
-    robot.do(arm.lift(0.12))
+    robot.do(arm.grasp("thing", aim=Aim(platform, None, ONTO)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("thing", platform, how=ONTO))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the thing is on the platform", on_platform)
+    success=condition("the thing is on the platform", on_platform)
     & touching("thing", "scale")
     & free_of("thing", "left_gripper", "right_gripper")
     & at_rest("thing")

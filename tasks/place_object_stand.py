@@ -1,4 +1,4 @@
-"""Put a small thing on the display stand.
+"""Put a small object on the display stand.
 
 Success: it rests on the stand, within 3 cm of its middle in x and y, and both hands are open.
 Added to upstream's test: it touches the stand, at its top, and does not move.
@@ -16,16 +16,19 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
-    everyday,
+    condition,
     hands_open,
     near,
     touching,
 )
 
+from ._everyday import everyday
+
 KINDS = ("047_mouse", "048_stapler", "057_toycar", "073_rubikscube", "079_remotecontrol")
 ONTO = Placing(mode="free", pre=0.07, gap=0.004)
+LIFT, RETREAT = 0.1, 0.06  # [m] over the stand; back from the released object
+BELOW = 0.01  # [m] of its origin under the stand's top, at most
 
 
 def layout(draw: Draw):
@@ -44,22 +47,22 @@ def layout(draw: Draw):
 
 
 def at_top(scene: Scene) -> bool:
-    return bool(scene.pose("thing").p[2] > scene.functional("stand").p[2] - 0.01)
+    return bool(scene.pose("thing").p[2] > scene.functional("stand").p[2] - BELOW)
 
 
 def script(robot: Robot) -> None:
     arm, top = robot.nearest("thing"), robot.scene.functional("stand")
-    robot.do(arm.grasp("thing", pre=0.1, aim=Aim(top, None, ONTO)))
-    robot.do(arm.lift(0.1))
+    robot.do(arm.grasp("thing", aim=Aim(top, None, ONTO)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("thing", top, how=ONTO))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
     success=near("thing", "stand", within=(0.03, 0.03, 0.15))
-    & claim("the thing is at the stand's top", at_top)
+    & condition("the thing is at the stand's top", at_top)
     & touching("thing", "stand")
     & at_rest("thing")
     & hands_open(),

@@ -19,8 +19,8 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
     points_meet,
 )
@@ -28,6 +28,9 @@ from rtphys.task import (
 FLAT = {0: UP_Z, 1: UP_Y, 2: UP_S, 4: (0.5, -0.5, 0.5, -0.5)}  # face up, foot to the robot
 LEAN = Placing(mode="align", pre=-0.06, gap=-0.002, along="point")  # down along the rest
 ABOVE = replace(LEAN, pre=-0.1, gap=-0.06, release=False)
+APPROACH, LIFT, RETREAT = 0.08, 0.08, 0.06  # [m] before the grasp; to carry; back from the phone
+FORWARD = 0.015  # [m] in front of the rest, while above the cradle
+ASKEW = 0.35  # [rad] between the phone's back and the rest, at most
 
 
 def layout(draw: Draw):
@@ -44,25 +47,25 @@ def layout(draw: Draw):
 
 def leaning(scene: Scene) -> bool:
     up, rest = scene.functional("phone").R[:, 2], scene.functional("stand").R[:, 2]
-    return bool(up @ rest > cos(0.35))
+    return bool(up @ rest > cos(ASKEW))
 
 
 def script(robot: Robot) -> None:
     arm, cradle = robot.nearest("phone"), robot.scene.functional("stand")
-    robot.do(arm.grasp("phone", pre=0.08, aim=Aim(cradle, 0, LEAN)))
-    robot.do(arm.lift(0.08))
+    robot.do(arm.grasp("phone", pre=APPROACH, aim=Aim(cradle, 0, LEAN)))
+    robot.do(arm.lift(LIFT))
     # A phone whose weight is off the middle turns in the hand: aim anew from above the cradle.
-    raised = cradle.moved(0.015 * cradle.R[:, 0])
+    raised = cradle.moved(FORWARD * cradle.R[:, 0])
     robot.tried(lambda: robot.do(arm.place("phone", raised, point=0, how=ABOVE)))
     robot.do(arm.place("phone", cradle, point=0, how=LEAN))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
     success=points_meet("phone", 0, "stand", 0, within=(0.045, 0.04, 0.04))
-    & claim("the phone leans on the rest", leaning)
+    & condition("the phone leans on the rest", leaning)
     & at_rest("phone")
     & hands_open(),
     step_limit=400,

@@ -8,6 +8,8 @@ from math import pi
 
 from rtphys.task import (
     BLUE,
+    DOWN,
+    TABLE_TOP,
     UP_S,
     UP_Z,
     Aim,
@@ -29,13 +31,15 @@ from rtphys.task import (
     yawed,
 )
 
-MAT = (0.0, -0.08)
+MAT = (0.0, -0.08)  # [m]
+ROOM = 0.15  # [m] about the mat and the table's centre, where no shoe starts
 TURN = 0.17  # [rad] officially 0.07 in each component of the quaternion
 STAND = Placing(mode="align", pre=0.06, gap=0.005, along="point")
+LIFT, RETREAT = 0.07, 0.08  # [m] to carry the shoe; back from it once it is released
 
 
 def room(spot: Spot) -> bool:
-    return clear_of(((0.0, 0.0), 0.15), (MAT, 0.15))(spot) and reachable(spot)
+    return clear_of(((0.0, 0.0), ROOM), (MAT, ROOM))(spot) and reachable(spot)
 
 
 def layout(draw: Draw):
@@ -51,17 +55,17 @@ def layout(draw: Draw):
 def script(robot: Robot) -> None:
     arm = robot.nearest("shoe")
     # A sole's frame in UP_S: x towards the robot, z down.
-    mat = Pose(robot.scene.functional("mat", 1).p, yawed((0, 1, 0, 0), -pi / 2))
-    robot.do(arm.grasp("shoe", pre=0.1, aim=Aim(mat, 0, STAND)))
-    robot.do(arm.lift(0.07))
+    mat = Pose(robot.scene.functional("mat", 1).p, yawed(DOWN, -pi / 2))
+    robot.do(arm.grasp("shoe", aim=Aim(mat, 0, STAND)))
+    robot.do(arm.lift(LIFT))
     robot.do(arm.place("shoe", mat, point=0, how=STAND))
-    robot.do(arm.retreat(0.08))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=near("shoe", (*MAT, 0.74), within=(0.05, 0.02, 0.03))
+    success=near("shoe", (*MAT, TABLE_TOP), within=(0.05, 0.02, 0.03))
     & turned_to("shoe", UP_S, TURN)
     & on_table("shoe")
     & at_rest("shoe")

@@ -8,6 +8,9 @@ from math import pi
 
 from rtphys.task import UP_Y, Draw, Mesh, Robot, Task, pressed
 
+PRESS_POINT = 2  # contact point at the free end
+REACH, RETREAT = 0.08, 0.06  # [m] down from the hover, at most; back up
+
 
 def layout(draw: Draw):
     spot = draw.spot("stapler", x=(-0.2, 0.2), y=(-0.1, 0.05), yaw=(-pi, pi))
@@ -17,15 +20,15 @@ def layout(draw: Draw):
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("stapler")
-    robot.do(arm.hover("stapler", contact=2, gap=0.1), arm.close())
-    robot.do(arm.press("stapler", reach=0.08))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.hover("stapler", contact=PRESS_POINT), arm.close())
+    robot.do(arm.press("stapler", reach=REACH))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=pressed("stapler", contact=2, within=(0.03, 0.03, 0.03), closed_below=0.2),
+    success=pressed("stapler", contact=PRESS_POINT, within=(0.03, 0.03, 0.03), closed_below=0.2),
     step_limit=400,
     mechanism="press",
     info={"A": "stapler", "a": "arm:stapler"},

@@ -18,8 +18,8 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     free_of,
     off_centre,
     place_at_first,
@@ -129,7 +129,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the bottles are in the bin", all_in_bin)
+    success=condition("the bottles are in the bin", all_in_bin)
     & at_rest("bottle1")
     & at_rest("bottle2")
     & at_rest("bottle3")

@@ -1,6 +1,6 @@
 """One hand takes an object, the other pulls the drawer out, then the object goes into the drawer.
 
-Success: the drawer is well open and the object rests in it, let go. Upstream compares heights and
+Success: the drawer is well open and the object rests in it, released. Upstream compares heights and
 places only, so an object in front of the drawer's point would do.
 """
 
@@ -23,24 +23,29 @@ from rtphys.task import (
     Task,
     at_rest,
     axis_angle,
-    claim,
+    condition,
     free_of,
     joint_beyond,
     quat_multiply,
 )
 
-DRAWER = "link_1"
 OBJECTS = {  # and how many models of each; the fifth phone lies on its face
     "047_mouse": 3, "048_stapler": 7, "057_toycar": 6, "073_rubikscube": 3, "075_bread": 7,
     "077_phone": 4, "081_playingcards": 3, "112_tea-box": 6, "113_coffee-box": 7, "107_soap": 4,
 }  # fmt: skip
-PULL = 8.0  # [N] on the handle that the drawer's damping may cost
-OUT = (0.15, 0.135, 0.12, 0.105)  # [m] of 0.178
+DAMPING = 2.0  # [N s/m] of the drawer where physics does not vary it
+PULL, LEAST_TIME = 8.0, 1.5  # [N] on the handle that damping may cost at most; [s] of the pull
+DISTANCES = (0.15, 0.135, 0.12, 0.105)  # [m] to pull the drawer out, of 0.178
+FOLLOWED = 0.1  # [m] that the drawer is then open, unless the hand has slipped off the handle
 BACK = (0.08, 0.06)  # [m] by which the hand that pulled must be able to leave the handle
-TURN, TCP = 0.3, 0.12  # [rad] of that hand about the handle; [m] from its frame to its TCP
-TILTS = (0.3, 0.4, 0.5, 0.6)  # [rad]
+TURNS = (0.0, 0.3)  # [rad] of that hand about the handle
+ASIDE = (0.04, 0.08)  # [m] towards the middle, for a hand that leaves the handle unturned
+TILTS = (0.3, 0.4, 0.5, 0.6)  # [rad] of the hand over the drawer, forward
 INTO = Placing(pre=0.11, gap=0.0, along="point")
 BEHIND, DROP = 0.015, 0.06  # [m] from the drawer's point: the hand stays over the drawer's front
+APPROACH, LIFT = 0.05, 0.15  # [m] before the handle; of the object over the drawer's front
+RETREAT, DROPPED = 0.1, 0.08  # [m] up from the handle; up from the object in the drawer
+FLOOR, HEIGHT = 0.05, (-0.005, 0.11)  # [m] of the object from the drawer's point: x, y; z
 
 
 def layout(draw: Draw):
@@ -57,78 +62,80 @@ def layout(draw: Draw):
 
 
 def in_drawer(scene: Scene) -> bool:
-    """Over the drawer's floor and no higher than its front."""
-    gap = scene.pose("object").p - scene.functional("cabinet", 0).p
-    return bool(max(abs(gap[0]), abs(gap[1])) < 0.05 and -0.005 < gap[2] < 0.11)
+    """The object is over the drawer's floor and no higher than its front."""
+    x, y, z = scene.pose("object").p - scene.functional("cabinet").p
+    return bool(max(abs(x), abs(y)) < FLOOR and HEIGHT[0] < z < HEIGHT[1])
 
 
-def inside(scene: Scene, out: float, tilt: float) -> Pose:
-    """Target over the drawer's floor, `out` further than now, seen by a hand tilted forward."""
-    floor = scene.functional("cabinet", 0).p + np.array([0, BEHIND - out, DROP])
+def inside(scene: Scene, distance: float, tilt: float) -> Pose:
+    """Target in the drawer once it is `distance` [m] further out, for a hand tilted forward."""
+    floor = scene.functional("cabinet").p + np.array([0, BEHIND - distance, DROP])
     return Pose(floor, quat_multiply(axis_angle((1, 0, 0), tilt), DOWN))
 
 
-def ways_out(arm: Arm) -> list[list[Pose]]:
-    """The hand as it is, at the drawer's end, and clear of the handle: farthest and straight first.
+def pulling_paths(robot: Robot, arm: Arm) -> list[list[Pose]]:
+    """Hand poses now, with the drawer open, and clear of the handle: farthest and straight first.
 
-    On a low table a hand that comes straight soon has its elbow folded: then it turns a little
-    about the handle, or leaves towards the middle.
+    On a low table the elbow of a hand that pulls straight is soon folded. Then the hand turns a
+    little about the handle, or leaves it towards the middle.
     """
-    ee, inward = arm.ee(), 1.0 if arm.side == "left" else -1.0
-    tcp = ee.p + TCP * ee.R[:, 0]
+    ee, inward, to_tcp = arm.ee(), 1.0 if arm.side == "left" else -1.0, robot.hand.tcp
+    tcp = ee.p + to_tcp * ee.R[:, 0]
 
-    def at(turn: float, out: float, aside: float = 0.0) -> Pose:
+    def pulled(turn: float, distance: float, aside: float = 0.0) -> Pose:
         q = quat_multiply(axis_angle((0, 0, 1), inward * turn), ee.q)
-        back = TCP * Pose((0, 0, 0), q).R[:, 0]
-        return Pose(tcp - back + np.array([inward * aside, -out, 0.0]), q)
+        back = to_tcp * Pose((0, 0, 0), q).R[:, 0]
+        return Pose(tcp - back + np.array([inward * aside, -distance, 0.0]), q)
 
     return [
-        [ee, at(turn, out), at(turn_back, out + back, aside)]
-        for out in OUT
+        [ee, pulled(turn, distance), pulled(last_turn, distance + back, aside)]
+        for distance in DISTANCES
         for back in BACK
-        for turn in (0.0, TURN)
-        for turn_back, aside in ((turn, 0.0), (0.0, 0.04), (0.0, 0.08))
+        for turn in TURNS
+        for last_turn, aside in ((turn, 0.0), *((0.0, aside) for aside in ASIDE))
     ]
 
 
 def pull(robot: Robot, arm: Arm) -> None:
-    """Out no faster than the drawer's damping allows, and off the handle."""
-    damping = robot.scene.physics.scalar("object_joint_damping", 2.0)
-    for way in ways_out(arm):
-        if robot.tried(lambda way=way: arm.sweep(way, prop="cabinet")):
-            break
-    else:
+    """Pull the drawer out, no faster than its damping allows, and leave the handle."""
+    path = robot.first_feasible(
+        pulling_paths(robot, arm), lambda path: arm.sweep(path, prop="cabinet")
+    )
+    if path is None:
         raise Infeasible("unreachable", f"no way out for the {arm.side} hand at the handle")
-    robot.do(arm.sweep(way[:2], seconds=max(OUT[0] * damping / PULL, 1.5), prop="cabinet"))
-    if robot.scene.joint("cabinet")[0] < 0.1:
+    *opening, clear = path
+    damping = robot.scene.physics.scalar("object_joint_damping", DAMPING)
+    seconds = max(DISTANCES[0] * damping / PULL, LEAST_TIME)
+    robot.do(arm.sweep(opening, seconds=seconds, prop="cabinet"))
+    if robot.scene.joint("cabinet")[0] < FOLLOWED:
         raise Infeasible("too_slow", "the drawer did not follow the hand")
     robot.do(arm.open())
-    robot.do(arm.line(way[2]))
+    robot.do(arm.line(clear))
+
+
+def put_in(robot: Robot, arm: Arm, tilt: float) -> None:
+    robot.do(arm.place("object", inside(robot.scene, 0.0, tilt), how=INTO))
 
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("object")
-    puller, scene = robot.other(arm), robot.scene
-    aim = Aim(inside(scene, OUT[0], TILTS[0]), None, INTO)
-    robot.do(arm.grasp("object", pre=0.1, aim=aim))
-    robot.do(puller.grasp("cabinet", pre=0.05))
+    puller = robot.other(arm)
+    aim = Aim(inside(robot.scene, DISTANCES[0], TILTS[0]), None, INTO)
+    robot.do(arm.grasp("object", aim=aim))
+    robot.do(puller.grasp("cabinet", pre=APPROACH))
     pull(robot, puller)
-    robot.do(puller.lift(0.1), arm.lift(0.15))
+    robot.do(puller.lift(RETREAT), arm.lift(LIFT))
     robot.do(puller.home())
-    for tilt in TILTS:
-        goal = inside(scene, 0.0, tilt)
-        if robot.tried(lambda goal=goal: robot.do(arm.place("object", goal, how=INTO))):
-            break
-    else:
+    if robot.first_feasible(TILTS, lambda tilt: put_in(robot, arm, tilt)) is None:
         raise Infeasible("unreachable", "no way over the drawer's front")
-    robot.do(arm.lift(0.08))
+    robot.do(arm.lift(DROPPED))
 
 
 task = Task(
     layout=layout,
     script=script,
     success=joint_beyond("cabinet", 0.5)
-    & claim("the object is in the drawer", in_drawer)
+    & condition("the object is in the drawer", in_drawer)
     & free_of("object", "left_gripper", "right_gripper", "table")
     & at_rest("object"),
     step_limit=700,

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rtphys.task import (
     IDENTITY,
+    TABLE_TOP,
     UP_F,
     UP_Z,
     Aim,
@@ -25,8 +26,12 @@ from rtphys.task import (
 )
 
 FACING = Placing(mode="align", pre=0.07, gap=0.005)
+# Where the whole turn is out of reach: a part of it, and the rest from a second grasp.
 PARTLY = replace(FACING, yaws=(1.2, -1.2, 1.6, -1.6, 0.8, -0.8, 2.0, -2.0))
-ENOUGH = 0.1  # [rad] 0.05 in each entry of the quaternion
+GRASPS = 2  # at most
+OUT, BACK = 0.08, -0.22  # [m] |x| and y of a place where the hand can point back at the robot
+APPROACH, LIFT, RETREAT = 0.05, 0.07, 0.06  # [m] before the grasp; to carry; back from the sign
+ENOUGH = 0.1  # [rad] officially 0.05 in each component of the quaternion
 
 
 def layout(draw: Draw):
@@ -37,24 +42,24 @@ def layout(draw: Draw):
     yield Mesh(name="sign", category="070_paymentsign", model=model, pose=pose)
 
 
+def target(arm: Arm) -> Pose:
+    """The sign close to the robot, on the arm's own side, turned to the robot."""
+    return Pose((-OUT if arm.side == "left" else OUT, BACK, TABLE_TOP), IDENTITY)
+
+
 def turn(robot: Robot, arm: Arm, how: Placing) -> None:
-    robot.do(arm.place("sign", near_by(arm), how=how))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.place("sign", target(arm), how=how))
+    robot.do(arm.retreat(RETREAT))
 
 
 def script(robot: Robot) -> None:
     arm = robot.nearest("sign")
-    for _ in range(2):
-        robot.do(arm.grasp("sign", pre=0.05, aim=Aim(near_by(arm), None, FACING)))
-        robot.do(arm.lift(0.07))
+    for _ in range(GRASPS):
+        robot.do(arm.grasp("sign", pre=APPROACH, aim=Aim(target(arm), None, FACING)))
+        robot.do(arm.lift(LIFT))
         if robot.tried(lambda: turn(robot, arm, FACING)):
             return
         turn(robot, arm, PARTLY)
-
-
-def near_by(arm: Arm) -> Pose:
-    """Close to the robot, where a hand can point back at it."""
-    return Pose((-0.08 if arm.side == "left" else 0.08, -0.22, 0.74), IDENTITY)
 
 
 task = Task(

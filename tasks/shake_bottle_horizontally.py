@@ -5,96 +5,87 @@ within 20 deg and in a hand. Upstream tests that the bottle was lifted; the shak
 attitude are what the name demands.
 """
 
+from itertools import product
 from math import pi
 
 import numpy as np
 
 from rtphys.task import (
+    Condition,
     Draw,
-    Mesh,
     Pose,
     Robot,
     Scene,
     Task,
-    above,
     axis_angle,
-    claim,
+    condition,
+    in_either_hand,
     quat_multiply,
-    shaken,
 )
 
-LYING = (0.0, 0.0, 1.0, 0.0)  # top away from the robot
-TILT = 0.3927  # [rad] 22.5 deg
-STROKE = 0.05  # [m]
-COUNTS = 0.03  # [m] least stroke that counts
+from ._shaken_bottle import (
+    APPROACH,
+    DEPTH,
+    LIFT,
+    OUT,
+    TILT,
+    lying_bottle,
+    shaken_in_air,
+    up_and_down,
+)
+
 SPINS = (pi / 2, pi / 3, pi / 4, 0.4, 0.0)  # [rad] from a hand above to a level one
+HEIGHTS = (0.95, 1.0)  # [m] of the bottle's middle, at the bottom of the shaking
+HEADINGS = (0.0, 0.4, -0.4, 0.8, -0.8, pi / 2)  # [rad] of its top, from x
 
 
 def layout(draw: Draw):
-    sides = [(-0.15, -0.1), (0.1, 0.15)]
-    spot = draw.spot("bottle", x=sides, y=(-0.15, -0.05), yaw=(-pi / 4, pi / 4))
-    model = draw.choice("model", *range(20))
-    pose = spot.pose(LYING)
-    yield Mesh(name="bottle", category="001_bottle", model=model, pose=pose, rolls_about=1)
+    yield lying_bottle(draw)
 
 
-def shake(scene: Scene, centre: tuple[float, float, float], yaw: float, spin: float) -> list[Pose]:
-    """Poses of the bottle: level, three times up leaning one way and down the other, level.
+def shakes(scene: Scene, centre: tuple[float, float, float], yaw: float, spin: float) -> list[Pose]:
+    """Poses of the bottle: level, shaken across its own axis, level.
 
     Args:
-        yaw: turn about the vertical, away from where the top points now.
-        spin: turn about the bottle's own axis, which brings the hand from above to behind it.
+        centre: of the bottle's middle [m].
+        yaw: turn about the vertical, away from where the top points now [rad].
+        spin: turn about the bottle's own axis, which brings the hand from above to behind it [rad].
     """
-    now, middle = scene.pose("bottle"), scene.functional("bottle", 0).p
+    now, middle = scene.pose("bottle"), scene.functional("bottle").p
     turned = quat_multiply(axis_angle((0, 0, 1), yaw), now.q)
     axis = Pose((0, 0, 0), turned).R[:, 1]
     level = Pose(centre, quat_multiply(axis_angle(axis, spin), turned))
     across = np.cross((0, 0, 1), axis)
+    leaning = [quat_multiply(axis_angle(across, tilt), level.q) for tilt in (TILT, -TILT)]
     X_MB = Pose(middle, now.q).inverse() @ now
-    path = [level]
-    for _ in range(3):
-        for height, tilt in ((STROKE, TILT), (0.0, -TILT)):
-            lean = quat_multiply(axis_angle(across, tilt), level.q)
-            path.append(Pose((*centre[:2], centre[2] + height), lean))
-    return [pose @ X_MB for pose in [*path, level]]
+    return [X_WM @ X_MB for X_WM in up_and_down(level, *leaning)]
 
 
-def lying(within: float):
+def lying(within: float) -> Condition:
     """The bottle's axis within an angle [rad] of level."""
-    return claim(
+    return condition(
         f"the bottle lies level within {within:.2f} rad",
         lambda s: bool(abs(s.pose("bottle").R[2, 1]) < np.sin(within)),
     )
 
 
-def in_hand(scene: Scene) -> bool:
-    return any(scene.touching(f"{side}_gripper", "bottle") for side in ("left", "right"))
-
-
 def script(robot: Robot) -> None:
     arm = robot.nearest("bottle")
-    robot.do(arm.grasp("bottle", pre=0.075))
-    robot.do(arm.lift(0.1))
-    sign = -1 if arm.side == "left" else 1
-    top = robot.scene.pose("bottle").R[:, 1]
-    heading = float(np.arctan2(top[1], top[0]))
-    ways = [
-        shake(robot.scene, (0.15 * sign, -0.08, z), way - heading, spin)
-        for spin in SPINS
-        for z in (0.95, 1.0)
-        for way in (0.0, 0.4, -0.4, 0.8, -0.8, pi / 2)
+    robot.do(arm.grasp("bottle", pre=APPROACH))
+    robot.do(arm.lift(LIFT))
+    x, top = -OUT if arm.side == "left" else OUT, robot.scene.pose("bottle").R[:, 1]
+    now = float(np.arctan2(top[1], top[0]))
+    paths = [
+        shakes(robot.scene, (x, DEPTH, z), heading - now, spin)
+        for spin, z, heading in product(SPINS, HEIGHTS, HEADINGS)
     ]
-    robot.do(arm.carry("bottle", *ways))
+    robot.do(arm.carry("bottle", *paths))
 
 
-in_air = above("bottle", 0.8)
 task = Task(
     layout=layout,
     script=script,
-    success=shaken("bottle", by=COUNTS, turns=5, during=in_air & lying(0.7))
-    & in_air
-    & lying(0.35)
-    & claim("the bottle is in a hand", in_hand),
+    success=shaken_in_air(lying(0.7)) & lying(0.35) & in_either_hand("bottle"),
     step_limit=700,
     mechanism="lift, shake",
     info={"A": "bottle", "a": "arm:bottle"},

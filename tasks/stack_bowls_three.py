@@ -4,7 +4,9 @@ Success: each further bowl rests centred in the one below, a nest's height above
 the table, and both hands are open. Upstream bounds heights from above only and asks for no rest.
 """
 
-from rtphys.task import Draw, Robot, Task, bowls_nested, nest_bowls, scattered_bowls
+from rtphys.task import Draw, Robot, Task
+
+from ._bowls import bowls_nested, nest_bowls, scattered_bowls
 
 BOWLS = ("bowl1", "bowl2", "bowl3")
 

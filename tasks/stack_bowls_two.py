@@ -4,7 +4,9 @@ Success: the second bowl rests centred in the first, a nest's height above it, t
 table, and both hands are open. Upstream bounds heights from above only and does not ask for rest.
 """
 
-from rtphys.task import Draw, Robot, Task, bowls_nested, nest_bowls, scattered_bowls
+from rtphys.task import Draw, Robot, Task
+
+from ._bowls import bowls_nested, nest_bowls, scattered_bowls
 
 BOWLS = ("bowl1", "bowl2")
 

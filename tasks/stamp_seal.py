@@ -19,16 +19,20 @@ from rtphys.task import (
     Scene,
     Task,
     at_rest,
-    claim,
     clear_of,
+    condition,
     hands_open,
+    in_hand,
     near,
     off_centre,
     on_table,
     upright,
 )
 
-REACH = 0.01  # [m]
+MISS = 0.01  # [m] of the seal from the square's middle, per axis
+FLAT = 0.97  # cosine of the seal's tilt, at least, while it is pressed
+SIDES = (4, 5, 6, 7)  # contact points of the seal
+LIFT, RETREAT = 0.05, 0.06  # [m] to carry the seal; back from it once it is released
 ONTO = Placing(pre=0.06, gap=-0.002, along="point", until="table")
 
 
@@ -47,15 +51,14 @@ def layout(draw: Draw):
 
 def on_mark(scene: Scene) -> bool:
     gap = scene.pose("seal").p - scene.pose("mark").p
-    return bool(max(abs(gap[0]), abs(gap[1])) < REACH)
+    return bool(max(abs(gap[0]), abs(gap[1])) < MISS)
 
 
 def stamped(scene: Scene) -> bool:
     """A hand that held the seal pressed it flat on the square."""
-    held = any(scene.touching(f"{side}_gripper", "seal") for side in ("left", "right"))
-    flat = scene.pose("seal").R[2, 1] > 0.97
-    now = held and flat and on_mark(scene) and scene.touching("seal", "table")
-    return scene.once("stamped", bool(now))
+    flat = scene.pose("seal").R[2, 1] > FLAT
+    pressed = in_hand(scene, "seal") and flat and scene.touching("seal", "table")
+    return scene.once("stamped", bool(pressed and on_mark(scene)))
 
 
 def script(robot: Robot) -> None:
@@ -63,23 +66,23 @@ def script(robot: Robot) -> None:
     target = Pose((*robot.scene.pose("mark").p[:2], TABLE_TOP), DOWN)
 
     def take() -> None:
-        robot.do(arm.grasp("seal", (4, 5, 6, 7), pre=0.1, aim=Aim(target, None, ONTO)))
-        robot.do(arm.lift(0.05))
+        robot.do(arm.grasp("seal", SIDES, aim=Aim(target, None, ONTO)))
+        robot.do(arm.lift(LIFT))
 
     robot.retake(take)
     robot.do(arm.place("seal", target, how=ONTO))
-    robot.do(arm.retreat(0.06))
+    robot.do(arm.retreat(RETREAT))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=near("seal", "mark", within=(REACH, REACH, 0.02))
+    success=near("seal", "mark", within=(MISS, MISS, 0.02))
     & hands_open()
     & on_table("seal")
     & upright("seal", axis=1, within=0.15)
     & at_rest("seal")
-    & claim("the seal was pressed on the square", stamped, remembers=True),
+    & condition("the seal was pressed on the square", stamped, remembers=True),
     step_limit=400,
     mechanism="tool: stamp",
     info={"A": "seal", "B": "mark", "a": "arm:seal"},

@@ -4,6 +4,7 @@ Success: the rocker is within 0.05 rad of its upper stop, and a hand has been on
 not ask for the hand; an external force alone may creep a loose rocker there within an episode.
 """
 
+from itertools import product
 from math import pi
 
 import numpy as np
@@ -19,16 +20,21 @@ from rtphys.task import (
     Scene,
     Task,
     axis_angle,
-    claim,
+    condition,
+    in_hand,
     quat_multiply,
 )
 
-MARGIN = 0.05  # [rad]
+MARGIN = 0.05  # [rad] of the rocker from its stop, at most
+CLOSE = 0.5 * MARGIN  # [rad] at which the hand need not wait any longer
 PUSH = 12.0  # [N] on the rocker that its damping may cost: the servos yield 2 mm per newton
+LEVER = 0.025  # [m] of the push about the rocker's hinge
+LEAST_TIME = 0.8  # [s] of the push
 LEAN = 0.03  # [m] commanded past the plate, so that the last of the way is pushed with 15 N
+LEANS = (LEAN, 0.6 * LEAN)  # [m]: less where all of it is out of reach
+PITCHES = (0.0, 0.2, -0.2, 0.4)  # [rad] of the hand: level where that is in reach
 CLEAR = 0.08  # [m] TCP to switch before the push
-TCP, FINGER = 0.12, 0.0356  # [m] ee to TCP, TCP to fingertips
-LEVER = 0.025  # [m] about the rocker's hinge
+WAITS, WAIT = 30, 0.3  # number at most, and [s] each: a stiff rocker follows the hand late
 
 
 def layout(draw: Draw):
@@ -47,56 +53,50 @@ def left_to_go(scene: Scene) -> float:
     return high - q
 
 
-def ways(scene: Scene) -> list[list[Pose]]:
-    """Straight into the plate from CLEAR before it; pitched only where level is out of reach."""
-    point = scene.contact("switch", 0)
-    found = []
-    for lean in (LEAN, 0.6 * LEAN):
-        for pitch in (0.0, 0.2, -0.2, 0.4):
-            level = Pose.from_matrix(
-                np.column_stack([-point.R[:, 1], -point.R[:, 2], point.R[:, 0]])
-            )
-            q = quat_multiply(level.q, axis_angle((0, 1, 0), pitch))
-            at = Pose(point.p, q)
-            steps = (CLEAR + TCP, TCP + FINGER - lean)
-            found.append([at.moved(-step * at.R[:, 0]) for step in steps])
-    return found
+def pushing_paths(robot: Robot) -> list[list[Pose]]:
+    """Hand poses before the plate and in it, the straightest and deepest first."""
+    point, hand = robot.scene.contact("switch"), robot.hand
+    level = Pose.from_matrix(np.column_stack([-point.R[:, 1], -point.R[:, 2], point.R[:, 0]]))
+    paths = []
+    for lean, pitch in product(LEANS, PITCHES):
+        pitched = Pose(point.p, quat_multiply(level.q, axis_angle((0, 1, 0), pitch)))
+        distances = (CLEAR + hand.tcp, hand.tip - lean)
+        paths.append([pitched.moved(-distance * pitched.R[:, 0]) for distance in distances])
+    return paths
 
 
 def push(robot: Robot, arm: Arm) -> None:
-    """No faster than the damping allows."""
+    """Push the rocker in, no faster than its damping allows."""
     damping = robot.scene.physics.scalar("object_joint_damping", 0.0)
     seconds = left_to_go(robot.scene) * damping / (PUSH * LEVER)
-    robot.do(arm.sweep(*ways(robot.scene), seconds=max(seconds, 0.8), prop="switch"))
+    robot.do(arm.sweep(*pushing_paths(robot), seconds=max(seconds, LEAST_TIME), prop="switch"))
 
 
 def script(robot: Robot) -> None:
     first = robot.right if robot.scene.pose("switch").R[0, 0] < 0 else robot.left
-    robot.do(first.close(), robot.other(first).close())
-    for arm in (first, robot.other(first)):
-        if robot.tried(lambda arm=arm: push(robot, arm)):
-            break
-    else:
+    second = robot.other(first)
+    robot.do(first.close(), second.close())
+    arm = robot.first_feasible((first, second), lambda arm: push(robot, arm))
+    if arm is None:
         raise Infeasible("unreachable", "no hand can push the rocker straight in")
-    for _ in range(30):  # a stiff rocker follows the hand late
-        if left_to_go(robot.scene) < 0.5 * MARGIN:
+    for _ in range(WAITS):
+        if left_to_go(robot.scene) < CLOSE:
             return
-        robot.do(arm.wait(0.3))
+        robot.do(arm.wait(WAIT))
     if left_to_go(robot.scene) > MARGIN:
         raise Infeasible("too_slow", "the rocker did not reach its stop")
 
 
 def pushed(scene: Scene) -> bool:
     """Whether a hand has touched the switch."""
-    hands = any(scene.touching(f"{side}_gripper", "switch") for side in ("left", "right"))
-    return scene.once("a hand on the switch", hands)
+    return scene.once("a hand on the switch", in_hand(scene, "switch"))
 
 
 task = Task(
     layout=layout,
     script=script,
-    success=claim("the rocker is at its upper stop", lambda s: left_to_go(s) < MARGIN)
-    & claim("a hand has been on the switch", pushed, remembers=True),
+    success=condition("the rocker is at its upper stop", lambda s: left_to_go(s) < MARGIN)
+    & condition("a hand has been on the switch", pushed, remembers=True),
     step_limit=400,
     mechanism="press articulated",
     info={"A": "switch", "a": "arm:switch"},

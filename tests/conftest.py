@@ -4,6 +4,7 @@ import os
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rtphys import doctor
@@ -25,3 +26,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         reason = f"no renderer: {finding.detail}; `rtphys doctor` names the cure"
         for item in drawing:
             item.add_marker(pytest.mark.skip(reason=reason))
+
+
+@pytest.fixture(scope="session")
+def expert_actions() -> np.ndarray:
+    """Recorded commands (n, 14) that solve click_bell, seed 0."""
+    from rtphys.assets.pack import default_pack
+    from rtphys.episode.generate import attempt
+    from rtphys.episode.replay import actions_of
+    from rtphys.setting.setting import Setting
+    from rtphys.task.spec import load_task
+
+    done = attempt(Setting("click_bell").at(0), load_task("click_bell"), default_pack())
+    assert done.accepted, done.reason
+    assert done.recording is not None
+    return actions_of(done.recording)

@@ -1,9 +1,13 @@
 """README says what is true: its tables are the generated ones, its commands exist."""
 
+import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 from rtphys.cli.main import COMMANDS
 
@@ -26,6 +30,18 @@ def test_make_targets_exist() -> None:
     makefile = (ROOT / "Makefile").read_text()
     targets = set(re.findall(r"^([\w-]+):", makefile, re.MULTILINE))
     assert set(re.findall(r"\bmake ([a-z-]+)", README)) <= targets
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="make is missing")
+def test_ci_runs_every_part_and_the_tests_of_the_readme_last() -> None:
+    environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL")}
+    command = ["make", "--dry-run", "ci"]
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    for part in ("ruff format --check", "pyright", "tests/test_wheel.py", "verify-manifest"):
+        assert part in done.stdout
+    assert '-m pytest -n 2 -m "not slow"' in done.stdout.splitlines()[-1]
+    assert "make --no-print-directory ci" in (ROOT / ".ci" / "run").read_text()
 
 
 def test_pictures_exist() -> None:

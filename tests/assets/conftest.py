@@ -8,4 +8,4 @@ from rtphys.assets.pack import Pack
 
 @pytest.fixture(scope="session")
 def builtin(tmp_path_factory) -> Pack:
-    return build(tmp_path_factory.mktemp("builtin") / "pack")
+    return Pack(build(tmp_path_factory.mktemp("builtin") / "pack"))

@@ -3,15 +3,16 @@
 import pytest
 
 from rtphys.assets import build as builder
-from rtphys.assets.build import Job, build, content_digest, jobs
-from rtphys.assets.pack import STAMP, builtin_pack
+from rtphys.assets.build import Job, build, jobs
+from rtphys.assets.identity import STAMP, content_digest
+from rtphys.assets.pack import Pack, builtin_pack
 
 SOME = ["020_hammer", "102_roller", "015_laptop", "aloha-agilex"]
 
 
 def test_two_builds_are_identical_whatever_the_number_of_workers(tmp_path):
-    one = build(tmp_path / "one", names=SOME, workers=1)
-    two = build(tmp_path / "two", names=SOME, workers=2)
+    one = Pack(build(tmp_path / "one", names=SOME, workers=1))
+    two = Pack(build(tmp_path / "two", names=SOME, workers=2))
     files = sorted(p.relative_to(one.root) for p in one.root.rglob("*") if p.is_file())
     assert len(files) > 100
     for path in files:
@@ -21,7 +22,7 @@ def test_two_builds_are_identical_whatever_the_number_of_workers(tmp_path):
 
 @pytest.mark.slow
 def test_the_whole_pack_built_again_has_the_same_digest(tmp_path):
-    again = build(tmp_path / "pack", workers=1)
+    again = Pack(build(tmp_path / "pack", workers=1))
     assert again.digest == builtin_pack().digest == content_digest(again.root)
 
 
@@ -32,7 +33,7 @@ def test_progress_counts_to_the_end(tmp_path):
 
 
 def test_a_failed_build_leaves_the_old_pack_and_no_scraps(tmp_path, monkeypatch):
-    old = build(tmp_path / "pack", names=["050_bell"], workers=1).digest
+    old = Pack(build(tmp_path / "pack", names=["050_bell"], workers=1)).digest
 
     def fail(root, job):
         raise OSError("disk full")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from official_sizes import SIZES
 
-from rtphys.assets.asset_model import Machine, Thing
+from rtphys.assets.asset_model import ArticulatedModel, AssetModel
 from rtphys.assets.objects import catalogue
 from rtphys.assets.write import bounds
 
@@ -15,7 +15,7 @@ NAMES = [(name, i) for name, makers in catalogue().items() for i in makers]
 MADE = {}
 
 
-def made(name: str, index: int) -> Thing | Machine:
+def made(name: str, index: int) -> AssetModel | ArticulatedModel:
     if (name, index) not in MADE:
         MADE[name, index] = catalogue()[name][index]()
     return MADE[name, index]
@@ -23,7 +23,7 @@ def made(name: str, index: int) -> Thing | Machine:
 
 def bodies(name: str, index: int):
     thing = made(name, index)
-    return [thing.body] if isinstance(thing, Thing) else list(thing.links.values())
+    return [thing.body] if isinstance(thing, AssetModel) else list(thing.links.values())
 
 
 every_model = pytest.mark.parametrize(("name", "index"), NAMES, ids=lambda v: str(v))
@@ -87,7 +87,7 @@ def test_size_is_the_official_one(name, index):
     assert size.max() >= 0.7 * official.max()
 
 
-def _width_between_fingers(thing: Thing, X: np.ndarray) -> float:
+def _width_between_fingers(thing: AssetModel, X: np.ndarray) -> float:
     """Extent along the finger axis of what lies between the fingertips [m]."""
     widths = []
     for part in thing.body.collision:
@@ -104,7 +104,7 @@ def _width_between_fingers(thing: Thing, X: np.ndarray) -> float:
 GRASPED = [
     (n, i)
     for n, i in NAMES
-    if isinstance(made(n, i), Thing) and made(n, i).contact_points and not n.startswith("050_")
+    if isinstance(made(n, i), AssetModel) and made(n, i).contact_points and not n.startswith("050_")
 ]
 
 

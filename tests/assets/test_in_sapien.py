@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rtphys.assets.asset_model import Thing
+from rtphys.assets.asset_model import AssetModel
 from rtphys.assets.model import Model
 from rtphys.assets.objects import catalogue
 from rtphys.core.poses import Pose
@@ -18,7 +18,7 @@ RIGID = [
     (name, i)
     for name, makers in catalogue().items()
     for i, make in makers.items()
-    if isinstance(make(), Thing)
+    if isinstance(make(), AssetModel)
 ]
 
 
@@ -57,7 +57,7 @@ def test_all_parts_cook_and_upright_models_rest(builtin, name, index):
     bottom = model.center[1] - model.extents[1] / 2
     entity, body = put(world, model, 0.01 - bottom)
     made = catalogue()[name][index]()
-    assert isinstance(made, Thing)
+    assert isinstance(made, AssetModel)
     assert len(body.collision_shapes) == len(made.body.collision)
     if not model.stable:
         return
@@ -73,7 +73,7 @@ ARTICULATED = [
     (name, i)
     for name, makers in catalogue().items()
     for i, make in makers.items()
-    if not isinstance(make(), Thing)
+    if not isinstance(make(), AssetModel)
 ]
 
 

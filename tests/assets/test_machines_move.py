@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rtphys.assets.build import build
+from rtphys.assets.pack import Pack
 from rtphys.core.poses import Pose
 
 pytestmark = pytest.mark.sim
@@ -19,7 +20,7 @@ FORCE = {"056_switch": 5.0, "044_microwave": 4.0, "036_cabinet": 5.0}  # [N]
 @pytest.fixture(scope="module")
 def pack(tmp_path_factory):
     names = ["056_switch", "044_microwave", "036_cabinet", "112_tea-box", "077_phone"]
-    return build(tmp_path_factory.mktemp("machines") / "pack", names=names, workers=1)
+    return Pack(build(tmp_path_factory.mktemp("machines") / "pack", names=names, workers=1))
 
 
 def stood_up(pack, name, index):
@@ -88,7 +89,7 @@ def test_the_pulled_drawer_holds_what_is_dropped_into_it(pack, thing):
 
 @pytest.mark.parametrize("stand", [1, 2])
 def test_a_phone_leans_in_its_stand(tmp_path, stand):
-    pack = build(tmp_path / "pack", names=["077_phone", "078_phonestand"], workers=1)
+    pack = Pack(build(tmp_path / "pack", names=["077_phone", "078_phonestand"], workers=1))
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     scene.set_timestep(1 / 250)
     up = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1.0]])

@@ -14,7 +14,7 @@ from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError, Unk
 @pytest.fixture(scope="module")
 def pack(tmp_path_factory) -> Pack:
     out = tmp_path_factory.mktemp("packs") / "builtin"
-    return build(out, names=["050_bell", "015_laptop", "aloha-agilex"], workers=1)
+    return Pack(build(out, names=["050_bell", "015_laptop", "aloha-agilex"], workers=1))
 
 
 def official_like(root: Path, scale: float) -> Pack:

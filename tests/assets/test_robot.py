@@ -1,13 +1,15 @@
 """The builtin robot against the figures measured on the official model."""
 
+import shutil
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
 
-from rtphys.assets.embodiment import ALOHA_LIMITS
+from rtphys.assets.embodiment import ALOHA_LIMITS, read_embodiment
 from rtphys.assets.embodiments.aloha_agilex import aloha_agilex
 from rtphys.assets.urdf import placed
+from rtphys.core.errors import BadFile
 from rtphys.core.poses import axis_angle, quat_to_matrix
 
 # World poses at q = 0 of the official machine on its base at (0, -0.65), turned by 90 degrees [m].
@@ -69,7 +71,22 @@ def test_configuration_and_urdf_agree(builtin):
         assert {limb.ee_link, limb.camera_link} <= links
         np.testing.assert_allclose(limb.limits, ALOHA_LIMITS)
     assert robot.finger_target(0.0) == -0.01 and robot.finger_target(1.0) == pytest.approx(0.045)
+    assert (robot.hand.tcp, robot.hand.fingertip, robot.hand.tip) == (0.12, 0.0356, 0.1556)
+    assert robot.hand.finger_open == robot.finger_target(1.0)
     assert [c.name for c in robot.cameras] == ["head_camera", "front_camera"]
+
+
+def test_another_robot_states_its_hand_in_its_configuration(builtin, tmp_path):
+    source = builtin.embodiment().urdf.parents[1]
+    folder = tmp_path / "seven"
+    shutil.copytree(source, folder)
+    with pytest.raises(BadFile, match="hand"):
+        read_embodiment(folder)
+    measures = "fingertip: 0.05, pad_half_width: 0.01, pad_half_thickness: 0.004"
+    with (folder / "config.yml").open("a") as config:
+        config.write(f"hand: {{{measures}, finger_travel: 0.04}}\n")
+    hand = read_embodiment(folder).hand
+    assert (hand.tcp, hand.fingertip, hand.pad_half_width) == (0.12, 0.05, 0.01)
 
 
 def test_it_is_cheap_to_draw_and_its_hulls_are_convex():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rtphys.assets.build import build
+from rtphys.assets.pack import Pack
 from rtphys.assets.patterns import PATTERNS, SIZE
 from rtphys.assets.textures import HELD_OUT, texture_names, write_texture
 from rtphys.core.errors import UnknownName
@@ -40,7 +41,7 @@ def test_pictures_of_a_pattern_differ_and_are_not_flat(pattern):
 
 def test_builder_writes_them_where_the_pack_looks(tmp_path):
     names = ["seen/board_0", "unseen/hexagons_1"]
-    pack = build(tmp_path / "pack", names=[*names, "050_bell"], workers=1)
+    pack = Pack(build(tmp_path / "pack", names=[*names, "050_bell"], workers=1))
     assert [p.name for p in pack.textures("seen")] == ["board_0.png"]
     assert [p.name for p in pack.textures("unseen")] == ["hexagons_1.png"]
     write_texture(tmp_path / "again", names[0])

@@ -175,7 +175,7 @@ def test_refusals_leave_nothing(dataset: Dataset, tmp_path: Path) -> None:
         export_lerobot(dataset, tmp_path / "out", version="v4")
     with pytest.raises(UnknownName, match="did you mean 'head_camera'"):
         export_lerobot(dataset, tmp_path / "out", camera_names="head_cam=top")
-    with pytest.raises(BadValue, match="a name of its own"):
+    with pytest.raises(BadValue, match="a distinct name"):
         export_lerobot(dataset, tmp_path / "out", camera_names="head_camera=a,left_camera=a")
 
     def stop(done: int, _: int) -> None:

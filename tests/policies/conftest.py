@@ -1,4 +1,4 @@
-"""A real episode with painted pictures, and what its expert did: served policies repeat it."""
+"""A real episode with painted pictures, for policies behind a server."""
 
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -8,9 +8,7 @@ import pytest
 
 from rtphys.assets.pack import default_pack
 from rtphys.episode import CameraView, PolicyEpisode, begin
-from rtphys.episode.generate import attempt
 from rtphys.episode.mirror import Mirror
-from rtphys.episode.replay import actions_of
 from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
 
@@ -23,15 +21,6 @@ collect_ignore = (
 
 TASK, SEED = "click_bell", 0
 SHADES = {"head": 10, "left": 20, "right": 30}
-
-
-@pytest.fixture(scope="session")
-def expert_actions() -> np.ndarray:
-    """(n, 14) recorded commands that ring the bell."""
-    done = attempt(Setting(TASK).at(SEED), load_task(TASK), default_pack())
-    assert done.accepted, done.reason
-    assert done.recording is not None
-    return actions_of(done.recording)
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from rtphys.core.errors import BadValue, UnknownName
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.policies import PolicyGone, PolicySetup, open_policy
 from rtphys.policies.served.connection import ServerFailed
-from rtphys.policies.served.openpi import open_openpi, question
+from rtphys.policies.served.openpi import open_openpi, request
 from rtphys.policies.served.wire import OPENPI
 from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
@@ -138,7 +138,7 @@ def test_nobody_there() -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    with pytest.raises(PolicyGone, match=f"127.0.0.1:{port}.*nobody opened"):
+    with pytest.raises(PolicyGone, match=f"127.0.0.1:{port}.*no server answered"):
         open_openpi(f"127.0.0.1:{port}?connect_s=0.1", PolicySetup())
 
 
@@ -179,7 +179,7 @@ def test_it_sees_the_world() -> None:
     with serving(repeating(np.zeros((1, 14)), 1, seen)) as where:
         policy = open_openpi(where, PolicySetup())
         episode = begin(Setting("click_bell").at(0), load_task("click_bell"), default_pack())
-        policy.infer(question(episode.observe(), episode.instruction))
+        policy.infer(request(episode.observe(), episode.instruction))
         policy.close()
     views = seen[0]["images"]
     assert all(view.std() > 5 for view in views.values())

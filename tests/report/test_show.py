@@ -1,5 +1,6 @@
 """`rtphys show`: what it says of an episode, and the pictures it writes."""
 
+import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -54,11 +55,15 @@ def test_sheet_has_a_row_per_camera(dataset: Dataset) -> None:
 
 def test_plot_draws_target_and_measured_of_every_joint(dataset: Dataset) -> None:
     root = ElementTree.fromstring(joint_plot(dataset[0]))
-    lines = root.findall(f"{SVG}polyline")
-    assert len(lines) == 2 * 14
-    assert all(len(line.attrib["points"].split()) == FRAMES for line in lines)
-    stages = [text.text for text in root.findall(f"{SVG}text")]
-    assert stages.count("reach") == stages.count("press") == 2
+    groups = {group.attrib.get("id", ""): group for group in root.iter(f"{SVG}g")}
+    for panel in panels(dataset[0].frames):
+        for label in ("commanded", "measured"):
+            (path,) = groups[f"{label} {panel.title}"].iter(f"{SVG}path")
+            assert len(re.findall(r"[ML] ", path.attrib["d"])) == FRAMES
+    words = {text.text or "" for text in root.iter(f"{SVG}text")}
+    (stages,) = (text for text in words if "reach" in text)
+    assert "press" in stages and {"1", "2", "commanded", "measured"} <= words
+    assert joint_plot(dataset[0]) == joint_plot(dataset[0])
 
 
 def test_a_panel_pairs_command_and_joint_by_name(dataset: Dataset) -> None:

@@ -33,7 +33,7 @@ def test_json_and_back(recipe: Recipe) -> None:
 def test_a_missing_key_is_named(key: str) -> None:
     stored = RECIPES[0].to_json()
     del stored[key]
-    with pytest.raises(ValueError, match=key):
+    with pytest.raises(KeyError, match=key):
         Recipe.from_json(stored)
 
 

@@ -62,7 +62,7 @@ class Inertial:
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class AssetModel:
     """A rigid model as its generator returns it, in the official object frame."""
 
     body: Body
@@ -91,7 +91,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
-class Machine:
+class ArticulatedModel:
     """An articulated model as its generator returns it. The first link is the root, z up."""
 
     links: dict[str, Body]

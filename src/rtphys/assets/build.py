@@ -1,35 +1,34 @@
-"""Writes the builtin pack: in parallel, whole or not at all, the same bytes each time."""
+"""Builds the builtin asset pack in parallel, completely or not at all, the same bytes each time."""
 
-import hashlib
 import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 from queue import Queue
 
-from rtphys.assets.asset_model import Machine
+from rtphys.assets.asset_model import ArticulatedModel
 from rtphys.assets.embodiments import EMBODIMENTS
+from rtphys.assets.identity import STAMP, content_digest, source_digest
 from rtphys.assets.objects import catalogue
-from rtphys.assets.pack import STAMP, Pack, Progress
 from rtphys.assets.textures import texture_names, write_texture
-from rtphys.assets.write import write_machine, write_thing
-from rtphys.core import arithmetic
+from rtphys.assets.write import write_articulated, write_rigid
 
-FORMAT = 1  # of the pack, raised when the loader could no longer read an older one
-LIBRARIES = ("manifold3d", "numpy", "scipy")  # whose version may move a vertex
-FEW = 12  # jobs that are not worth starting processes for
+Progress = Callable[[int, int, str], None]  # jobs done, jobs in all, name of the one just done
+
+FORMAT = 1  # of the pack; raise it when the loader can no longer read older packs
+FEW_JOBS = 12  # up to this many are written without starting processes
+MOST_WORKERS = 8  # processes by default; more find too few jobs to share
 
 
 @dataclass(frozen=True, order=True)
 class Job:
-    """One thing to write. Names only, so that it can be sent to another process."""
+    """One model, robot or texture to write. Names only, so that it can go to another process."""
 
     kind: str  # "embodiment", "object" or "texture"
     name: str
@@ -40,7 +39,7 @@ class Job:
 
 
 def jobs(names: Iterable[str] = ()) -> list[Job]:
-    """Everything the pack holds, or only what has one of these names."""
+    """Jobs for everything in the pack, or only for what has one of `names`."""
     wanted = set(names)
     every = [Job("embodiment", name) for name in EMBODIMENTS]
     every += [Job("object", name, i) for name, makers in catalogue().items() for i in makers]
@@ -49,7 +48,7 @@ def jobs(names: Iterable[str] = ()) -> list[Job]:
 
 
 def write(root: Path, job: Job) -> Job:
-    """Make and write one job's files under `root`."""
+    """Generate one job's model, robot or texture and write its files under `root`."""
     if job.kind == "embodiment":
         EMBODIMENTS[job.name](root / "embodiments" / job.name)
         return job
@@ -57,11 +56,11 @@ def write(root: Path, job: Job) -> Job:
         write_texture(root / "textures", job.name)
         return job
     folder = root / "objects" / job.name
-    made = catalogue()[job.name][job.index]()
-    if isinstance(made, Machine):
-        write_machine(folder / str(job.index), made)
+    model = catalogue()[job.name][job.index]()
+    if isinstance(model, ArticulatedModel):
+        write_articulated(folder / str(job.index), model)
     else:
-        write_thing(folder, job.index, made)
+        write_rigid(folder, job.index, model)
     return job
 
 
@@ -70,15 +69,15 @@ def build(
     progress: Progress | None = None,
     names: Iterable[str] = (),
     workers: int | None = None,
-) -> Pack:
-    """Write the pack to `out`, which then holds all of it; an older pack there is replaced.
+) -> Path:
+    """Write the builtin pack to the folder `out` (returned); a pack already there is replaced.
 
     Args:
-        out: folder to make. Nothing of it is touched before everything is written.
-        progress: told (done, total, name) after each model.
+        out: folder to make. Nothing in it is touched before everything is written.
+        progress: called after each job.
         names: only these objects, robots and textures (for authors); all if empty.
         workers: processes, at least one, whose arithmetic is pinned even where the caller's is not
-            (see `rtphys.core.arithmetic`); by default one a core, and none for a handful of models.
+            (see `rtphys.core.arithmetic`); by default one per core, and none for a few jobs.
     """
     out = Path(out).expanduser()
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -99,42 +98,17 @@ def build(
         _install(scratch, out)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
-    return Pack(out)
-
-
-def content_digest(root: Path) -> str:
-    """SHA-256 over the names and bytes of all files under `root`."""
-    total = hashlib.sha256()
-    files = [p for p in root.rglob("*") if p.is_file() and p.name != STAMP]
-    for path in sorted(files, key=lambda p: p.relative_to(root).as_posix()):
-        total.update(f"{path.relative_to(root).as_posix()}\0{path.stat().st_size}\0".encode())
-        total.update(path.read_bytes())
-    return total.hexdigest()
-
-
-def source_digest() -> str:
-    """SHA-256 over the generators' own code, the libraries they compute with, and how.
-
-    It can be had without building, so it names the cached pack's folder.
-    """
-    here = Path(__file__).parent
-    total = hashlib.sha256()
-    for path in sorted(here.rglob("*.py"), key=lambda p: p.relative_to(here).as_posix()):
-        total.update(path.relative_to(here).as_posix().encode() + b"\0" + path.read_bytes())
-    for name in LIBRARIES:
-        total.update(f"{name} {metadata.version(name)}\0".encode())
-    for name, value in arithmetic.PINS.items():
-        total.update(f"{name} {value}\0".encode())
-    return total.hexdigest()
+    return out
 
 
 def _write_all(root: Path, todo: list[Job], progress: Progress | None, workers: int | None) -> None:
-    count = max(workers if workers is not None else min(os.cpu_count() or 1, 8), 1)
-    if len(todo) <= FEW:
+    if len(todo) <= FEW_JOBS:
         for done, job in enumerate(todo, 1):
             write(root, job)
-            _tell(progress, done, todo, job)
+            _report(progress, done, todo, job)
         return
+    default = min(os.cpu_count() or 1, MOST_WORKERS)
+    count = max(default if workers is None else workers, 1)
     finished: Queue[Job | Exception] = Queue()
     with ThreadPoolExecutor(count) as threads:
         for i in range(count):
@@ -143,38 +117,39 @@ def _write_all(root: Path, todo: list[Job], progress: Progress | None, workers: 
             job = finished.get()
             if isinstance(job, Exception):
                 raise job
-            _tell(progress, done, todo, job)
+            _report(progress, done, todo, job)
 
 
-def _run_worker(root: Path, share: list[Job], finished: "Queue[Job | Exception]") -> None:
-    """One process for these jobs; puts each into `finished`, or what stopped it.
-
-    A plain command and not multiprocessing, which would run the caller's main module again: that
-    may be a notebook, or a script without a guard.
-    """
-    source = str(Path(__file__).parents[2])
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([source, os.environ.get("PYTHONPATH", "")])}
-    command = [sys.executable, "-m", "rtphys.assets.worker", str(root)]
-    with tempfile.TemporaryFile("w+") as orders, tempfile.TemporaryFile("w+") as said:
-        orders.write("".join(f"{job.kind} {job.name} {job.index}\n" for job in share))
-        orders.seek(0)
-        with subprocess.Popen(
-            command, stdin=orders, stdout=subprocess.PIPE, stderr=said, text=True, env=env
-        ) as process:
-            for job, _ in zip(share, process.stdout or (), strict=False):
-                finished.put(job)
-        if process.returncode:
-            said.seek(0)
-            finished.put(RuntimeError(f"a generator failed:\n{said.read()[-2000:]}"))
-
-
-def _tell(progress: Progress | None, done: int, todo: list[Job], job: Job) -> None:
+def _report(progress: Progress | None, done: int, todo: list[Job], job: Job) -> None:
     if progress is not None:
         progress(done, len(todo), str(job))
 
 
+def _run_worker(root: Path, share: list[Job], finished: "Queue[Job | Exception]") -> None:
+    """Run one process that writes the jobs of `share`, and put each, or an error, in `finished`.
+
+    The process is a plain command. Multiprocessing would run the caller's main module again, which
+    may be a notebook, or a script without a `__main__` guard.
+    """
+    source = str(Path(__file__).parents[2])
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([source, os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-m", "rtphys.assets.worker", str(root)]
+    with tempfile.TemporaryFile("w+") as job_lines, tempfile.TemporaryFile("w+") as error_text:
+        job_lines.write("".join(f"{job.kind} {job.name} {job.index}\n" for job in share))
+        job_lines.seek(0)
+        with subprocess.Popen(
+            command, stdin=job_lines, stdout=subprocess.PIPE, stderr=error_text, text=True, env=env
+        ) as process:
+            for job, _ in zip(share, process.stdout or (), strict=False):
+                finished.put(job)
+        if process.returncode:
+            error_text.seek(0)
+            problem = error_text.read()[-2000:]
+            finished.put(RuntimeError(f"a process that builds the asset pack failed:\n{problem}"))
+
+
 def _install(scratch: Path, out: Path) -> None:
-    """Put the finished folder in place; a pack found there is moved aside first."""
+    """Move the finished folder to `out`; a pack that is there is moved aside first."""
     if out.exists():
         old = Path(tempfile.mkdtemp(prefix=f".{out.name}-old-", dir=out.parent))
         out.rename(old / "pack")

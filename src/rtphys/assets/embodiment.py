@@ -18,6 +18,34 @@ Array = NDArray[np.float64]
 # The official aloha URDF allows +-10 rad, which invites IK answers wound round by 2 pi.
 # These are the ranges the arm really has and that its workspace was measured with [rad].
 ALOHA_LIMITS = ((-2.6, 2.6), (0.0, 3.5), (0.0, 3.2), (-1.6, 1.6), (-1.6, 1.6), (-3.1, 3.1))
+# The official config of a robot does not say how large its fingers are; another robot's may, under
+# `hand`. Measured on the official model of the aloha [m].
+ALOHA_HAND = {
+    "fingertip": 0.0356,
+    "pad_half_width": 0.0305,
+    "pad_half_thickness": 0.01,
+    "finger_travel": 0.0475,
+}
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Measures of a gripper with two fingers, in its ee frame [m].
+
+    x is the approach direction, y the direction in which the fingers close.
+    """
+
+    tcp: float  # ee origin to the tool centre point (TCP), along x
+    fingertip: float  # TCP to the fingertips, along x
+    pad_half_width: float  # of a finger, along z
+    pad_half_thickness: float  # of both closed fingers together, along y
+    finger_open: float  # distance of each finger from closed when the gripper is open
+    finger_travel: float  # greatest distance of a finger from closed
+
+    @property
+    def tip(self) -> float:
+        """ee origin to the fingertips, along x."""
+        return self.tcp + self.fingertip
 
 
 @dataclass(frozen=True)
@@ -72,7 +100,7 @@ class Embodiment:
     joint_damping: float  # [N m s/rad]
     gripper_stiffness: float  # [N/m]
     gripper_damping: float  # [N s/m]
-    gripper_bias: float  # [m] from the ee link to the TCP along x
+    hand: Hand  # the same on both arms
     gripper_scale: tuple[float, float]  # [m] finger joint target at g = 0 (closed) and g = 1 (open)
     bases: tuple[Pose, ...]  # world <- root link; one, or one an arm
     delta_matrix: Array  # (3, 3)
@@ -127,7 +155,7 @@ def _embodiment(name: str, urdf: Path, config: Mapping[str, object]) -> Embodime
         joint_damping=_number(config["joint_damping"]),
         gripper_stiffness=_number(config["gripper_stiffness"]),
         gripper_damping=_number(config["gripper_damping"]),
-        gripper_bias=_number(config["gripper_bias"]),
+        hand=_hand(name, config),
         gripper_scale=(closed, opened),
         bases=tuple(Pose(p[:3], p[3:7]) for p in poses),
         delta_matrix=np.array(config["delta_matrix"], float),
@@ -138,12 +166,25 @@ def _embodiment(name: str, urdf: Path, config: Mapping[str, object]) -> Embodime
     )
 
 
+def _hand(name: str, config: Mapping[str, object]) -> Hand:
+    measures = ALOHA_HAND if _is_aloha(name) else cast(Mapping[str, object], config["hand"])
+    return Hand(
+        tcp=_number(config["gripper_bias"]),
+        finger_open=_numbers(config["gripper_scale"])[1],
+        **{key: _number(measures[key]) for key in ALOHA_HAND},
+    )
+
+
+def _is_aloha(name: str) -> bool:
+    return name.startswith("aloha-agilex")
+
+
 def _limb(i: int, name: str, config: Mapping[str, object], limits: dict[str, Array]) -> Limb:
     joints = tuple(str(j) for j in _list(_list(config["arm_joints_name"])[i]))
     gripper = cast(Mapping[str, object], _list(config["gripper_name"])[i])
     mimics = [_list(m) for m in _list(gripper["mimic"])]
     side = ("left", "right")[i]
-    used = ALOHA_LIMITS if name.startswith("aloha-agilex") else [limits[j] for j in joints]
+    used = ALOHA_LIMITS if _is_aloha(name) else [limits[j] for j in joints]
     return Limb(
         side=side,
         joints=joints,

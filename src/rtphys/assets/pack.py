@@ -3,12 +3,13 @@
 import hashlib
 import os
 import re
-from collections.abc import Callable
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtphys.assets.embodiment import Embodiment, read_embodiment
+from rtphys.assets.identity import STAMP, description_digest, source_digest
 from rtphys.assets.model import (
     Articulation,
     Box,
@@ -20,9 +21,9 @@ from rtphys.assets.model import (
 )
 from rtphys.core.errors import BadFile, MissingAsset, UnknownName
 
-Progress = Callable[[int, int, str], None]  # done, total, name of what was just made
+if TYPE_CHECKING:  # the generators need trimesh and manifold3d, a finished pack needs neither
+    from rtphys.assets.build import Progress
 
-STAMP = "pack.json"  # written last by the builder: its presence says the pack is whole
 FALLBACKS = ("", "builtin")
 TEXTURE_FOLDERS = ("textures", "background_texture")  # ours, the official name
 
@@ -200,17 +201,10 @@ class Pack:
         stamp = self.root / STAMP
         if stamp.is_file():
             return str(read_json(stamp).get("digest", ""))
-        total = hashlib.sha256()
-        for path in sorted(p for p in self.root.rglob("*") if p.is_file()):
-            total.update(
-                f"{path.relative_to(self.root).as_posix()}\0{path.stat().st_size}\0".encode()
-            )
-            if path.suffix in (".json", ".yml", ".urdf"):
-                total.update(path.read_bytes())
-        return total.hexdigest()
+        return description_digest(self.root)
 
 
-def default_pack(progress: Progress | None = None) -> Pack:
+def default_pack(progress: "Progress | None" = None) -> Pack:
     """The pack to use when none is named.
 
     `$RTPHYS_ASSETS` if set, with the builtin pack behind it if `$RTPHYS_ASSETS_FALLBACK` says
@@ -227,7 +221,7 @@ def default_pack(progress: Progress | None = None) -> Pack:
     return Pack(root, builtin_pack(progress) if use_builtin else None)
 
 
-def chosen_pack(root: Path | None, fallback: str, progress: Progress | None = None) -> Pack:
+def chosen_pack(root: Path | None, fallback: str, progress: "Progress | None" = None) -> Pack:
     """The pack of one run: `root`, with the builtin one behind it if `fallback` says so.
 
     Args:
@@ -245,13 +239,12 @@ def chosen_pack(root: Path | None, fallback: str, progress: Progress | None = No
     return Pack(root.resolve(), builtin_pack(progress) if fallback == "builtin" else None)
 
 
-def builtin_pack(progress: Progress | None = None) -> Pack:
+def builtin_pack(progress: "Progress | None" = None) -> Pack:
     """The generated pack in the user's cache, built first if this version's is not there."""
-    # Imported late: the generators need trimesh and manifold3d, a finished pack needs neither.
-    from rtphys.assets.build import build, source_digest
-
     root = cache_folder() / source_digest()[:16]
     if not (root / STAMP).is_file():
+        from rtphys.assets.build import build
+
         build(root, progress)
     return Pack(root)
 

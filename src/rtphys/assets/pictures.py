@@ -62,15 +62,15 @@ def screen(top: Colour, bottom: Colour, window: Colour = (0.95, 0.95, 0.97)) -> 
 
 def grain(colour: Colour, name: str, contrast: float = 0.12, size: int = 32) -> Picture:
     """Wood: long streaks across the picture's width, different for every `name`."""
-    draw = stream(0, "assets", "grain", name)
-    rows = np.cumsum(draw.normal(0, 1, size))
+    rng = stream(0, "assets", "grain", name)
+    rows = np.cumsum(rng.normal(0, 1, size))
     rows = (rows - rows.mean()) / (np.abs(rows - rows.mean()).max() + 1e-9)
-    shade = 1 + contrast * (0.7 * rows[:, None] + 0.3 * draw.normal(0, 0.5, (size, size)))
+    shade = 1 + contrast * (0.7 * rows[:, None] + 0.3 * rng.normal(0, 0.5, (size, size)))
     return to_picture(np.array(colour) * shade[..., None])
 
 
 def speckle(colour: Colour, name: str, contrast: float = 0.1, size: int = 32) -> Picture:
     """Bread, cloth, cork: uncorrelated spots, different for every `name`."""
-    draw = stream(0, "assets", "speckle", name)
-    shade = 1 + contrast * draw.normal(0, 0.6, (size, size))
+    rng = stream(0, "assets", "speckle", name)
+    shade = 1 + contrast * rng.normal(0, 0.6, (size, size))
     return to_picture(np.array(colour) * shade[..., None])

@@ -126,5 +126,14 @@ def placed(xyz: ArrayLike, rpy_rad: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
     return X
 
 
+def root_joint(root: str, link: str) -> Joint:
+    """The fixed joint that every official articulated object begins with: it turns y up into z up.
+
+    In `link` x is the user's right and +z faces the user; in `root` the user is at -x. So a root
+    turned by 90 degrees about z faces the robot.
+    """
+    return Joint("upright", "fixed", root, link, placed((0, 0, 0), (np.pi / 2, 0, -np.pi / 2)))
+
+
 def _text(values: ArrayLike) -> str:
     return " ".join(f"{v:.9g}" for v in np.round(np.asarray(values, float), 9) + 0.0)

@@ -1,4 +1,4 @@
-"""A builder process: reads one job a line (kind, name, number), writes it, says so."""
+"""A builder process: reads jobs (`kind name index`) line by line, writes each, and reports it."""
 
 import sys
 from pathlib import Path
@@ -7,7 +7,7 @@ from rtphys.assets.build import Job, write
 
 
 def main() -> None:
-    """Write every job named on standard input under the folder given as argument."""
+    """Write every job named on standard input under the folder given as the argument."""
     root = Path(sys.argv[1])
     for line in sys.stdin:
         kind, name, index = line.split()

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.assets.asset_model import Body, Machine, Part, Thing
+from rtphys.assets.asset_model import ArticulatedModel, AssetModel, Body, Part
 from rtphys.assets.glb import glb_bytes
 from rtphys.assets.material import Finish, substance
 from rtphys.assets.shading import bare, surface
@@ -16,36 +16,38 @@ from rtphys.assets.urdf import urdf_text, write_meshes
 Array = NDArray[np.float64]
 
 
-def write_thing(folder: Path, index: int, thing: Thing) -> None:
+def write_rigid(folder: Path, index: int, model: AssetModel) -> None:
     """`<folder>/{visual,collision}/base<index>.glb` and `model_data<index>.json`."""
-    body = thing.body
+    body = model.body
     for kind in ("visual", "collision"):
         (folder / kind).mkdir(parents=True, exist_ok=True)
     (folder / "visual" / f"base{index}.glb").write_bytes(visual_glb(body.visual))
     names = [f"part{i}" for i in range(len(body.collision))]
     collision = glb_bytes([bare(s) for s in body.collision], names)
     (folder / "collision" / f"base{index}.glb").write_bytes(collision)
-    (folder / f"model_data{index}.json").write_text(_json(_model_data(thing)))
+    (folder / f"model_data{index}.json").write_text(_json(_model_data(model)))
 
 
-def write_machine(folder: Path, machine: Machine) -> None:
+def write_articulated(folder: Path, model: ArticulatedModel) -> None:
     """`<folder>/{mobility.urdf,model_data.json,meshes/}`."""
-    write_links(folder, folder.parent.name, machine)
-    (folder / "model_data.json").write_text(_json(_machine_data(machine)))
+    write_links(folder, folder.parent.name, model)
+    (folder / "model_data.json").write_text(_json(_machine_data(model)))
 
 
-def write_links(folder: Path, name: str, machine: Machine, file: str = "mobility.urdf") -> None:
-    """A machine's URDF and meshes. Links with the same Body object share their meshes."""
+def write_links(
+    folder: Path, name: str, model: ArticulatedModel, file: str = "mobility.urdf"
+) -> None:
+    """A model's URDF and meshes. Links with the same Body object share their meshes."""
     stems: dict[int, str] = {}
     files = {}
-    for link, body in machine.links.items():
+    for link, body in model.links.items():
         if id(body) not in stems:
             stems[id(body)] = f"meshes/{link}"
             glb = visual_glb(body.visual) if body.visual else None
             write_meshes(folder, stems[id(body)], glb, body.collision)
         files[link] = stems[id(body)]
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / file).write_text(urdf_text(name, machine.links, machine.joints, files))
+    (folder / file).write_text(urdf_text(name, model.links, model.joints, files))
 
 
 def visual_glb(parts: Sequence[Part]) -> bytes:
@@ -66,54 +68,52 @@ def bounds(body: Body) -> Array:
     return np.array([corners[:, 0].min(0), corners[:, 1].max(0)])
 
 
-def _model_data(thing: Thing) -> dict[str, object]:
-    low, high = bounds(thing.body)
-    inertial = thing.body.inertial()
+def _model_data(model: AssetModel) -> dict[str, object]:
+    low, high = bounds(model.body)
+    inertial = model.body.inertial()
     return {
         "center": _round((low + high) / 2),
         "extents": _round(high - low),
         "scale": [1.0, 1.0, 1.0],
         "transform_matrix": np.eye(4).tolist(),
-        "contact_points_pose": [_round(m) for m in thing.contact_points],
-        "functional_matrix": [_round(m) for m in thing.functional_points],
-        "contact_points_group": [[i] for i in range(len(thing.contact_points))],
-        "contact_points_mask": [True] * len(thing.contact_points),
+        "contact_points_pose": [_round(m) for m in model.contact_points],
+        "functional_matrix": [_round(m) for m in model.functional_points],
+        "contact_points_group": [[i] for i in range(len(model.contact_points))],
+        "contact_points_mask": [True] * len(model.contact_points),
         "orientation_point": [],
         "target_pose": [],
-        "stable": thing.stable,
+        "stable": model.stable,
         "mass_kg": _figures(inertial.mass),
         "center_of_mass": _round(inertial.com),
         "inertia": [[_figures(v) for v in row] for row in inertial.inertia],
-        "material": thing.material,
+        "material": model.material,
         "density": _figures(inertial.density),
-        "friction": substance(thing.material).friction,
-        "categories": list(thing.categories),
-        "description": list(thing.description),
+        "friction": substance(model.material).friction,
+        "categories": list(model.categories),
+        "description": list(model.description),
     }
 
 
-def _machine_data(machine: Machine) -> dict[str, object]:
+def _machine_data(model: ArticulatedModel) -> dict[str, object]:
     offset = np.eye(4)
-    offset[2, 3] = machine.root_height
-    moving = [j for j in machine.joints if j.kind != "fixed"]
-    bodies = [b for b in machine.links.values() if b.visual or b.given]
+    offset[2, 3] = model.root_height
+    moving = [j for j in model.joints if j.kind != "fixed"]
+    bodies = [b for b in model.links.values() if b.visual or b.given]
     return {
         "scale": 1.0,
         "transform_matrix": _round(offset),
         "init_qpos": [],
-        "contact_points": [{"base": b, "matrix": _round(m)} for b, m in machine.contact_points],
-        "functional_points": [
-            {"base": b, "matrix": _round(m)} for b, m in machine.functional_points
-        ],
-        "contact_points_group": [[i] for i in range(len(machine.contact_points))],
-        "contact_points_mask": [True] * len(machine.contact_points),
-        "balanced_links": list(machine.balanced),
+        "contact_points": [{"base": b, "matrix": _round(m)} for b, m in model.contact_points],
+        "functional_points": [{"base": b, "matrix": _round(m)} for b, m in model.functional_points],
+        "contact_points_group": [[i] for i in range(len(model.contact_points))],
+        "contact_points_mask": [True] * len(model.contact_points),
+        "balanced_links": list(model.balanced),
         "joint_damping": moving[0].damping if moving else 0.0,
         "mass_kg": _figures(sum(b.inertial().mass for b in bodies)),
-        "material": machine.material,
-        "friction": substance(machine.material).friction,
-        "categories": list(machine.categories),
-        "description": list(machine.description),
+        "material": model.material,
+        "friction": substance(model.material).friction,
+        "categories": list(model.categories),
+        "description": list(model.description),
     }
 
 

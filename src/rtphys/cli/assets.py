@@ -28,7 +28,7 @@ def build(
 ) -> None:
     """Generate the builtin pack, unless this version's is already there."""
     from rtphys.assets.build import build as build_pack
-    from rtphys.assets.build import source_digest
+    from rtphys.assets.identity import source_digest
 
     root = out or cache_folder() / source_digest()[:16]
     stamp = root / STAMP
@@ -36,7 +36,7 @@ def build(
         pack = Pack(root)
     else:
         with BuildBar() as bar:
-            pack = build_pack(root, bar, workers=workers)
+            pack = Pack(build_pack(root, bar, workers=workers))
     typer.echo(f"{pack.root}\n{len(pack.names)} objects, digest {pack.digest}")
 
 

@@ -91,7 +91,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
 
 def _option(hint: object) -> Option | None:
     found = [one for one in getattr(hint, "__metadata__", ()) if isinstance(one, Option)]
-    return found[0] if found else None
+    return found[-1] if found else None  # the outermost annotation wins
 
 
 def _default(field: Field[Any]) -> Any:

@@ -1,4 +1,4 @@
-"""The summary of an evaluation as tables."""
+"""Tables that show the summary of an evaluation on the terminal."""
 
 from rich.table import Table
 
@@ -6,11 +6,11 @@ from rtphys.cli.fitting import fitting_table, wide_console
 from rtphys.results.statistics import Rate
 from rtphys.results.summary import Counts, Summary
 
-TELLING = 5  # attributes of a protocol that are shown
+SHOWN = 5  # attributes per protocol, those with the smallest p-values
 
 
 def show(summary: Summary) -> None:
-    """Rates of tasks and protocols, paired differences, the most telling attributes."""
+    """Print success rates, paired differences, and the attributes with the largest effect."""
     console = wide_console()
     console.print(rates_table(summary))
     if summary.pairs:
@@ -20,22 +20,22 @@ def show(summary: Summary) -> None:
 
 
 def rates_table(summary: Summary) -> Table:
-    """Success of each task and protocol."""
+    """Success rates of each task and protocol."""
     columns = ("of feasible", "of all slots", "held", "reasons")
     table = fitting_table(["protocol", "task"], columns, "success, with 95 % intervals")
     for row in summary.tasks:
         reasons = ", ".join(f"{name} {count}" for name, count in row.reasons.items())
-        table.add_row(row.protocol, row.task, *_three(row.counts), reasons)
+        table.add_row(row.protocol, row.task, *_rates(row.counts), reasons)
     table.add_section()
     for total in summary.overall:
         if total.tasks > 1:
             mean = total.mean_of_tasks
-            told = "all" if mean is None else f"all, mean {_percent(mean)} %"
-            table.add_row(total.protocol, told, *_three(total.counts))
+            name = "all" if mean is None else f"all, mean {_percent(mean)} %"
+            table.add_row(total.protocol, name, *_rates(total.counts))
     return table
 
 
-def _three(counts: Counts) -> tuple[str, str, str]:
+def _rates(counts: Counts) -> tuple[str, str, str]:
     held = Rate(counts.held, counts.rollouts)
     return _rate(counts.of_feasible), _rate(counts.of_slots), _rate(held)
 
@@ -52,27 +52,27 @@ def _percent(share: float) -> str:
 
 
 def pairs_table(summary: Summary) -> Table:
-    """Every two protocols on the seeds that both have."""
+    """Comparison of every two protocols on their common seeds."""
     title = "the same seeds under two protocols (McNemar, exact)"
     columns = ("seeds", "both", "only first", "only second", "p")
     table = fitting_table(["first", "second"], columns, title)
     for row in summary.pairs:
-        one = row.outcome
-        counts = (one.trials, one.both, one.only_first, one.only_second)
-        table.add_row(row.first, row.second, *map(str, counts), f"{one.p:.2g}")
+        outcome = row.outcome
+        counts = (outcome.trials, outcome.both, outcome.only_first, outcome.only_second)
+        table.add_row(row.first, row.second, *map(str, counts), f"{outcome.p:.2g}")
     return table
 
 
 def attributes_table(summary: Summary) -> Table:
-    """Success against the attributes that tell most."""
-    title = "which physics breaks it: log-odds of success from lowest to highest"
+    """Effects of the attributes with the smallest p-values on success."""
+    title = "which physics breaks the policy: log-odds of success from lowest to highest"
     columns = ("attribute", "range", "log-odds", "p", "p (Holm)")
     table = fitting_table(["protocol"], columns, title)
-    for protocol, found in summary.breaks.items():
-        for one in found[:TELLING]:
-            curve = one.curve
-            span = f"{curve.low:.3g} to {curve.high:.3g} {one.unit}"
+    for protocol, effects in summary.breaks.items():
+        for effect in effects[:SHOWN]:
+            curve = effect.curve
+            span = f"{curve.low:.3g} to {curve.high:.3g} {effect.unit}"
             slope = f"{curve.slope:+.2f} ± {curve.error:.2f}"
-            p = f"{curve.p:.2g}", f"{one.p_holm:.2g}"
-            table.add_row(protocol, ", ".join([one.key, *one.same]), span, slope, *p)
+            p = f"{curve.p:.2g}", f"{effect.p_holm:.2g}"
+            table.add_row(protocol, ", ".join([effect.key, *effect.same]), span, slope, *p)
     return table

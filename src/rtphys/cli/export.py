@@ -1,4 +1,4 @@
-"""`rtphys export`: a dataset in the formats of other tools."""
+"""`rtphys export`: write a dataset in the format of another tool."""
 
 from pathlib import Path
 from typing import Annotated
@@ -20,7 +20,7 @@ def main() -> None:
 @app.command()
 def lerobot(
     dataset: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
-    out: Annotated[Path, typer.Option(help="Folder to make.")],
+    out: Annotated[Path, typer.Option(help="New folder to write.")],
     version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
     protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
@@ -28,7 +28,7 @@ def lerobot(
         str, typer.Option(help="aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
     ] = "aloha",
 ) -> None:
-    """A LeRobot dataset with the physics of each episode in its columns phys/<attribute>."""
+    """Write a LeRobot dataset with each episode's physics in columns phys/<attribute>."""
     # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
     from rtphys.export.lerobot import export_lerobot
 
@@ -48,12 +48,12 @@ def lerobot(
 @app.command()
 def card(
     dataset: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
-    name: Annotated[str, typer.Option(help="The dataset's name.")] = "rtphys demonstrations",
-    licence: Annotated[str, typer.Option("--license", help="SPDX name.")] = "apache-2.0",
-    url: Annotated[str, typer.Option(help="Where it will be found.")] = "",
+    name: Annotated[str, typer.Option(help="Name of the dataset.")] = "rtphys demonstrations",
+    licence: Annotated[str, typer.Option("--license", help="SPDX identifier.")] = "apache-2.0",
+    url: Annotated[str, typer.Option(help="Address where it will be published.")] = "",
     published: Annotated[str, typer.Option(help="Date of publication, YYYY-MM-DD.")] = "",
 ) -> None:
-    """README.md for Hugging Face and croissant.json, beside the manifest they are made from."""
+    """Write README.md for Hugging Face and croissant.json beside the manifest."""
     from rtphys.export.card import CardText, write_card
 
     for path in write_card(Dataset(dataset), CardText(name, licence, url, published)):

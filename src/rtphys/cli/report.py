@@ -1,4 +1,4 @@
-"""`rtphys report`: a dataset as one HTML page."""
+"""`rtphys report`: one HTML page about a dataset."""
 
 from pathlib import Path
 from typing import Annotated
@@ -14,11 +14,11 @@ from rtphys.report.write import write_report
 def report(
     dataset: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
     out: Annotated[
-        Path | None, typer.Option(help="The page; report.html in the dataset if not given.")
+        Path | None, typer.Option(help="HTML file; by default report.html in the dataset.")
     ] = None,
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
 ) -> None:
-    """Counts, acceptance, histograms of the physics, and every episode's video on one page."""
+    """Write one HTML page: counts, acceptance, histograms of the physics, every episode's video."""
     chosen = Dataset(dataset).where(task)
     page = out or chosen.path / "report.html"
     with Progress(console=Console(stderr=True), transient=True) as bar:

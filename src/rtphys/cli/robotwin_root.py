@@ -1,4 +1,4 @@
-"""`rtphys robotwin-root`: a folder for RoboTwin's own launch scripts."""
+"""`rtphys robotwin-root`: write a folder that RoboTwin's launch scripts can run in."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,13 +10,13 @@ from rtphys.robotwin_root.write import write_root
 
 
 def robotwin_root(
-    folder: Annotated[Path, typer.Argument(help="A new folder, or one written by this.")],
+    folder: Annotated[Path, typer.Argument(help="New folder, or one that this command wrote.")],
 ) -> None:
-    """Write a folder that RoboTwin's launch scripts take for RoboTwin.
+    """Write a folder that looks like RoboTwin to its launch scripts.
 
-    Link policies into its policy/, then run from inside it, as they are used to:
+    Link policies into its policy/ folder, then run inside it, for example:
     python script/eval_policy.py --config policy/NAME/deploy_policy.yml --overrides
     --task_name click_bell --task_config phys_random --policy_name NAME
     """
-    made = write_root(folder, default_pack())
-    typer.echo(f"{folder}: {len(made)} files; link your policies into {folder / 'policy'}")
+    written = write_root(folder, default_pack())
+    typer.echo(f"{folder}: {len(written)} files; link your policies into {folder / 'policy'}")

@@ -1,9 +1,9 @@
-"""The same last bit on every x86-64 processor.
+"""Makes numpy and OpenBLAS compute the same bits on every x86-64 processor.
 
-numpy and OpenBLAS hold code for several kinds of processor and choose when they are loaded. What
-they choose with AVX-512 ends in other bits than what they choose without, and thousands of steps
-of contact turn a last bit into another trajectory, another state hash. So rtphys asks for the code
-that all processors with AVX2 share, before it loads either. Its small matrices lose no speed.
+numpy and OpenBLAS contain code for several kinds of processor and choose when they are loaded. The
+code for AVX-512 rounds differently from the code for AVX2, and after thousands of contact steps a
+different last bit is a different trajectory and state hash. So rtphys asks both for the code that
+all processors with AVX2 share, before it loads either. Its small matrices lose no speed.
 """
 
 import os
@@ -14,17 +14,17 @@ from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
-AVX512 = "avx512f"  # as Linux names it; numpy and OpenBLAS need it for what is switched off
-NEEDED = frozenset({"avx2", "fma"})  # OpenBLAS, and the C library's sin and cos, differ without
+AVX512 = "avx512f"  # Linux's name of the instructions that the pinned-out code needs
+NEEDED = frozenset({"avx2", "fma"})  # without them OpenBLAS and the C library's sin and cos differ
 
-# OpenBLAS's kernels for Haswell and Zen give the same bits. Numpy's groups are those of 2.4.
+# OpenBLAS's kernels for Haswell and Zen give the same bits. The feature groups are numpy 2.4's.
 PINS = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
-_loaded_before: set[str] = set()  # pins that came too late for this process
+_loaded_before: set[str] = set()  # pins that were set too late for this process
 
 
 @lru_cache(maxsize=1)
 def abilities() -> frozenset[str]:
-    """What the processor can do, in Linux's names; empty where that cannot be read."""
+    """Instruction sets of the processor, in Linux's names; empty where they cannot be read."""
     try:
         with Path("/proc/cpuinfo").open() as lines:
             return flags(lines)
@@ -33,15 +33,15 @@ def abilities() -> frozenset[str]:
 
 
 def flags(lines: Iterable[str]) -> frozenset[str]:
-    """Those of the first processor: the file is long on a large machine."""
-    found = next((line for line in lines if line.startswith("flags")), "")
-    return frozenset(found.partition(":")[2].split())
+    """Flags of the first processor in `/proc/cpuinfo`, which lists every core."""
+    first = next((line for line in lines if line.startswith("flags")), "")
+    return frozenset(first.partition(":")[2].split())
 
 
 def pin() -> None:
-    """Asks for the shared code, of libraries not yet loaded and of child processes.
+    """Ask for the shared code, for libraries not yet loaded here and for child processes.
 
-    Who has set one of the variables keeps it; `unlike` then tells.
+    A variable that is already set stays as it is; `unlike` then says so.
     """
     if AVX512 in abilities():
         if "numpy" in sys.modules:
@@ -51,7 +51,7 @@ def pin() -> None:
 
 
 def unlike() -> str:
-    """Why states end in other bits here than on other machines; empty if they do not."""
+    """Why simulated states differ here from those of other machines; empty if they do not."""
     if platform.machine() not in ("x86_64", "AMD64"):
         return f"the processor is {platform.machine()}, not x86-64"
     if missing := NEEDED - abilities():
@@ -72,6 +72,6 @@ def _differs(name: str) -> bool:
 
 
 def warn() -> None:
-    """A warning in a process that computes unlike others and need not."""
+    """Warn if this process computes other bits than it would with the right settings."""
     if AVX512 in abilities() and (reason := unlike()):
         warnings.warn(f"states may differ from other machines': {reason}", stacklevel=3)

@@ -1,6 +1,6 @@
-"""Which compiled packages can be loaded; run as a module it prints one line a failure.
+"""Finds compiled packages that cannot be imported; as a program it prints one line for each.
 
-Wheels bring most of what they link, but a bare Debian lacks a few system libraries.
+Wheels contain most libraries that they link, but a minimal Debian lacks a few others.
 """
 
 import re
@@ -12,7 +12,7 @@ MODULES = (
     "pinocchio", "coal", "toppra", "ruckig", "sapien",
 )  # fmt: skip
 
-# Shared library -> Debian's package, for all that the wheels were seen to ask for.
+# Shared library -> Debian package, for all libraries that the wheels were seen to need.
 PACKAGES = {
     "libX11.so.6": "libx11-6",
     "libgomp.so.1": "libgomp1",
@@ -26,24 +26,24 @@ PACKAGES = {
 
 
 def failures() -> dict[str, str]:
-    """Module -> why it cannot be imported. May crash: call it in a child process."""
-    found = {}
+    """Module -> why it cannot be imported. An import may crash: call this in a child process."""
+    problems: dict[str, str] = {}
     for name in MODULES:
         try:
             import_module(name)
-        except Exception as problem:  # whatever a module's own start-up may raise
-            found[name] = str(problem) or type(problem).__name__
-    return found
+        except Exception as problem:  # a module may raise anything while it starts
+            problems[name] = str(problem) or type(problem).__name__
+    return problems
 
 
 def package_of(problem: str) -> str | None:
-    """Debian's package for the shared library that an import error names."""
+    """The Debian package of the shared library that an import error names, if known."""
     match = re.search(r"\b(lib[\w.+-]+\.so[.\d]*): cannot open", problem)
     return PACKAGES.get(match[1]) if match else None
 
 
 if __name__ == "__main__":
-    wrong = failures()
-    for module, problem in wrong.items():
+    broken = failures()
+    for module, problem in broken.items():
         print(f"{module}: {problem}: {package_of(problem) or '-'}")
-    sys.exit(1 if wrong else 0)
+    sys.exit(1 if broken else 0)

@@ -1,7 +1,7 @@
-"""Where tasks, domains and manifests live: a library root is a folder that holds those three.
+"""Finds tasks, domains, manifests, attributes and protocols in the library folders.
 
 The bundled library is the checkout (editable install) or the package folder (wheel). A user's own
-library has the same shape and is added by `$RTPHYS_LIBRARY` or the option `library`.
+library is a folder with the same subfolders, added by `$RTPHYS_LIBRARY` or the option `library`.
 """
 
 import fnmatch
@@ -25,7 +25,7 @@ KINDS = {
 
 
 class AmbiguousName(RtphysError):
-    """The same name in two libraries: a dataset's label must mean one thing."""
+    """A name that two libraries define: a dataset's label must have one meaning."""
 
     def __init__(self, kind: str, name: str, first: Path, second: Path) -> None:
         super().__init__(f"{kind[:-1]} {name!r} exists twice: {first} and {second}; rename one")
@@ -39,7 +39,7 @@ def bundled() -> Path:
 
 
 def roots() -> tuple[Path, ...]:
-    """Bundled library first, then each folder of `$RTPHYS_LIBRARY` (os.pathsep-separated)."""
+    """The bundled library, then each folder in `$RTPHYS_LIBRARY` (separated by os.pathsep)."""
     own = [Path(p) for p in os.environ.get("RTPHYS_LIBRARY", "").split(os.pathsep) if p]
     for path in own:
         if not path.is_dir():
@@ -48,42 +48,42 @@ def roots() -> tuple[Path, ...]:
 
 
 def names(kind: str) -> dict[str, Path]:
-    """Name -> file of every entry of one kind, over all library roots, sorted by name.
+    """Name -> file of every entry of one kind in all libraries, sorted by name.
 
-    Only file names are read, so one broken file cannot break the listing.
+    It reads file names only, so that a broken file cannot break the list.
 
     Raises:
         AmbiguousName: two libraries define the same name.
     """
-    found: dict[str, Path] = {}
+    files: dict[str, Path] = {}
     for root in roots():
         for path in sorted((root / kind).glob(f"*{KINDS[kind]}")):
             if path.stem.startswith("_"):
                 continue
-            if path.stem in found:
-                raise AmbiguousName(kind, path.stem, found[path.stem], path)
-            found[path.stem] = path
-    return dict(sorted(found.items()))
+            if path.stem in files:
+                raise AmbiguousName(kind, path.stem, files[path.stem], path)
+            files[path.stem] = path
+    return dict(sorted(files.items()))
 
 
 def matching(kind: str, patterns: Iterable[str], where: str | Path = "") -> tuple[str, ...]:
-    """Names of names and patterns, each once, in the order asked for.
+    """All names that match the patterns (`*`, `?`), each once, in the order of the patterns.
 
     Raises:
-        UnknownName: one that matches nothing; names the nearest match, and `where` it stands.
+        UnknownName: a pattern that matches nothing; names the nearest match, and the file `where`.
     """
     known = names(kind)
-    found: dict[str, None] = {}
+    matched: dict[str, None] = {}
     for pattern in patterns:
         matches = fnmatch.filter(known, pattern)
         if not matches:
             raise UnknownName(kind[:-1], pattern, known, where)
-        found |= dict.fromkeys(matches)
-    return tuple(found)
+        matched |= dict.fromkeys(matches)
+    return tuple(matched)
 
 
 def find(kind: str, name: str) -> Path:
-    """The file of one entry.
+    """The file of the entry of this name.
 
     Raises:
         UnknownName: no library has it; the message names the nearest match.
@@ -96,15 +96,15 @@ def find(kind: str, name: str) -> Path:
 
 @lru_cache(maxsize=256)
 def _parsed(text: str) -> object:
-    """Every episode asks for its domain again; parsing it costs more than building the room."""
+    """Parsed YAML, cached: every episode reads its domain, and parsing is slow."""
     return yaml.safe_load(text)
 
 
 def read_yaml(path: Path) -> dict[str, object]:
-    """One YAML mapping.
+    """Read a YAML file that holds one mapping.
 
     Raises:
-        BadFile: missing, unreadable, not YAML, or not a mapping; names line and column.
+        BadFile: not there, not readable, not YAML (names line and column), or not a mapping.
     """
     try:
         content = deepcopy(_parsed(path.read_text(encoding="utf-8")))

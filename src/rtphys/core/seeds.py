@@ -1,4 +1,4 @@
-"""The only source of chance: one named stream per purpose, derived from the episode seed."""
+"""Random streams: one generator for each purpose, derived from the episode seed and a name."""
 
 import hashlib
 
@@ -6,17 +6,20 @@ import numpy as np
 
 
 def stream(seed: int, *name: str) -> np.random.Generator:
-    """An independent generator for (episode seed, name).
+    """The random generator of one purpose in one episode, independent of all others.
 
-    Streams share nothing, so a new consumer moves no older draw: `stream(7, "friction")` is
-    the same whatever else the episode draws, in any process, on any platform.
+    `stream(7, "friction")` draws the same numbers whatever else the episode draws, in any process
+    and on any platform. So a new use of chance never changes an older one.
 
     Args:
         seed: episode seed, any non-negative integer.
-        name: path of the consumer, such as `("layout", "block0")`.
+        name: what the numbers are for, such as "layout", "block0".
 
     Returns:
-        A PCG64 generator seeded with SHA-256 of seed and name.
+        A PCG64 generator seeded with the SHA-256 of seed and name.
+
+    Raises:
+        ValueError: a negative seed.
     """
     if seed < 0:
         raise ValueError(f"an episode seed is never negative, got {seed}")

@@ -1,1 +1,1 @@
-"""Other people's formats, made from a dataset's files."""
+"""Exports of a dataset to the formats of other tools."""

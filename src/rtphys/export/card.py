@@ -1,4 +1,4 @@
-"""A dataset's README with Hugging Face's front matter, generated from the manifest."""
+"""README of a dataset with Hugging Face's front matter, generated from the manifest."""
 
 from collections import Counter
 from pathlib import Path
@@ -16,10 +16,11 @@ SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (10**6,
 
 
 def write_card(dataset: Dataset, text: CardText) -> list[Path]:
-    """Writes README.md and croissant.json beside the manifest; returns their paths.
+    """Write README.md and croissant.json beside the manifest and return their paths.
 
     Raises:
-        CannotWrite, BadFile, SchemaError: an episode's label cannot be read.
+        CannotWrite: the file system refuses.
+        BadFile, SchemaError: an episode's label cannot be read.
     """
     metadata = pretty(plain(croissant(dataset, text)), sort=False)
     contents = {CARD: card(dataset, text).encode(), CROISSANT: metadata}
@@ -31,15 +32,15 @@ def write_card(dataset: Dataset, text: CardText) -> list[Path]:
 
 
 def card(dataset: Dataset, text: CardText) -> str:
-    """The README's text."""
+    """Text of the README."""
     leaves = dataset.leaves
     frames = sum(leaf.frames for leaf in leaves)
     parts = [
         _front_matter(text, frames),
         f"# {text.name}",
         f"{len(dataset)} bimanual demonstrations ({frames} frames at 16.67 Hz) of "
-        f"{len(dataset.tasks)} simulated tasks. Physics differs from episode to episode, and the "
-        "13 physical attributes that were in force in the contact solver stand beside each one.",
+        f"{len(dataset.tasks)} simulated tasks. Physics differs from episode to episode; the "
+        "13 physical attributes in force in the contact solver are stored with each episode.",
         "## Episodes",
         _task_table(dataset),
         _rejections(dataset),
@@ -61,10 +62,10 @@ FILES = """\
 | `manifest.json` | seeds, attempts, rejections by reason, resolved domains, SHA-256 of every file |
 | `<config>/<task>/<embodiment>/data/` | trajectories, RoboTwin's XPolicyLab v1.0 HDF5 |
 | `…/video/` | the head camera as MP4 |
-| `…/phys_meta/` | the physics of each episode as the simulator had it |
+| `…/phys_meta/` | the physics of each episode as read back from the simulator |
 | `…/instruction/` | sentences, seen and unseen |
 
-JPEG streams in the HDF5 files have red and blue exchanged, as RoboTwin's have: `cv2.imdecode` gives
+JPEG streams in the HDF5 files have red and blue swapped, as in RoboTwin: `cv2.imdecode` returns
 RGB. Poses are x y z [m] and qw qx qy qz in the world frame."""
 
 USE = """\
@@ -78,7 +79,7 @@ for episode in rtphys.Dataset("path/to/this/folder"):
 ```
 
 `rtphys verify-manifest path/to/this/folder` checks every file, and derives the sampled physics of
-every episode again from its seed."""
+every episode from its seed again."""
 
 
 def _front_matter(text: CardText, frames: int) -> str:
@@ -115,8 +116,8 @@ def _rejections(dataset: Dataset) -> str:
         total.update(leaf.rejections)
     if not total:
         return ""
-    told = ", ".join(f"{reason} {count}" for reason, count in total.most_common())
-    return f"Attempts without an episode, by reason: {told}."
+    counts = ", ".join(f"{reason} {count}" for reason, count in total.most_common())
+    return f"Attempts without an episode, by reason: {counts}."
 
 
 def _physics_table(dataset: Dataset) -> str:
@@ -133,10 +134,10 @@ def _physics_table(dataset: Dataset) -> str:
 
 
 def _provenance(dataset: Dataset) -> str:
-    found: dict[str, set[str]] = {}
+    known: dict[str, set[str]] = {}
     for leaf in dataset.leaves:
         for name, version in leaf.versions.items():
-            found.setdefault(name, set()).add(version)
-    versions = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(found.items()))
+            known.setdefault(name, set()).add(version)
+    versions = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(known.items()))
     form = dataset.manifest.dataset_version
     return f"Made by a scripted expert in simulation: {versions}. Dataset format {form}."

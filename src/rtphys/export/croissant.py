@@ -63,17 +63,21 @@ TYPES = {int: "sc:Integer", float: "sc:Float", str: "sc:Text"}
 
 @dataclass(frozen=True)
 class CardText:
-    """What the manifest cannot know."""
+    """Facts about a publication that the manifest does not hold."""
 
     name: str
-    license: str = "apache-2.0"  # SPDX
-    url: str = ""  # where the dataset will be found
+    license: str = "apache-2.0"  # SPDX identifier
+    url: str = ""  # address where the dataset will be published
     published: str = ""  # YYYY-MM-DD
     version: str = "1.0.0"
 
 
 def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
-    """The JSON-LD document. Raises `BadFile`, `SchemaError` for an unreadable label."""
+    """JSON-LD document of a dataset.
+
+    Raises:
+        BadFile, SchemaError: an episode's label cannot be read.
+    """
     return {
         "@context": CONTEXT,
         "@type": "sc:Dataset",
@@ -108,7 +112,7 @@ def _files(dataset: Dataset) -> list[dict[str, object]]:
 
 
 def _episodes(dataset: Dataset) -> dict[str, object]:
-    """One record an episode, inline: what to search a dataset by."""
+    """Record set with one inline record per episode, to search a dataset by."""
     records = [_record(episode, dataset) for episode in dataset]
     types = {
         key: next((TYPES[type(r[key])] for r in records if r[key] is not None), "sc:Float")
@@ -118,7 +122,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
         "@type": "cr:RecordSet",
         "@id": "episodes",
         "name": "episodes",
-        "description": "One record an episode: seed, files, physics.",
+        "description": "One record per episode: seed, files, physics.",
         "field": [
             {
                 "@type": "cr:Field",
@@ -133,7 +137,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
 
 
 def _record(episode: Episode, dataset: Dataset) -> dict[str, int | float | str | None]:
-    found: dict[str, int | float | str | None] = {
+    record: dict[str, int | float | str | None] = {
         "task": episode.task,
         "protocol": episode.protocol,
         "number": episode.number,
@@ -142,7 +146,7 @@ def _record(episode: Episode, dataset: Dataset) -> dict[str, int | float | str |
     }
     for key, label in episode.meta.attributes.items():
         if isinstance(label.value, list):
-            found |= {f"{key}_{axis}": v for axis, v in zip("xyz", label.value, strict=True)}
+            record |= {f"{key}_{axis}": v for axis, v in zip("xyz", label.value, strict=True)}
         else:
-            found[key] = None if label.value is None else float(label.value)
-    return found
+            record[key] = None if label.value is None else float(label.value)
+    return record

@@ -1,7 +1,7 @@
-"""LeRobot datasets, v3.0 and v2.1, written directly: no torch, no lerobot.
+"""Writes LeRobot datasets, v3.0 and v2.1, without torch or lerobot.
 
-A frame is what a policy sees and must do: state and picture of instant t, the command of t + 1. The
-true rate 16.67 Hz stands in `fps` and in the time stamps; LeRobot itself only divides by it.
+A frame pairs what a policy sees with what it must do: state and picture of instant t, command of
+instant t + 1. `fps` and time stamps hold the true rate, 16.67 Hz; LeRobot only divides by it.
 """
 
 import shutil
@@ -16,7 +16,7 @@ from rtphys.export.lerobot_plan import plan_for
 from rtphys.export.lerobot_v2 import WriterV2
 from rtphys.export.lerobot_v3 import WriterV3
 
-Progress = Callable[[int, int], None]  # episodes done, episodes in all
+Progress = Callable[[int, int], None]  # episodes done, episodes in total
 PART = ".part"
 
 
@@ -28,11 +28,11 @@ def export_lerobot(
     camera_names: str = "aloha",
     progress: Progress | None = None,
 ) -> Path:
-    """Writes a LeRobot dataset into a new folder; it appears whole or not at all.
+    """Write a LeRobot dataset into a new folder, which appears complete or not at all.
 
     Args:
         dataset: episodes to export, in this order.
-        out: folder to make.
+        out: new folder.
         version: "v3.0" or "v2.1" (openpi, GR00T).
         camera_names: "aloha", "robotwin" or pairs, see `lerobot_plan.plan_for`.
         progress: called after each episode.
@@ -40,10 +40,10 @@ def export_lerobot(
     Raises:
         DatasetExists: `out` is not empty.
         UnknownName, BadValue: see `plan_for`.
-        BadFile: the dataset has no episodes, or one is damaged.
+        BadFile: the dataset has no episode, or one is damaged.
     """
     if not len(dataset):
-        raise BadFile(dataset.path, "holds no episode to export")
+        raise BadFile(dataset.path, "the dataset has no episode to export")
     if out.exists() and any(out.iterdir()):
         raise DatasetExists(out, len(list(out.iterdir())))
     plan = plan_for(dataset[0], version, camera_names)

@@ -1,4 +1,4 @@
-"""One episode in LeRobot's terms: columns, statistics, and pictures into an encoder."""
+"""One episode in LeRobot's format: columns, statistics and encoded pictures."""
 
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -17,15 +17,15 @@ Columns = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Position:
-    """Where an episode stands in the export."""
+    """Indices of an episode within the export."""
 
     episode: int
-    first: int  # index of its first frame
+    first: int  # index of its first frame among all frames
     task: int
 
 
 def columns_of(episode: Episode, at: Position) -> Columns:
-    """Frame columns, R = T - 1 rows: the last frame has no action, so it is left out."""
+    """Frame columns of an episode, T - 1 rows: the last frame has no action and is left out."""
     frames = episode.frames
     rows = len(frames) - 1
     ee = np.concatenate([frames.left_endpose, frames.right_endpose], axis=1)
@@ -45,46 +45,46 @@ def columns_of(episode: Episode, at: Position) -> Columns:
 def encode(
     episode: Episode, plan: Plan, writers: Mapping[str, VideoWriter]
 ) -> dict[str, PixelCounts]:
-    """Adds R pictures of each camera to its writer; returns what the sampled ones look like.
+    """Encode T - 1 pictures of each camera and return pixel counts of some of them, by camera.
 
-    One thread a camera: decoding and encoding release the GIL.
+    Each camera has a thread: decoding and encoding release the GIL.
     """
 
     rows = len(episode) - 1
 
     def work(camera: str) -> PixelCounts:
-        looked_at, kept = set(sampled(rows)), []
+        counted, pictures = set(sampled(rows)), []
         for t, picture in enumerate(islice(episode.each_image(camera), rows)):
             writers[camera].add(picture)
-            kept += [picture] if t in looked_at else []
-        return PixelCounts.of(kept)
+            pictures += [picture] if t in counted else []
+        return PixelCounts.of(pictures)
 
     with ThreadPoolExecutor(len(plan.cameras)) as pool:
         return dict(zip(plan.cameras, pool.map(work, plan.cameras), strict=True))
 
 
 def statistics(columns: Columns, pixels: Mapping[str, PixelCounts], plan: Plan) -> dict[str, Stats]:
-    """By feature, pictures included."""
-    found = {name: of_numbers(values) for name, values in columns.items()}
-    found |= {plan.video_key(camera): counts.stats() for camera, counts in pixels.items()}
-    return found
+    """Statistics of an episode by feature, pictures included."""
+    stats = {name: of_numbers(values) for name, values in columns.items()}
+    stats |= {plan.video_key(camera): counts.stats() for camera, counts in pixels.items()}
+    return stats
 
 
-def sentence(episode: Episode) -> str:
-    """The episode's task as LeRobot means the word: one sentence."""
+def sentence_of(episode: Episode) -> str:
+    """LeRobot's "task" of an episode: one sentence of instruction."""
     seen = episode.instructions.seen
     return seen[0] if seen else episode.task.replace("_", " ")
 
 
 def labels(episode: Episode) -> dict[str, object]:
-    """Episode columns beyond LeRobot's own: `phys/<key>` and where it came from."""
+    """Episode columns beyond LeRobot's own: physics as `phys/<key>`, origin as `rtphys/<key>`."""
     physics = episode.physics
-    found: dict[str, object] = {
+    columns: dict[str, object] = {
         "rtphys/task": episode.task,
         "rtphys/protocol": episode.protocol,
         "rtphys/seed": episode.seed,
     }
     for key in episode.meta.attributes:
         value = physics[key]
-        found[f"phys/{key}"] = list(value) if isinstance(value, tuple) else value
-    return found
+        columns[f"phys/{key}"] = list(value) if isinstance(value, tuple) else value
+    return columns

@@ -1,4 +1,4 @@
-"""What a LeRobot export holds: its features, its camera names, its paths."""
+"""Layout of a LeRobot export: features, camera names and rates."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ CAMERA_NAMES: dict[str, dict[str, str]] = {
     "robotwin": {name: name for name in ("head_camera", "left_camera", "right_camera")}
     | {"front_camera": "front_camera"},
 }
-RATE = Fraction(250, 15)  # frames a second: one every 15 of 250 control steps
+RATE = Fraction(250, 15)  # [Hz] frames: one every 15 of 250 control steps per second
 ROBOT = "aloha-agilex"
 CHUNK = 1000  # files in a folder (v3.0), episodes in a folder (v2.1)
 
@@ -38,17 +38,18 @@ VECTORS = {"observation.state": JOINTS, "observation.ee_pose": POSE, "action": J
 
 @dataclass(frozen=True)
 class Plan:
-    """Choices of one export."""
+    """Options of one export, resolved for its dataset."""
 
     version: str
-    cameras: Mapping[str, str]  # official name -> name in the export
-    size: tuple[int, int]  # height, width of every picture
+    cameras: Mapping[str, str]  # RoboTwin's name -> name in the export
+    size: tuple[int, int]  # height, width of every picture [px]
 
     def video_key(self, camera: str) -> str:
+        """Feature name of a camera's video."""
         return f"observation.images.{self.cameras[camera]}"
 
     def features(self) -> dict[str, dict[str, object]]:
-        """The `features` of info.json."""
+        """Value of `features` in info.json."""
         height, width = self.size
         info = {
             "video.height": height,
@@ -60,56 +61,57 @@ class Plan:
             "video.channels": 3,
             "has_audio": False,
         }
-        found: dict[str, dict[str, object]] = {
+        features: dict[str, dict[str, object]] = {
             name: {"dtype": "float32", "shape": [len(parts)], "names": parts}
             for name, parts in VECTORS.items()
         }
         for camera in self.cameras:
-            found[self.video_key(camera)] = {
+            features[self.video_key(camera)] = {
                 "dtype": "video",
                 "shape": [height, width, 3],
                 "names": ["height", "width", "channels"],
                 "info": info,
             }
-        found["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
-        found |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
-        return found
+        features["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
+        features |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
+        return features
 
 
 def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
-    """Reads one episode to see which cameras there are and how large their pictures.
+    """Plan an export from the cameras and picture size of one episode.
 
     Args:
         episode: any episode of the dataset.
         version: "v3.0" or "v2.1".
         camera_names: "aloha", "robotwin", or pairs such as "head_camera=top,left_camera=wrist";
-            with pairs only the cameras named are exported.
+            with pairs, only the named cameras are exported.
 
     Raises:
         UnknownName: no such version or camera.
-        BadValue: cameras of different sizes, or two with one name.
+        BadValue: cameras of different sizes, or two cameras with one name.
     """
     if version not in VERSIONS:
         raise UnknownName("LeRobot version", version, VERSIONS)
     chosen = _names(camera_names, episode.cameras)
     sizes = {camera: episode.image(camera, 0).shape for camera in chosen}
     if len({*sizes.values()}) != 1:
-        raise BadValue("cameras", sizes, "all pictures of one export have one size")
+        raise BadValue("cameras", sizes, "all pictures of an export must have one size")
     height, width, _ = next(iter(sizes.values()))
     return Plan(version, chosen, (height, width))
 
 
-def _names(spelt: str, cameras: tuple[str, ...]) -> dict[str, str]:
-    if "=" not in spelt:
-        if spelt not in CAMERA_NAMES:
-            raise UnknownName("camera naming", spelt, CAMERA_NAMES)
-        return {camera: CAMERA_NAMES[spelt][camera] for camera in cameras}
+def _names(naming: str, cameras: tuple[str, ...]) -> dict[str, str]:
+    """Name in the export by camera."""
+    if "=" not in naming:
+        if naming not in CAMERA_NAMES:
+            raise UnknownName("camera naming", naming, CAMERA_NAMES)
+        return {camera: CAMERA_NAMES[naming][camera] for camera in cameras}
     chosen: dict[str, str] = {}
-    for pair in spelt.split(","):
+    for pair in naming.split(","):
         camera, _, name = pair.partition("=")
         if camera not in cameras:
             raise UnknownName("camera", camera, cameras)
         if not name or "/" in name or name in chosen.values():
-            raise BadValue("camera name", name, "each camera needs a name of its own")
+            raise BadValue("camera name", name, "each camera needs a distinct name without /")
         chosen[camera] = name
     return chosen

@@ -1,4 +1,4 @@
-"""LeRobot v2.1, which openpi and GR00T read: one parquet file and one video an episode."""
+"""Writer of LeRobot v2.1, for openpi and GR00T: a parquet file and a video per episode."""
 
 from pathlib import Path
 
@@ -6,18 +6,25 @@ from rtphys.data.dataset import Episode
 from rtphys.data.files import make_folder, write_synced
 from rtphys.data.json_text import compact, plain, pretty
 from rtphys.data.video import VideoWriter
-from rtphys.export import lerobot_episode as one
+from rtphys.export.lerobot_episode import (
+    Position,
+    columns_of,
+    encode,
+    labels,
+    sentence_of,
+    statistics,
+)
 from rtphys.export.lerobot_plan import CHUNK, RATE, ROBOT, Plan
 from rtphys.export.statistics import to_json
 from rtphys.export.tables import frame_table, write_table
 
 DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO_PATH = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
-KEYFRAMES = 2
+KEYFRAMES = 2  # as LeRobot encodes: every second picture is a key frame
 
 
 class WriterV2:
-    """Takes episodes in order, then `finish`."""
+    """Writes one v2.1 dataset: `add` every episode in order, then `finish`."""
 
     def __init__(self, root: Path, plan: Plan) -> None:
         self.root, self.plan = root, plan
@@ -27,29 +34,29 @@ class WriterV2:
         self._frames = 0
 
     def add(self, episode: Episode) -> None:
-        """Writes one episode."""
-        sentence = one.sentence(episode)
+        """Write one episode."""
+        sentence = sentence_of(episode)
         task = self._tasks.setdefault(sentence, len(self._tasks))
-        at = one.Position(len(self._episodes), self._frames, task)
-        columns = one.columns_of(episode, at)
+        at = Position(len(self._episodes), self._frames, task)
+        columns = columns_of(episode, at)
         writers = {c: VideoWriter(*self.plan.size, RATE, KEYFRAMES) for c in self.plan.cameras}
-        pixels = one.encode(episode, self.plan, writers)
-        spot = {"episode_chunk": at.episode // CHUNK, "episode_index": at.episode}
+        pixels = encode(episode, self.plan, writers)
+        indices = {"episode_chunk": at.episode // CHUNK, "episode_index": at.episode}
         for camera, writer in writers.items():
-            name = VIDEO_PATH.format(video_key=self.plan.video_key(camera), **spot)
+            name = VIDEO_PATH.format(video_key=self.plan.video_key(camera), **indices)
             make_folder((self.root / name).parent)
             write_synced(self.root / name, writer.finish())
-        write_table(frame_table(columns), self.root / DATA_PATH.format(**spot))
+        write_table(frame_table(columns), self.root / DATA_PATH.format(**indices))
         rows = len(columns["index"])
         record = {"episode_index": at.episode, "tasks": [sentence], "length": rows}
-        self._episodes.append(record | one.labels(episode))
-        stats = one.statistics(columns, pixels, self.plan)
-        spelt = {name: to_json(part) for name, part in stats.items()}
-        self._stats.append({"episode_index": at.episode, "stats": spelt})
+        self._episodes.append(record | labels(episode))
+        stats = statistics(columns, pixels, self.plan)
+        plain_stats = {name: to_json(part) for name, part in stats.items()}
+        self._stats.append({"episode_index": at.episode, "stats": plain_stats})
         self._frames += rows
 
     def finish(self) -> None:
-        """Writes `meta/`."""
+        """Write the files in `meta/`."""
         meta = self.root / "meta"
         make_folder(meta)
         tasks = [{"task_index": n, "task": text} for text, n in self._tasks.items()]
@@ -61,7 +68,7 @@ class WriterV2:
         write_synced(meta / "info.json", pretty(plain(self._info()), sort=False))
 
     def _modality(self) -> dict[str, object]:
-        """GR00T's slices of the vectors."""
+        """Content of GR00T's modality.json: named slices of the vectors."""
         parts = {
             "left_arm": {"start": 0, "end": 6},
             "left_gripper": {"start": 6, "end": 7},

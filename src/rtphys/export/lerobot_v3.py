@@ -1,4 +1,4 @@
-"""LeRobot v3.0: many episodes in one parquet file and one video."""
+"""Writer of LeRobot v3.0: many episodes share a parquet file and a video."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,13 +10,21 @@ from rtphys.data.dataset import Episode
 from rtphys.data.files import make_folder, write_synced
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.video import VideoWriter
-from rtphys.export import lerobot_episode as one
+from rtphys.export.lerobot_episode import (
+    Columns,
+    Position,
+    columns_of,
+    encode,
+    labels,
+    sentence_of,
+    statistics,
+)
 from rtphys.export.lerobot_plan import CHUNK, RATE, ROBOT, Plan
 from rtphys.export.statistics import PixelCounts, of_numbers, to_json
 from rtphys.export.tables import frame_table, record_table, write_table
 
-DATA_MB, VIDEO_MB = 100, 50  # a file is closed once it is larger; videos are made in memory
-KEYFRAMES = 2  # as LeRobot encodes: any picture is at most one decoded picture away
+DATA_MB, VIDEO_MB = 100, 50  # size above which a file is closed; videos are made in memory
+KEYFRAMES = 2  # as LeRobot encodes: every second picture is a key frame
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEO_PATH = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 EPISODES_PATH = "meta/episodes/chunk-000/file-000.parquet"
@@ -24,12 +32,13 @@ EPISODES_PATH = "meta/episodes/chunk-000/file-000.parquet"
 
 @dataclass
 class FileNumber:
-    """Chunk and file index of the file being filled."""
+    """Chunk and file index of the file that is being filled."""
 
     chunk: int = 0
     file: int = 0
 
     def next(self) -> "FileNumber":
+        """Number of the following file."""
         last = self.file + 1 == CHUNK
         return FileNumber(self.chunk + last, 0 if last else self.file + 1)
 
@@ -44,7 +53,7 @@ class _Video:
 
 
 class WriterV3:
-    """Takes episodes in order, then `finish`."""
+    """Writes one v3.0 dataset: `add` every episode in order, then `finish`."""
 
     def __init__(self, root: Path, plan: Plan) -> None:
         self.root, self.plan = root, plan
@@ -54,18 +63,18 @@ class WriterV3:
         self._tasks: dict[str, int] = {}
         self._records: list[dict[str, object]] = []
         self._pixels: dict[str, PixelCounts] = {}
-        self._columns: list[one.Columns] = []
+        self._columns: list[Columns] = []
         self._frames = 0
 
     def _writer(self) -> VideoWriter:
         return VideoWriter(*self.plan.size, RATE, KEYFRAMES)
 
     def add(self, episode: Episode) -> None:
-        """Encodes one episode."""
-        sentence = one.sentence(episode)
+        """Encode one episode, and write the files that it fills."""
+        sentence = sentence_of(episode)
         task = self._tasks.setdefault(sentence, len(self._tasks))
-        at = one.Position(len(self._records), self._frames, task)
-        columns = one.columns_of(episode, at)
+        at = Position(len(self._records), self._frames, task)
+        columns = columns_of(episode, at)
         rows = len(columns["index"])
         record: dict[str, object] = {
             "episode_index": at.episode,
@@ -78,12 +87,12 @@ class WriterV3:
         }
         record |= self._video_columns(rows)
         record |= {"meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
-        pixels = one.encode(
+        pixels = encode(
             episode, self.plan, {camera: v.writer for camera, v in self._videos.items()}
         )
-        for feature, stats in one.statistics(columns, pixels, self.plan).items():
+        for feature, stats in statistics(columns, pixels, self.plan).items():
             record |= {f"stats/{feature}/{name}": value for name, value in stats.items()}
-        self._records.append(record | one.labels(episode))
+        self._records.append(record | labels(episode))
         self._pixels = {c: self._pixels[c] + p if self._pixels else p for c, p in pixels.items()}
         self._columns.append(columns)
         self._tables.append(frame_table(columns))
@@ -91,16 +100,16 @@ class WriterV3:
         self._close_full_files(rows)
 
     def _video_columns(self, rows: int) -> dict[str, object]:
-        found: dict[str, object] = {}
+        columns: dict[str, object] = {}
         for camera, video in self._videos.items():
             key = f"videos/{self.plan.video_key(camera)}"
-            found |= {
+            columns |= {
                 f"{key}/chunk_index": video.at.chunk,
                 f"{key}/file_index": video.at.file,
                 f"{key}/from_timestamp": video.frames / float(RATE),
                 f"{key}/to_timestamp": (video.frames + rows) / float(RATE),
             }
-        return found
+        return columns
 
     def _close_full_files(self, rows: int) -> None:
         for camera, video in self._videos.items():
@@ -127,7 +136,7 @@ class WriterV3:
         write_table(pa.concat_tables(self._tables), self.root / name)
 
     def finish(self) -> None:
-        """Closes the files and writes `meta/`."""
+        """Close the files and write those in `meta/`."""
         for camera, video in self._videos.items():
             if video.frames:
                 self._write_video(camera)
@@ -141,8 +150,8 @@ class WriterV3:
             for name in self._columns[0]
         }
         stats |= {self.plan.video_key(c): p.stats() for c, p in self._pixels.items()}
-        spelt = {name: to_json(part) for name, part in stats.items()}
-        write_synced(self.root / "meta" / "stats.json", pretty(plain(spelt)))
+        plain_stats = {name: to_json(part) for name, part in stats.items()}
+        write_synced(self.root / "meta" / "stats.json", pretty(plain(plain_stats)))
         write_synced(self.root / "meta" / "info.json", pretty(plain(self._info()), sort=False))
 
     def _info(self) -> dict[str, object]:
@@ -164,7 +173,7 @@ class WriterV3:
 
 
 def _indexed(table: pa.Table) -> pa.Table:
-    """Marks the column `task` as the index that pandas restores; LeRobot looks tasks up by it."""
+    """Mark the column `task` as pandas' index, by which LeRobot looks tasks up."""
     pandas = {
         "index_columns": ["task"],
         "column_indexes": [],

@@ -1,4 +1,4 @@
-"""Parquet files with fixed types, so that an empty or a null column keeps its type."""
+"""Parquet tables with fixed types: a column without values keeps its type."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ from rtphys.data.files import make_folder, refusals
 
 
 def frame_table(columns: Mapping[str, np.ndarray]) -> pa.Table:
-    """Vectors as lists of fixed length, scalars plain."""
+    """Table of frame columns, (T,) or (T, n) each; vectors become lists of fixed length."""
     arrays = {}
     for name, values in columns.items():
         if values.ndim == 2:
@@ -23,7 +23,11 @@ def frame_table(columns: Mapping[str, np.ndarray]) -> pa.Table:
 
 
 def record_table(rows: Sequence[Mapping[str, object]]) -> pa.Table:
-    """One row a record; the keys of the first; floats, integers, text and nested lists of them."""
+    """Table with one row per record.
+
+    Args:
+        rows: all with the keys of the first; numbers, text, arrays and nested lists of them.
+    """
     columns = {}
     for key in rows[0]:
         values = [_plain(row[key]) for row in rows]
@@ -36,12 +40,12 @@ def _plain(value: object) -> object:
 
 
 def _type(values: Sequence[object]) -> pa.DataType | None:
-    """A column of nothing but nulls still is a column of numbers (an asset's own friction)."""
+    """Type of a column: floats if all values are null (the asset's own friction), else inferred."""
     return pa.float64() if all(value is None for value in values) else None
 
 
 def write_table(table: pa.Table, path: Path, row_group: int | None = None) -> None:
-    """Raises `CannotWrite`."""
+    """Write a table as Parquet. Raises `CannotWrite`."""
     make_folder(path.parent)
     with refusals(path):
         pq.write_table(table, path, compression="snappy", row_group_size=row_group)

@@ -1,4 +1,4 @@
-"""Which episode comes next: what `reset(options=...)` asks for."""
+"""Options of `reset(options=...)`: the conditions of the next episode."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -21,22 +21,23 @@ class Choice:
 
     task: str
     protocol: str = "clean"
-    physics: Mapping[str, Value] = field(default_factory=dict)  # held at these values
-    index: int | None = None  # of the certified instances
+    physics: Mapping[str, Value] = field(default_factory=dict)  # attributes fixed to these values
+    index: int | None = None  # of the certified instance, from 0
     split: str = "unseen"
 
     def recipe(self, seed: int) -> Recipe:
+        """Recipe of the episode with this seed."""
         return Setting(self.task, self.protocol, overrides=dict(self.physics), split=self.split).at(
             seed
         )
 
 
 def choose(default: Choice, options: Mapping[str, object] | None) -> Choice:
-    """The default, changed by options.
+    """Apply reset options to the default conditions.
 
     Raises:
         UnknownName: no such option, protocol or attribute.
-        BadValue: a value of the wrong kind, or outside what the simulator can do.
+        BadValue: a value has the wrong type, or the simulator does not support it.
     """
     given = dict(options or {})
     for key in given:
@@ -46,7 +47,7 @@ def choose(default: Choice, options: Mapping[str, object] | None) -> Choice:
         given["physics"] = _physics(given["physics"])
     index = given.get("index")
     if index is not None and (isinstance(index, bool) or not isinstance(index, int) or index < 0):
-        raise BadValue("index", index, "it counts certified instances from 0")
+        raise BadValue("index", index, "it must be an integer, counting certified instances from 0")
     chosen = replace(default, **given)  # pyright: ignore[reportArgumentType]
     load_protocol(chosen.protocol)
     return chosen
@@ -54,7 +55,7 @@ def choose(default: Choice, options: Mapping[str, object] | None) -> Choice:
 
 def _physics(raw: object) -> dict[str, Value]:
     if not isinstance(raw, Mapping):
-        raise BadValue("physics", raw, "a mapping from attribute to value")
+        raise BadValue("physics", raw, "it must map attributes to values")
     known = attributes()
     values: dict[str, Value] = {}
     for key, value in raw.items():
@@ -67,21 +68,21 @@ def _physics(raw: object) -> dict[str, Value]:
 
 
 def _plain(value: object) -> Value:
-    """Numbers and vectors of NumPy as ours."""
+    """Plain number or tuple of a NumPy scalar or vector."""
     listed = getattr(value, "tolist", None)
     return plain_value(listed() if callable(listed) else value)
 
 
 def certified_seed(choice: Choice) -> int:
-    """The seed of the certified instance that `index` names.
+    """Seed of the certified instance number `choice.index`.
 
     Raises:
         BadFile: the task is not certified under this protocol.
-        BadValue: the list is shorter.
+        BadValue: there are fewer certified instances.
     """
     folder = library.bundled() / "manifests" / BENCHMARK
-    found = read_instances(instance_file(folder, choice.protocol, choice.task)).feasible
+    feasible = read_instances(instance_file(folder, choice.protocol, choice.task)).feasible
     index = choice.index or 0
-    if index >= len(found):
-        raise BadValue("index", index, f"{len(found)} instances are certified")
-    return found[index].seed
+    if index >= len(feasible):
+        raise BadValue("index", index, f"{len(feasible)} instances are certified")
+    return feasible[index].seed

@@ -1,4 +1,4 @@
-"""One task as a Gymnasium environment. Worlds are those of `rtphys evaluate`."""
+"""A task as a Gymnasium environment, with the same worlds as `rtphys evaluate`."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -19,29 +19,29 @@ from rtphys.gym.physics import numbers
 from rtphys.setting.protocol import load_protocol
 from rtphys.task.spec import load_task
 
-Seen = dict[str, object]
-Told = dict[str, object]
+Obs = dict[str, object]
+Info = dict[str, object]
 MODES = ("state", "pixels")
 CONTROLS: dict[str, ActionKind] = {"official": "qpos", "tracking": "tracked_qpos"}
 CAMERAS = ("head", "left", "right")
-MOST_SEEDS = 100  # tried in a row before a task under a protocol counts as impossible
+MOST_SEEDS = 100  # consecutive seeds without a world after which `reset` fails
 
 
-class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
-    """Actions are absolute joint targets (14,).
+class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
+    """Environment of one task; actions are absolute joint targets (14,).
 
-    Reward is 1 at the instant of success, which ends the episode, and 0 otherwise; the task's
-    limit of actions truncates it. `info` always tells the physics; observations only on request.
+    The reward is 1 at the instant of success, which terminates the episode, and 0 otherwise; the
+    task's action limit truncates it. `info` always holds the physics, observations on request.
 
     Args:
         task: as in `rtphys tasks`.
         protocol: clean, official_random, phys_random, phys_random_all, or a library's own.
         obs: "state" (commands, measurements, object poses) or "pixels" (commands, pictures).
-        show_physics: adds the 13 attributes to observations, under "physics".
-        render_mode: "rgb_array", what the head camera sees.
-        control: "official", each action is a motion from rest to rest and lasts as long as that
-            does; "tracking", each lasts one frame (60 ms), and the arms go on from the speed that
-            they have, as a real robot's do.
+        show_physics: add the 13 attributes to observations, under "physics".
+        render_mode: "rgb_array", the picture of the head camera.
+        control: "official": each action is a motion from rest to rest and lasts until it ends;
+            "tracking": each action lasts one frame (60 ms), and the arms continue at their present
+            speed, as on a real robot.
 
     Raises:
         UnknownName: no such task, protocol, control or kind of observation.
@@ -76,26 +76,26 @@ class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         if show_physics:
             parts["physics"] = shapes.physics()
         self.action_space = shapes.commands(bounds)
-        seen = spaces.Dict(parts)
-        self.observation_space = seen  # pyright: ignore[reportAttributeAccessIssue] - of mappings
+        space = spaces.Dict(parts)
+        self.observation_space = space  # pyright: ignore[reportAttributeAccessIssue] - of mappings
         self._episode: PolicyEpisode | None = None
         self._attempts = 0
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, object] | None = None
-    ) -> tuple[Seen, Told]:
-        """A new episode.
+    ) -> tuple[Obs, Info]:
+        """Begin a new episode.
 
         Args:
-            seed: of the episode, as in `rtphys collect`; also seeds what follows without a seed.
-                A world that never comes to rest is skipped for the next seed.
+            seed: of the episode, as in `rtphys collect`; also seeds later episodes without a seed.
+                If the world never comes to rest, the next seed is tried.
             options: `{"protocol": name, "physics": {attribute: value}, "split": "seen",
-                "index": n}`; the nth certified instance has its own seed.
+                "index": n}`; certified instance n replaces the seed.
 
         Raises:
             UnknownName, BadValue: an option is wrong.
-            BadFile: `index` where nothing is certified.
-            Infeasible: 100 seeds in a row give no world.
+            BadFile: `index` is given, but nothing is certified.
+            Infeasible: 100 consecutive seeds give no world.
         """
         super().reset(seed=seed)
         choice = choose(self._default, options)
@@ -103,7 +103,7 @@ class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
             seed = certified_seed(choice)
         first = int(self.np_random.integers(2**31)) if seed is None else seed
         self._episode = self._begin(choice, first)
-        return self._seen(), self._told()
+        return self._observation(), self._info()
 
     def _begin(self, choice: Choice, first: int) -> PolicyEpisode:
         for seed in range(first, first + MOST_SEEDS):
@@ -115,20 +115,20 @@ class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
                     raise problem
         raise AssertionError("unreachable")
 
-    def step(self, action: NDArray[np.float32]) -> tuple[Seen, float, bool, bool, Told]:
-        """One action; what lies outside the limits is clipped.
+    def step(self, action: NDArray[np.float32]) -> tuple[Obs, float, bool, bool, Info]:
+        """Carry out one action, clipped to the limits.
 
         Raises:
-            BadValue: not 14 finite numbers.
+            BadValue: the action is not 14 finite numbers.
             gymnasium.error.ResetNeeded: before the first `reset`.
         """
         episode = self._running()
         episode.act(np.asarray(action, float), self._kind)
         done = episode.success
-        return self._seen(), float(done), done, episode.over and not done, self._told()
+        return self._observation(), float(done), done, episode.over and not done, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """(240, 320, 3) RGB of the head camera; None without a render mode. Raises `NoRenderer`."""
+        """Picture of the head camera (240, 320, 3) RGB, None without mode. Raises `NoRenderer`."""
         if self.render_mode is None:
             return None
         return self._running().observe().images["head"]
@@ -141,18 +141,18 @@ class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
             raise gymnasium.error.ResetNeeded("call reset() first")
         return self._episode
 
-    def _seen(self) -> Seen:
+    def _observation(self) -> Obs:
         now = self._running().observe()
-        seen = (
+        shown = (
             self._state(now) if self._obs == "state" else shapes.single({"agent_pos": now.vector})
         )
         if self._obs == "pixels":
-            seen["pixels"] = {name: now.images[name] for name in CAMERAS}
+            shown["pixels"] = {name: now.images[name] for name in CAMERAS}
         if self._show_physics:
-            seen["physics"] = numbers(self._running().instance)
-        return seen
+            shown["physics"] = numbers(self._running().instance)
+        return shown
 
-    def _state(self, now: Observation) -> Seen:
+    def _state(self, now: Observation) -> Obs:
         episode = self._running()
         joints = joint_positions(episode)
         return shapes.single(
@@ -166,7 +166,7 @@ class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
             }
         )
 
-    def _told(self) -> Told:
+    def _info(self) -> Info:
         episode = self._running()
         return {
             "seed": episode.seed,

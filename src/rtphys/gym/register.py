@@ -1,4 +1,4 @@
-"""Tells Gymnasium of every task. Loads neither SAPIEN nor a task file: importing must be cheap."""
+"""Registers every task with Gymnasium, without loading SAPIEN or a task file."""
 
 import gymnasium
 
@@ -9,13 +9,13 @@ ENTRY_POINT = "rtphys.gym.env:TaskEnv"
 
 
 def env_id(task: str) -> str:
-    """`rtphys/<task>-v0`."""
+    """Gymnasium's name of a task: `rtphys/<task>-v0`."""
     return f"{NAMESPACE}/{task}-v0"
 
 
 def register_all() -> None:
-    """Register every task of the libraries; what is registered already stays as it is."""
+    """Register every task of the libraries that is not registered yet."""
     for task in library.names("tasks"):
         if env_id(task) not in gymnasium.registry:
-            # The environment ends episodes by itself: a step limit is known once a task is loaded.
+            # No max_episode_steps: the environment truncates by the limit in the task file.
             gymnasium.register(env_id(task), entry_point=ENTRY_POINT, kwargs={"task": task})

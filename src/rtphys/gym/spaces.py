@@ -1,4 +1,4 @@
-"""What an agent may do and see, as Gymnasium spaces. Built without a simulator."""
+"""Action and observation spaces of a task, built without a simulator."""
 
 from collections.abc import Mapping, Sequence
 
@@ -16,13 +16,13 @@ Limits = NDArray[np.float32]
 
 
 def limits(embodiment: Embodiment) -> Limits:
-    """(2, 14) lower and upper: real joint limits [rad], openings 0 closed .. 1 open."""
+    """Lower and upper limits (2, 14): joints [rad], gripper openings 0 closed .. 1 open."""
     arms = [np.vstack([limb.limits, [0.0, 1.0]]) for limb in embodiment.limbs]
     return np.concatenate(arms).astype(np.float32).T
 
 
 def commands(bounds: Limits) -> spaces.Space[NDArray[np.float32]]:
-    """Absolute joint targets and openings within the limits."""
+    """Space of actions: absolute joint targets and gripper openings within the limits."""
     return spaces.Box(*bounds, dtype=np.float32)
 
 
@@ -31,7 +31,7 @@ def _numbers(*shape: int) -> spaces.Box:
 
 
 def state(bounds: Limits, props: Sequence[Prop]) -> dict[str, spaces.Space]:
-    """Commands, measurements, and the poses of the task's objects, which no camera shows."""
+    """Parts of a state observation: commands, measurements, and poses of the task's objects."""
     articulated = [prop.name for prop in props if isinstance(prop, Articulated)]
     found: dict[str, spaces.Space] = {
         "agent_pos": commands(bounds),
@@ -46,7 +46,7 @@ def state(bounds: Limits, props: Sequence[Prop]) -> dict[str, spaces.Space]:
 
 
 def pixels(bounds: Limits, cameras: Sequence[str]) -> dict[str, spaces.Space]:
-    """Commands and pictures, by the names that LeRobot gives them."""
+    """Parts of a pixel observation, commands and pictures, under LeRobot's names."""
     views: dict[str, spaces.Space] = {name: spaces.Box(0, 255, SHAPE, np.uint8) for name in cameras}
     return {
         "agent_pos": commands(bounds),
@@ -55,12 +55,12 @@ def pixels(bounds: Limits, cameras: Sequence[str]) -> dict[str, spaces.Space]:
 
 
 def physics() -> spaces.Dict:
-    """One entry an attribute, in its own unit."""
+    """Space of the physics: one entry per attribute, in its own unit."""
     return spaces.Dict({key: _numbers(attribute.size) for key, attribute in attributes().items()})
 
 
 def single(values: Mapping[str, object]) -> dict[str, object]:
-    """Every array of a nested mapping in single precision, scalars as (1,)."""
+    """Copy of a nested mapping with all arrays in single precision, scalars as (1,)."""
     return {
         key: single(value)
         if isinstance(value, Mapping)

@@ -1,4 +1,4 @@
-"""The physics of an episode: attributes, distributions, domains. Needs no simulator."""
+"""The physics of an episode: attributes, distributions and domains, without a simulator."""
 
 from rtphys.physics.attribute import Attribute
 from rtphys.physics.domain import Domain

@@ -1,8 +1,8 @@
-"""What a physical attribute is: a key, a unit, and how to write and read it."""
+"""The interface of a physical attribute: its key and unit, how to write it and how to read it."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import ClassVar, Generic, Literal, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 
@@ -17,50 +17,50 @@ Reading = float | Vector
 
 
 class Attribute(ABC, Generic[Target, Label]):
-    """One way in which the physics of an episode can differ.
+    """One physical quantity that can vary between episodes, such as friction.
 
-    A subclass is one file in `attributes/` (or in a user's library). It scales from the asset's
-    own value, so applying twice is applying once.
+    Each subclass has a file of its own in `attributes/` or in a user's library. `apply` starts from
+    the asset's nominal value, never from the current one, so that repeating it changes nothing.
     """
 
-    key: ClassVar[str]  # the YAML key, the label in a dataset, the command line's name
-    unit: ClassVar[str]  # of labels; `apply` converts to SI
-    nominal: ClassVar[float | Vector | None]  # None: whatever the asset has
-    valid: ClassVar[Interval]  # what the simulator can do; an override may go this far
+    key: ClassVar[str]  # name in domain files, in dataset labels and on the command line
+    unit: ClassVar[str]  # of values and labels; `apply` converts to SI
+    nominal: ClassVar[float | Vector | None]  # None: the asset's own value
+    valid: ClassVar[Interval]  # range of the simulator; a held value may go so far
     when: ClassVar[Literal["before_build", "after_build"]] = "after_build"
-    size: ClassVar[int] = 1  # components; a distribution is drawn per component
-    resolution: ClassVar[float] = 0.0  # absolute error that single precision leaves in `read`
-    auxiliary: ClassVar[tuple[str, ...]] = ()  # other draws it needs, such as "camera_mode"
-    what: ClassVar[str] = ""  # one phrase for tables
+    size: ClassVar[int] = 1  # number of components, each drawn on its own
+    resolution: ClassVar[float] = 0.0  # absolute error of `read` in single precision
+    auxiliary: ClassVar[tuple[str, ...]] = ()  # keys of further draws that it needs
+    what: ClassVar[str] = ""  # a phrase that describes it in tables
 
-    def given(self, physics: Physics) -> "Attribute[Target, Label]":
-        """This attribute, told the episode's auxiliary draws; most need none."""
+    def for_episode(self, physics: Physics) -> "Attribute[Target, Label]":
+        """This attribute with the auxiliary draws of one episode filled in; most need none."""
         return self
 
     @abstractmethod
     def apply(self, target: Target, value: Label) -> None:
-        """Put `value` in force in the blueprint or the built world."""
+        """Write `value` (in `unit`) to the blueprint or to the built world."""
 
     @abstractmethod
     def read(self, world: World) -> dict[str, Reading]:
-        """Place -> what the simulator now says, in this attribute's unit."""
+        """Name of each body, surface or joint -> its value in the simulator now, in `unit`."""
 
     def expected(self, world: World, value: Label) -> dict[str, Reading]:
-        """Place -> what `read` must return once `value` is in force."""
+        """What `read` must return after `apply(value)`."""
         return dict.fromkeys(self.read(world), value)
 
     def disagreements(self, world: World, value: Label) -> list[str]:
-        """One sentence for each place where the simulator does not say `value`."""
+        """One sentence for each name at which the simulator's value differs from `value`."""
         read, expected = self.read(world), self.expected(world, value)
-        wrong = [f"{self.key} at {p}: read nothing" for p in expected.keys() - read.keys()]
-        for place, found in read.items():
-            want = expected.get(place)
-            if want is None or not agree(found, want, self.resolution):
-                wrong.append(f"{self.key} at {place}: read {found}, label says {want}")
+        wrong = [f"{self.key} at {n}: read nothing" for n in expected.keys() - read.keys()]
+        for name, reading in read.items():
+            want = expected.get(name)
+            if want is None or not agree(reading, want, self.resolution):
+                wrong.append(f"{self.key} at {name}: read {reading}, label says {want}")
         return sorted(wrong)
 
     def check(self, value: Value, where: str = "") -> None:
-        """Refuse a value that the simulator cannot do.
+        """Raise unless the simulator can have this value.
 
         Raises:
             BadValue: wrong type, wrong number of components, or outside `valid`.
@@ -75,9 +75,11 @@ class Attribute(ABC, Generic[Target, Label]):
 
 
 def agree(a: Reading, b: Reading, resolution: float) -> bool:
-    """Equal to 1e-6 relative, or to `resolution` absolute."""
+    """Whether two readings are equal within 1e-6 (relative) or `resolution` (absolute)."""
     x, y = np.atleast_1d(np.asarray(a, float)), np.atleast_1d(np.asarray(b, float))
     return x.shape == y.shape and np.allclose(x, y, rtol=1e-6, atol=resolution)
 
 
-Attributes = Mapping[str, Attribute]
+# Attributes of both stages and both label types stand in one table.
+AnyAttribute = Attribute[Any, Any]
+Attributes = Mapping[str, AnyAttribute]

@@ -1,4 +1,4 @@
-"""Draws that are no attributes themselves but that attributes need."""
+"""Auxiliary draws: keys that are no attributes themselves but that attributes need."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -6,10 +6,10 @@ from types import MappingProxyType
 from rtphys.physics.distribution import Choice, Direction, Distribution
 from rtphys.physics.gaze import MODES
 
-# A domain may narrow these; without a rule of its own it has them as they stand here.
+# Rules of a domain that has none of its own for the key; a domain may narrow them.
 AUXILIARY: Mapping[str, Distribution] = MappingProxyType(
     {
-        "camera_mode": Choice(MODES),  # how the head camera moves in this episode
-        "camera_direction": Direction(),  # where to, or about which axis; camera frame
+        "camera_mode": Choice(MODES),  # how the head camera is displaced in this episode
+        "camera_direction": Direction(),  # unit vector, or axis of rotation; camera frame
     }
 )

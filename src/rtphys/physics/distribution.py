@@ -1,4 +1,4 @@
-"""How a value may vary: uniform, log-uniform, fixed, one of a few, or by another draw."""
+"""Distributions of a domain's values: uniform, log-uniform, fixed, a choice, or by another draw."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,33 +8,35 @@ from typing import Protocol
 import numpy as np
 
 from rtphys.physics.interval import Interval
-from rtphys.physics.values import Value, Vector
+from rtphys.physics.values import Value, Vector, components
 
-JsonRule = object  # what JSON can hold; a rule is a number, a name, a list or a one-key mapping
+JsonRule = object  # in JSON or YAML: a number, a name, a list or a mapping with one key
 
 
 class Distribution(Protocol):
-    """A rule of a domain. `size` is the number of components, drawn independently."""
+    """The rule by which a domain draws one key."""
 
-    def draw(self, rng: np.random.Generator, size: int) -> Value: ...
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        """One value of `size` components, drawn independently; a number if `size` is 1."""
+        ...
 
     def __contains__(self, value: object) -> bool:
-        """Whether `value` could be drawn (for a vector: each component)."""
+        """Whether `value` could be drawn; for a vector, whether each component could."""
         ...
 
     def within(self, other: "Distribution") -> bool:
-        """Whether everything that this rule can draw, `other` could draw too."""
+        """Whether `other` could draw every value that this rule can draw."""
         ...
 
     def to_json(self) -> JsonRule: ...
 
     def __str__(self) -> str:
-        """The allowed values, for people."""
+        """The allowed values, for error messages and tables."""
         ...
 
 
 class _Range:
-    """What uniform and log-uniform share: a support that is an interval."""
+    """Common part of Uniform and LogUniform: the allowed values form an interval."""
 
     interval: Interval
 
@@ -49,6 +51,8 @@ class _Range:
 
 @dataclass(frozen=True)
 class Uniform(_Range):
+    """Every number of an interval is equally likely."""
+
     interval: Interval
 
     def draw(self, rng: np.random.Generator, size: int) -> Value:
@@ -64,7 +68,7 @@ class Uniform(_Range):
 
 @dataclass(frozen=True)
 class LogUniform(_Range):
-    """Uniform in the logarithm: 0.1 to 1 is as likely as 1 to 10."""
+    """Uniform in the logarithm: a value from 0.1 to 1 is as likely as one from 1 to 10."""
 
     interval: Interval
 
@@ -98,8 +102,9 @@ class Fixed:
         return self.value
 
     def __contains__(self, value: object) -> bool:
+        parts = components(value)
         if isinstance(value, tuple) and isinstance(self.value, float):
-            return all(v == self.value for v in value)
+            return all(part == self.value for part in parts)
         return value == self.value
 
     def within(self, other: Distribution) -> bool:
@@ -114,18 +119,17 @@ class Fixed:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of a few numbers or names, equally likely."""
+    """One of several numbers or names, all equally likely."""
 
     options: tuple[float | str, ...]
 
     def draw(self, rng: np.random.Generator, size: int) -> Value:
-        # By one uniform number: fewer options then leave the draw as near as can be.
+        # By one uniform number per component, so that a narrower choice changes few draws.
         drawn = [self.options[int(u * len(self.options))] for u in rng.random(size)]
         return drawn[0] if size == 1 else tuple(float(x) for x in drawn)
 
     def __contains__(self, value: object) -> bool:
-        parts = value if isinstance(value, tuple) else (value,)
-        return all(part in self.options for part in parts)
+        return all(part in self.options for part in components(value))
 
     def within(self, other: Distribution) -> bool:
         return all(option in other for option in self.options)
@@ -139,14 +143,14 @@ class Choice:
 
 @dataclass(frozen=True)
 class Direction:
-    """A unit vector (3,), uniform on the sphere."""
+    """A unit vector (3,), uniformly distributed on the sphere."""
 
     def draw(self, rng: np.random.Generator, size: int) -> Value:
         v = rng.standard_normal(3)
         return tuple(float(x) for x in v / np.linalg.norm(v))
 
     def __contains__(self, value: object) -> bool:
-        if not (isinstance(value, tuple) and len(value) == 3):
+        if len(components(value)) != 3:
             return False
         norm = float(np.linalg.norm(np.asarray(value, float)))
         return isfinite(norm) and abs(norm - 1) < 1e-9
@@ -169,7 +173,7 @@ class By:
     branches: Mapping[str, Distribution]
 
     def draw(self, rng: np.random.Generator, size: int) -> Value:
-        raise TypeError(f"choose a branch by {self.selector} first")
+        raise TypeError(f"the value of {self.selector} must choose a branch before the draw")
 
     def __contains__(self, value: object) -> bool:
         return any(value in branch for branch in self.branches.values())
@@ -191,15 +195,15 @@ class By:
 
 @dataclass(frozen=True)
 class SameAs:
-    """The same draw as another key."""
+    """The same value as another key's."""
 
     source: str
 
     def draw(self, rng: np.random.Generator, size: int) -> Value:
-        raise TypeError(f"take the draw of {self.source}")
+        raise TypeError(f"take the value of {self.source} instead of drawing one")
 
     def __contains__(self, value: object) -> bool:
-        return False  # known only together with the source; `Domain` looks there
+        return False  # only the source knows; `Domain` asks its rule
 
     def within(self, other: Distribution) -> bool:
         return self == other
@@ -212,9 +216,9 @@ class SameAs:
 
 
 def narrows(child: Distribution, parent: Distribution) -> bool:
-    """Whether `child` may stand in `parent`'s place: it draws nothing that `parent` could not.
+    """Whether a child domain may replace rule `parent` by `child`, which must allow no more.
 
-    A child that no longer asks for the mode must fit the parent's rule of every mode.
+    A child without branches must fit every branch of the parent's rule.
     """
     if isinstance(parent, By) and not isinstance(child, By):
         return all(child.within(branch) for branch in parent.branches.values())
@@ -222,7 +226,7 @@ def narrows(child: Distribution, parent: Distribution) -> bool:
 
 
 def extremes(rule: Distribution) -> list[Value]:
-    """Values whose being allowed makes every draw allowed: ends, options, the fixed value."""
+    """The values to check in place of all: if an attribute allows these, it allows every draw."""
     if isinstance(rule, Uniform | LogUniform):
         return [rule.interval.low, rule.interval.high]
     if isinstance(rule, Choice):

@@ -1,10 +1,11 @@
-"""A domain: which attributes vary, and how. Data; `load.py` reads it, `sampling.py` draws."""
+"""A domain: which attributes vary and by which rules. `load.py` reads it, `sampling.py` draws."""
 
 import hashlib
 import json
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import cast
 
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import Distribution, JsonRule, SameAs
@@ -16,23 +17,23 @@ from rtphys.physics.values import Physics, Value, Vector
 
 @dataclass(frozen=True)
 class Domain:
-    """Rules by key. A key without a rule is nominal."""
+    """Rules by attribute or auxiliary key. An attribute without a rule is nominal."""
 
     name: str
     rules: Mapping[str, Distribution]
-    sources: Mapping[str, str] = field(default_factory=dict)  # key -> domain that wrote the rule
-    why: str = ""
+    sources: Mapping[str, str] = field(default_factory=dict[str, str])  # key -> domain of its rule
+    why: str = ""  # the reason for these ranges, in words
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the resolved rules: equal digests draw equal physics from equal seeds."""
+        """SHA-256 of the resolved rules: equal digests and seeds draw equal physics."""
         rules = {key: rule.to_json() for key, rule in self.rules.items()}
         text = json.dumps(rules, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
 
     @property
     def keys(self) -> list[str]:
-        """Attributes that this domain varies, sorted; auxiliary keys are not among them."""
+        """Attributes that this domain varies, sorted, without auxiliary keys."""
         return sorted(self.rules.keys() - AUXILIARY.keys())
 
     def rule(self, key: str) -> Distribution | None:
@@ -48,16 +49,16 @@ class Domain:
     ) -> Physics:
         """The physics of one episode.
 
-        Every key draws from `stream(seed, "physics", key)`: no key moves another's draw, and
-        neither `only`, `overrides` nor a new attribute moves what remains.
+        Every key draws from a stream of its own, `stream(seed, "physics", key)`. So `only`,
+        `overrides` and new attributes never change the draws of the other keys.
 
         Args:
             seed: episode seed.
             only: attributes to vary; the others are nominal. None: all that have a rule.
-            overrides: values held instead of drawn; they may leave the domain, not `valid`.
-            inside: whether a centre of mass [m] lies inside every dynamic body; it is redrawn
-                from its own stream until it does. It may depend on `object_scale`: sample once
-                without, read the scale, sample again (see `hull.inside`).
+            overrides: fixed values instead of draws; they may leave the domain, but not `valid`.
+            inside: whether a centre of mass (3,) [m] lies inside every dynamic body; it is drawn
+                again from its own stream until it does. The test may depend on `object_scale`:
+                sample without it, read the scale, then sample again (see `hull.inside`).
 
         Raises:
             UnknownName: `only` or `overrides` names no attribute.
@@ -68,7 +69,7 @@ class Domain:
         return draw(self.rules, Request(self.name, seed, only, overrides or {}, inside))
 
     def problems(self, physics: Physics, held: Collection[str] = ()) -> list[str]:
-        """One sentence for each value that this domain would not draw. `held` keys are free."""
+        """One sentence for each value that this domain cannot draw; `held` keys may be anything."""
         wrong: list[str] = []
         for key, attribute in attributes().items():
             if key in held or key not in physics:
@@ -91,7 +92,7 @@ class Domain:
         return rule is not None and value in rule
 
     def to_json(self) -> dict[str, object]:
-        """The resolved domain for a manifest."""
+        """The resolved domain as plain JSON, for a manifest."""
         return {
             "name": self.name,
             "digest": self.digest,
@@ -102,18 +103,22 @@ class Domain:
 
     @staticmethod
     def from_json(data: Mapping[str, object], where: str = "") -> "Domain":
-        """Inverse of `to_json`; the digest is computed anew, compare it with the stored one.
+        """Inverse of `to_json`. The digest is computed again: compare it with the stored one.
 
         Raises:
             BadValue: a rule that cannot be read.
         """
-        raw, sources = data.get("rules", {}), data.get("sources", {})
-        rules: dict[str, JsonRule] = dict(raw) if isinstance(raw, Mapping) else {}
+        rules, sources = _mapping(data.get("rules")), _mapping(data.get("sources"))
         return Domain(
             name=str(data.get("name", "")),
-            rules={key: parse_rule(key, rule, where) for key, rule in sorted(rules.items())},
-            sources={str(k): str(v) for k, v in sources.items()}
-            if isinstance(sources, Mapping)
-            else {},
+            rules={key: parse_rule(key, rules[key], where) for key in sorted(rules)},
+            sources={key: str(domain) for key, domain in sources.items()},
             why=str(data.get("why", "")),
         )
+
+
+def _mapping(raw: object) -> dict[str, JsonRule]:
+    """A JSON mapping; empty if `raw` is none."""
+    if not isinstance(raw, Mapping):
+        return {}
+    return {str(key): value for key, value in cast(Mapping[object, object], raw).items()}

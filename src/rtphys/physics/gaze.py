@@ -1,4 +1,4 @@
-"""How the head camera moves: along a sphere about its gaze point, straight, or turning."""
+"""Displacements of the head camera: orbit about its gaze point, straight shift, or rotation."""
 
 from typing import Literal
 
@@ -13,16 +13,16 @@ MODES: tuple[Mode, ...] = ("orbit", "shift", "rotate")
 
 
 def gaze_point(camera: Camera) -> Array:
-    """(3,) where the nominal optical axis meets the nominal table top, world frame [m]."""
+    """Point (3,) where the nominal optical axis meets the nominal table top, world frame [m]."""
     nominal = camera.nominal_pose
     return nominal.p + nominal.R @ np.array([camera.range_to_table, 0.0, 0.0])
 
 
 def unturned(camera: Camera, p: Array, mode: str) -> Array:
-    """Quaternion of a camera that moved to `p` and was not turned by `camera_angle`.
+    """Orientation wxyz (4,) of a camera at `p` that `camera_angle` has not turned.
 
-    In mode orbit that is the smallest turn that keeps the gaze point in the middle of the picture;
-    in the others the nominal orientation.
+    In mode orbit it is the smallest turn from nominal that keeps the gaze point in the middle of
+    the picture; in the other modes it is the nominal orientation.
     """
     nominal = camera.nominal_pose
     if mode != "orbit":
@@ -32,17 +32,17 @@ def unturned(camera: Camera, p: Array, mode: str) -> Array:
 
 
 def displaced(camera: Camera, mode: str, direction: Vector, distance: float) -> Array:
-    """Position (3,) at `distance` [m] from the nominal one, world frame.
+    """Camera position (3,) at `distance` [m] from the nominal one, world frame.
 
-    `direction` is a unit vector in the camera frame. A shift goes along it; an orbit goes along
-    its part across the optical axis, on the sphere about the gaze point, so that the straight
-    line between old and new position (the chord) is `distance` and the range does not change.
+    `direction` is a unit vector in the camera frame. A shift follows it. An orbit follows its
+    component across the optical axis on the sphere about the gaze point: the range to that point
+    stays, and the straight line between old and new position (the chord) is `distance` long.
     """
     nominal = camera.nominal_pose
     if mode != "orbit":
         return nominal.p + distance * (nominal.R @ np.asarray(direction))
     across = np.array([0.0, direction[1], direction[2]])
-    if np.linalg.norm(across) < 1e-9:  # straight at the gaze point: any way across will do
+    if np.linalg.norm(across) < 1e-9:  # parallel to the optical axis: any direction across will do
         across = np.array([0.0, 1.0, 0.0])
     across /= np.linalg.norm(across)
     r = camera.range_to_table
@@ -51,25 +51,25 @@ def displaced(camera: Camera, mode: str, direction: Vector, distance: float) -> 
 
 
 def turn(camera: Camera, mode: str) -> Array:
-    """Rotation (4,) wxyz, in the unturned camera's frame, that the camera now has on top."""
+    """Rotation wxyz (4,) from the unturned camera's frame to the camera's frame now."""
     w, x, y, z = unturned(camera, camera.pose.p, mode)
     return quat_multiply((w, -x, -y, -z), camera.pose.q)
 
 
 def angle_of(q: Array) -> float:
-    """Rotation angle of a quaternion [rad]; by atan2, since arccos loses single precision."""
+    """Rotation angle of a quaternion [rad], by atan2: arccos is inexact at small angles."""
     return float(2 * np.arctan2(np.linalg.norm(q[1:]), abs(q[0])))
 
 
 def move(camera: Camera, mode: str, direction: Vector, distance: float) -> None:
-    """Put the camera at `distance` [m] from nominal; its turn stays."""
-    kept = turn(camera, mode)
+    """Move the camera to `distance` [m] from its nominal position; its rotation stays."""
+    rotation = turn(camera, mode)
     p = displaced(camera, mode, direction, distance)
-    camera.set_pose(Pose(p, quat_multiply(unturned(camera, p, mode), kept)))
+    camera.set_pose(Pose(p, quat_multiply(unturned(camera, p, mode), rotation)))
 
 
 def turn_by(camera: Camera, mode: str, axis: Vector, angle: float) -> None:
-    """Turn the camera by `angle` [rad] about `axis` (its own frame); its position stays."""
+    """Rotate the camera by `angle` [rad] about `axis` (in its own frame); its position stays."""
     p = camera.pose.p
     q = quat_multiply(unturned(camera, p, mode), axis_angle(axis, angle))
     camera.set_pose(Pose(p, q))

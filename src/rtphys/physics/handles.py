@@ -1,8 +1,8 @@
-"""What physics may touch in a simulator, as Protocols; `rtphys.sim` implements them.
+"""Protocols for the parts of a simulator that attributes read and write; `rtphys.sim` has them.
 
-Numbers cross this border in SI units. Every `nominal_*` is the asset's own value *as built*
-(after `object_scale`), remembered once, so that an attribute always scales from the same number.
-Every property without `nominal_` reads the simulator itself, never a cache.
+All numbers are in SI units. Every `nominal_*` is the asset's own value as built (after
+`object_scale`), stored once, so that an attribute always scales from the same number. Every
+property without `nominal_` reads the simulator itself, never a cache.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ Material = tuple[float, float, float]  # static friction, dynamic friction, rest
 
 @dataclass
 class Blueprint:
-    """What must be known before the world is built. `before_build` attributes write it."""
+    """Physics that must be known before the world is built; `before_build` attributes write it."""
 
     object_scale: float = 1.0  # [1] of every task object: geometry, annotations, spawn height
     table_tilt: float = 0.0  # [rad] the table's normal leans towards azimuth 90 deg (+y)
@@ -60,23 +60,23 @@ class Body(Protocol):
     def com(self) -> Array: ...
 
     def set_mass(self, kg: float) -> None:
-        """Mass alone: SAPIEN leaves the inertia as it was."""
+        """Set the mass [kg] alone: SAPIEN leaves the inertia as it was."""
         ...
 
     def set_inertia(self, diagonal: ArrayLike) -> None:
-        """Principal moments (3,) [kg m^2]; the principal axes stay."""
+        """Set the principal moments (3,) [kg m^2]; the principal axes stay."""
         ...
 
     def set_com(self, p: ArrayLike) -> None:
-        """Centre of mass (3,) in the body frame [m]; keeps the rotation of the principal axes."""
+        """Set the centre of mass (3,) [m] in the body frame; the principal axes do not turn."""
         ...
 
 
 class Surface(Protocol):
-    """The collision shapes of one body that share one material of their own.
+    """The collision shapes of one body that have the same contact material.
 
-    A body whose parts differ is several surfaces. Shapes of two surfaces never share a SAPIEN
-    material object: editing one would edit both.
+    A body whose parts differ has several surfaces. Two surfaces never share a SAPIEN material
+    object, because editing one would edit both.
     """
 
     @property
@@ -85,7 +85,7 @@ class Surface(Protocol):
     def set_material(self, static: float, dynamic: float, restitution: float) -> None: ...
 
     def materials(self) -> list[Material]:
-        """One (static, dynamic, restitution) per shape, read from the simulator."""
+        """(static friction, dynamic friction, restitution) of each shape, from the simulator."""
         ...
 
 
@@ -125,7 +125,7 @@ class Servo(Protocol):
 
 
 class Camera(Protocol):
-    """A camera fixed in the world; frame x forward, y left, z up."""
+    """A camera that is fixed in the world; its frame has x forward, y left, z up."""
 
     @property
     def name(self) -> str: ...
@@ -141,15 +141,15 @@ class Camera(Protocol):
 
 
 class World(Protocol):
-    """A built scene, as far as the physical attributes reach into it."""
+    """The parts of a built scene that physical attributes read and write."""
 
-    external_force: float  # [m g] along world +X at the CoM of every body, in the policy stage
+    external_force: float  # [m g] along world +X at every body's CoM, in the policy stage only
 
     @property
     def bodies(self) -> Sequence[Body]: ...
     @property
     def surfaces(self) -> Sequence[Surface]:
-        """Of task objects, table top and finger pads: where friction and restitution apply."""
+        """Surfaces of task objects, table top and finger pads, to which friction applies."""
         ...
 
     @property
@@ -164,13 +164,13 @@ class World(Protocol):
     def blueprint(self) -> Blueprint: ...
 
     def measured_scale(self) -> Mapping[str, float]:
-        """Task object name -> size of the simulator's shapes over the asset's nominal size."""
+        """Task object name -> size of its shapes in the simulator / nominal size of the asset."""
         ...
 
     def measured_table(self) -> tuple[float, float]:
-        """Tilt [rad] and height above nominal [m], from the pose of the simulator's table."""
+        """Tilt [rad] and height above nominal [m] of the table, from its pose in the simulator."""
         ...
 
     def measured_force(self) -> Mapping[str, float]:
-        """Body name -> force [N] along world +X that a policy-stage step puts on it now."""
+        """Body name -> force [N] along world +X that a step of the policy stage now applies."""
         ...

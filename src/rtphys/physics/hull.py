@@ -1,4 +1,4 @@
-"""Whether a centre of mass lies inside a body: in its convex hull, shrunk by a tenth."""
+"""Tests whether a centre of mass lies inside a body: in its convex hull, shrunk by a tenth."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -6,24 +6,24 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import ConvexHull, Delaunay
+from scipy.spatial import ConvexHull, Delaunay  # pyright: ignore[reportMissingTypeStubs]
 
 from rtphys.core.poses import Array
 from rtphys.physics.values import Vector
 
-SHRINK = 0.1  # a real body has a shell: nothing balances on its very surface
+SHRINK = 0.1  # a real body has a shell, so its centre of mass is never on its surface
 
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """One dynamic body: collision vertices (n, 3) and its own centre of mass (3,), body frame."""
+    """One dynamic body: collision vertices (n, 3) and nominal centre of mass (3,), body frame."""
 
     vertices: Array  # [m]
     com: Array  # [m]
 
     @cached_property
     def _planes(self) -> tuple[Array, Array]:
-        """Normals (m, 3) and limits (m,) with `normals @ x <= limits` inside the shrunk hull."""
+        """Normals (m, 3) and limits (m,): `normals @ x <= limits` holds inside the shrunk hull."""
         hull = ConvexHull(np.asarray(self.vertices, float))
         center = centroid(hull.points[hull.vertices])
         normals, offsets = hull.equations[:, :3], hull.equations[:, 3]
@@ -31,14 +31,14 @@ class Solid:
         return normals, normals @ center + (1 - SHRINK) * gap
 
     def holds(self, offset: ArrayLike, scale: float = 1.0) -> bool:
-        """Whether the body, `scale` times as large, keeps com + `offset` [m] inside."""
+        """Whether com + `offset` [m] lies inside the body when it is `scale` times as large."""
         point = np.asarray(self.com) + np.asarray(offset, float) / scale
         normals, limits = self._planes
         return bool(np.all(normals @ point <= limits))
 
 
 def centroid(vertices: Array) -> Array:
-    """Centre of volume (3,) of the convex hull of (n, 3) points."""
+    """Centre of volume (3,) of the convex hull of points (n, 3)."""
     simplices = np.asarray(vertices)[Delaunay(vertices).simplices]  # (m, 4, 3)
     edges = simplices[:, 1:] - simplices[:, :1]
     volumes = np.abs(np.linalg.det(edges))
@@ -46,9 +46,9 @@ def centroid(vertices: Array) -> Array:
 
 
 def inside(solids: Sequence[Solid], scale: float = 1.0) -> Callable[[Vector], bool]:
-    """The test that `Domain.sample` needs: is an offset inside every solid?
+    """The test that `Domain.sample` takes: whether an offset [m] lies inside every solid.
 
-    Solids are given at nominal size, `scale` is the episode's `object_scale`; the offset itself
-    is in metres and does not scale.
+    The solids have their nominal size; `scale` is the episode's `object_scale`. The offset is in
+    metres and does not scale.
     """
     return lambda offset: all(solid.holds(offset, scale) for solid in solids)

@@ -1,7 +1,9 @@
-"""A closed interval of numbers, the support of most physical attributes."""
+"""A closed interval of numbers: what most physical attributes may be."""
 
 from dataclasses import dataclass
 from math import isfinite
+
+from rtphys.physics.values import components
 
 
 @dataclass(frozen=True)
@@ -20,9 +22,10 @@ class Interval:
             raise ValueError(f"[{self.low}, {self.high}] is not an interval")
 
     def __contains__(self, value: object) -> bool:
-        """True for a number inside, and for a vector whose every component is inside."""
+        """Whether a number, or every component of a vector, lies in the interval."""
+        parts = components(value)
         if isinstance(value, tuple):
-            return all(component in self for component in value)
+            return all(part in self for part in parts)
         if isinstance(value, bool) or not isinstance(value, int | float):
             return False
         return self.low <= value <= self.high

@@ -1,7 +1,8 @@
-"""Reads domains from YAML: inheritance, narrowing, and errors that name file and key."""
+"""Loads domains from YAML files, with inheritance; a child domain may only narrow its parent."""
 
 import re
 from pathlib import Path
+from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
@@ -23,18 +24,18 @@ FIELDS = ("extends", "why", "physics")
 
 
 def load_domain(name: str | Path) -> Domain:
-    """A domain by name (from any library) or by path to its file.
+    """The domain of a name (in any library) or of a path to its file.
 
     Raises:
-        UnknownName: no such domain, field or key; names the nearest match.
+        UnknownName: no such domain, field or attribute; names the nearest match.
         BadFile: not readable as a domain, or domains that extend each other in a circle.
-        BadValue: a rule that is misspelt, impossible, or wider than its parent's.
+        BadValue: a rule that cannot be parsed, is impossible, or is wider than its parent's.
     """
     return _load(_path(name), ())
 
 
 def domain_for_task(task: str) -> Domain:
-    """A task's own domain if a library has one of that name, else the global one."""
+    """The domain of the task's name if a library has one, else the global domain."""
     return load_domain(task if task in library.names("domains") else GLOBAL)
 
 
@@ -72,7 +73,7 @@ def _parent(extends: object, path: Path, children: tuple[Path, ...]) -> Domain |
     if not isinstance(extends, str):
         raise BadFile(path, f"extends needs the name of one domain, not {extends!r}")
     beside = path.parent / f"{extends}.yaml"
-    # A file outside every library may extend its neighbour; a bundled name wins otherwise.
+    # A file outside every library may extend its neighbour, but a library's domain comes first.
     known = library.names("domains")
     if extends not in known and not beside.is_file():
         raise UnknownName("domain", extends, known, path)
@@ -86,16 +87,16 @@ def _own_rules(raw: object, path: Path) -> dict[str, Distribution | None]:
         raise BadFile(path, "physics must be a mapping of attributes to rules")
     known = {*attributes(), *AUXILIARY}
     rules: dict[str, Distribution | None] = {}
-    for key, spelt in raw.items():
-        if key not in known:
+    for key, rule in cast(dict[object, object], raw).items():
+        if not isinstance(key, str) or key not in known:
             raise UnknownName("attribute", str(key), known, path)
-        rules[key] = None if spelt is None else parse_rule(key, spelt, str(path))
+        rules[key] = None if rule is None else parse_rule(key, rule, str(path))
         _check_possible(key, rules[key], path)
     return rules
 
 
 def _check_possible(key: str, rule: Distribution | None, path: Path) -> None:
-    """Every draw must be something that the simulator can do."""
+    """Raise if the rule allows a value that the simulator cannot have."""
     if rule is None or isinstance(rule, SameAs):
         return
     if key in AUXILIARY:
@@ -112,7 +113,7 @@ def _check_possible(key: str, rule: Distribution | None, path: Path) -> None:
 
 
 def _check_narrower(key: str, rule: Distribution | None, parent: Domain, path: Path) -> None:
-    """A key held nominal (null) is always narrower; a new key never is."""
+    """Raise unless the rule narrows its parent's; None (nominal) always does, a new key never."""
     if rule is None:
         return
     wide = parent.rule(key)
@@ -122,15 +123,15 @@ def _check_narrower(key: str, rule: Distribution | None, parent: Domain, path: P
         rule = parent.rule(rule.source) or rule
     if wide is None:
         nominal = attributes()[key].nominal
-        held = "the asset's own" if nominal is None else f"{nominal}"
-        raise BadValue(key, rule.to_json(), f"domain {parent.name} holds it at {held}", path)
+        fixed = "the asset's own" if nominal is None else f"{nominal}"
+        raise BadValue(key, rule.to_json(), f"domain {parent.name} holds it at {fixed}", path)
     if not narrows(rule, wide):
         allowed = f"domain {parent.name} allows {wide}, and a child may only narrow"
         raise BadValue(key, rule.to_json(), allowed, path)
 
 
 def _check_references(rules: dict[str, Distribution], path: Path) -> None:
-    """`same_as` needs a plain rule to copy, `by` a rule for each option that can be drawn."""
+    """Raise unless `same_as` names a plain rule, and `by` has a rule for each option drawn."""
     for key, rule in rules.items():
         if isinstance(rule, SameAs):
             plain = {k for k, r in rules.items() if not isinstance(r, SameAs | By) and k != key}
@@ -139,14 +140,14 @@ def _check_references(rules: dict[str, Distribution], path: Path) -> None:
             for value in extremes(rules[rule.source]):
                 attributes()[key].check(value, str(path))
         elif isinstance(rule, By):
-            everything = AUXILIARY.get(rule.selector)
-            if not isinstance(everything, Choice):
+            options = AUXILIARY.get(rule.selector)
+            if not isinstance(options, Choice):
                 selectors = [k for k, r in AUXILIARY.items() if isinstance(r, Choice)]
                 raise UnknownName("selector", rule.selector, selectors, path)
             for name in rule.branches:
-                if name not in everything:
-                    raise UnknownName(rule.selector, name, map(str, everything.options), path)
-            drawn = extremes(rules.get(rule.selector, everything))
+                if name not in options:
+                    raise UnknownName(rule.selector, name, map(str, options.options), path)
+            drawn = extremes(rules.get(rule.selector, options))
             if missing := [str(o) for o in drawn if o not in rule.branches]:
                 need = f"it needs a rule for {rule.selector} {', '.join(missing)}"
                 raise BadValue(key, rule.to_json(), need, path)

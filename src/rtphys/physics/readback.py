@@ -1,7 +1,8 @@
-"""What the simulator says of everything that physics may touch, in SI: kept beside a label."""
+"""The simulator's own values of everything that attributes write, stored beside each label."""
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.physics.handles import Surface, World
 
 Plain = float | list[float]
@@ -9,9 +10,9 @@ Group = dict[str, dict[str, Plain]]
 
 
 def readback(world: World) -> dict[str, Group | dict[str, Plain]]:
-    """The `readback` part of a label file, plain JSON. Names are those of the scene.
+    """The `readback` part of a label file, as plain JSON; names are those of the scene.
 
-    Units: kg, kg m², m, N; joint damping N m s/rad or N s/m; the tilt alone is in degrees.
+    Units are SI (kg, kg m², m, N; joint damping N m s/rad or N s/m), but the tilt is in degrees.
     """
     tilt, height = world.measured_table()
     return {
@@ -27,7 +28,7 @@ def readback(world: World) -> dict[str, Group | dict[str, Plain]]:
     }
 
 
-def _body(mass: float, inertia: np.ndarray, com: np.ndarray) -> dict[str, Plain]:
+def _body(mass: float, inertia: Array, com: Array) -> dict[str, Plain]:
     return {
         "mass": float(mass),
         "inertia": [float(x) for x in inertia],
@@ -36,7 +37,7 @@ def _body(mass: float, inertia: np.ndarray, com: np.ndarray) -> dict[str, Plain]
 
 
 def _surface(surface: Surface) -> dict[str, Plain]:
-    """One number each where all shapes agree, else one per shape."""
+    """One number per property where all shapes agree, else one per shape."""
     columns = zip(*surface.materials(), strict=True)
     names = ("static_friction", "dynamic_friction", "restitution")
     return {

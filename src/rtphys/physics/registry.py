@@ -1,4 +1,4 @@
-"""Finds attributes in this package, in users' libraries and among plug-ins: no list to edit."""
+"""The table of attributes, found in this package, in users' libraries and among plug-ins."""
 
 import importlib
 import inspect
@@ -7,27 +7,30 @@ from functools import lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import MappingProxyType, ModuleType
+from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.core.python_file import load_file
-from rtphys.physics import attributes as bundled
-from rtphys.physics.attribute import Attribute, Attributes
+from rtphys.physics.attribute import AnyAttribute, Attribute, Attributes
 
-ENTRY_POINTS = "rtphys.attributes"
+# The package with one module for each attribute. It is imported here and not on use: the import
+# sets `rtphys.physics.attributes`, which then must become the function below and stay it.
+BUNDLED = importlib.import_module("rtphys.physics.attributes")
+ENTRY_POINTS = "rtphys.attributes"  # group in which an installed plug-in names its attributes
 
 
 def attributes() -> Attributes:
-    """Key -> attribute, sorted by key: the thirteen, then whatever libraries and plug-ins add.
+    """Key -> attribute, sorted by key: the bundled thirteen and those of libraries and plug-ins.
 
     Raises:
-        BadFile: a file without exactly one attribute, or with a key that another one has.
+        BadFile: a file that does not define exactly one attribute, or a key that exists already.
     """
     return _attributes(tuple(library.names("attributes").values()))
 
 
-def attribute(key: str) -> Attribute:
-    """One attribute.
+def attribute(key: str) -> AnyAttribute:
+    """The attribute of this key.
 
     Raises:
         UnknownName: no such key; names the nearest match.
@@ -40,19 +43,20 @@ def attribute(key: str) -> Attribute:
 
 @lru_cache(maxsize=8)
 def _attributes(files: tuple[Path, ...]) -> Attributes:
-    found: dict[str, Attribute] = {}
+    by_key: dict[str, AnyAttribute] = {}
     origin: dict[str, str] = {}
     for cls, where in _classes(files):
-        if (key := cls.key) in found:
+        if (key := cls.key) in by_key:
             raise BadFile(where, f"attribute {key!r} exists already, in {origin[key]}")
-        found[key], origin[key] = cls(), where
-    return MappingProxyType(dict(sorted(found.items())))
+        by_key[key], origin[key] = cls(), where
+    return MappingProxyType(dict(sorted(by_key.items())))
 
 
-def _classes(files: tuple[Path, ...]) -> list[tuple[type[Attribute], str]]:
-    classes: list[tuple[type[Attribute], str]] = []
-    for info in pkgutil.iter_modules(bundled.__path__):
-        module = importlib.import_module(f"{bundled.__name__}.{info.name}")
+def _classes(files: tuple[Path, ...]) -> list[tuple[type[AnyAttribute], str]]:
+    """Every attribute class, with the file or entry point that defines it."""
+    classes: list[tuple[type[AnyAttribute], str]] = []
+    for info in pkgutil.iter_modules(BUNDLED.__path__):
+        module = importlib.import_module(f"{BUNDLED.__name__}.{info.name}")
         classes.append((_only_attribute(module, info.name), str(module.__file__)))
     classes += [
         (_only_attribute(load_file(path, "attribute"), path.stem), str(path)) for path in files
@@ -64,8 +68,8 @@ def _classes(files: tuple[Path, ...]) -> list[tuple[type[Attribute], str]]:
     return classes
 
 
-def _only_attribute(module: ModuleType, key: str) -> type[Attribute]:
-    own = [
+def _only_attribute(module: ModuleType, key: str) -> type[AnyAttribute]:
+    own: list[type[AnyAttribute]] = [
         c
         for c in vars(module).values()
         if inspect.isclass(c) and issubclass(c, Attribute) and c.__module__ == module.__name__
@@ -76,9 +80,10 @@ def _only_attribute(module: ModuleType, key: str) -> type[Attribute]:
     return own[0]
 
 
-def _check_class(cls: object, key: str, where: str) -> None:
-    if not (inspect.isclass(cls) and issubclass(cls, Attribute)):
-        raise BadFile(where, "is no subclass of rtphys.physics.attribute.Attribute")
+def _check_class(candidate: object, key: str, where: str) -> None:
+    if not (inspect.isclass(candidate) and issubclass(candidate, Attribute)):
+        raise BadFile(where, "does not name a subclass of rtphys.physics.attribute.Attribute")
+    cls = cast(type[AnyAttribute], candidate)
     missing = [name for name in ("key", "unit", "nominal", "valid") if not hasattr(cls, name)]
     if missing:
         raise BadFile(where, f"{cls.__name__} does not say its {', '.join(missing)}")

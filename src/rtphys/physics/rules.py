@@ -1,6 +1,7 @@
-"""Reads one rule of a domain: a number, a name, a vector, or a mapping with one key."""
+"""Parses one rule of a domain: a number, a name, a vector, or a mapping with one key."""
 
 from collections.abc import Mapping
+from typing import cast
 
 from rtphys.core.errors import BadValue
 from rtphys.physics.distribution import (
@@ -23,10 +24,10 @@ SPELLING = (
 
 
 def parse_rule(key: str, raw: JsonRule, where: str = "") -> Distribution:
-    """The distribution that `raw` (YAML or JSON) spells.
+    """The distribution that `raw`, a rule read from YAML or JSON, describes.
 
     Raises:
-        BadValue: anything else; names file, key, value and the allowed spellings.
+        BadValue: not a rule; names file, key, value and the ways to write a rule.
     """
     try:
         return _parse(key, raw, where)
@@ -36,16 +37,18 @@ def parse_rule(key: str, raw: JsonRule, where: str = "") -> Distribution:
 
 def _parse(key: str, raw: JsonRule, where: str) -> Distribution:
     if isinstance(raw, Mapping):
-        if len(raw) != 1:
+        entries = list(cast(Mapping[object, object], raw).items())
+        if len(entries) != 1:
             raise ValueError("a rule has exactly one key")
-        kind, argument = next(iter(raw.items()))
+        kind, argument = entries[0]
         return _mapping(key, str(kind), argument, where)
     if isinstance(raw, str):
         return Fixed(raw)
     if isinstance(raw, list | tuple):
-        if len(raw) != 3:
+        parts = cast(list[object], raw)
+        if len(parts) != 3:
             raise ValueError("a vector has three components")
-        return Fixed(tuple(_number(x) for x in raw))
+        return Fixed(tuple(_number(part) for part in parts))
     return Fixed(_number(raw))
 
 
@@ -57,7 +60,9 @@ def _mapping(key: str, kind: str, argument: object, where: str) -> Distribution:
     if kind == "choice":
         if not isinstance(argument, list) or not argument:
             raise ValueError("choice needs a list of at least one")
-        options = tuple(o if isinstance(o, str) else _number(o) for o in argument)
+        options = tuple(
+            o if isinstance(o, str) else _number(o) for o in cast(list[object], argument)
+        )
         if len(set(options)) != len(options):
             raise ValueError("a choice is listed twice")
         return Choice(options)
@@ -65,15 +70,20 @@ def _mapping(key: str, kind: str, argument: object, where: str) -> Distribution:
         return Direction()
     if kind == "same_as" and isinstance(argument, str):
         return SameAs(argument)
-    if kind == "by" and isinstance(argument, Mapping) and len(argument) == 1:
-        selector, branches = next(iter(argument.items()))
-        if not isinstance(branches, Mapping) or not branches:
-            raise ValueError(f"by {selector} needs a rule for each of its values")
-        return By(
-            str(selector),
-            {str(n): _branch(f"{key}.{n}", rule, where) for n, rule in branches.items()},
-        )
+    if kind == "by" and isinstance(argument, Mapping):
+        entries = list(cast(Mapping[object, object], argument).items())
+        if len(entries) == 1:
+            return _by(key, *entries[0], where)
     raise ValueError(f"{kind!r} is no distribution that fits {argument!r}")
+
+
+def _by(key: str, selector: object, branches: object, where: str) -> By:
+    if not isinstance(branches, Mapping) or not branches:
+        raise ValueError(f"by {selector} needs a rule for each of its values")
+    rules = cast(Mapping[object, object], branches)
+    return By(
+        str(selector), {str(n): _branch(f"{key}.{n}", rule, where) for n, rule in rules.items()}
+    )
 
 
 def _branch(key: str, raw: object, where: str) -> Distribution:
@@ -84,9 +94,10 @@ def _branch(key: str, raw: object, where: str) -> Distribution:
 
 
 def _interval(argument: object) -> Interval:
-    if not isinstance(argument, list | tuple) or len(argument) != 2:
+    ends = cast(list[object], argument) if isinstance(argument, list | tuple) else []
+    if len(ends) != 2:
         raise ValueError("a range is a list [low, high]")
-    return Interval(_number(argument[0]), _number(argument[1]))
+    return Interval(_number(ends[0]), _number(ends[1]))
 
 
 def _number(raw: object) -> float:

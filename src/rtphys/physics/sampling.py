@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from itertools import repeat
 
 from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.core.seeds import stream
-from rtphys.physics.attribute import Attribute
+from rtphys.physics.attribute import AnyAttribute
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import By, Choice, Distribution, Fixed, SameAs, extremes
 from rtphys.physics.registry import attributes
@@ -18,7 +19,7 @@ MOST_REDRAWS = 10_000
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of a domain; fields as in `Domain.sample`."""
+    """The arguments of one `Domain.sample`, and the domain's name."""
 
     domain: str
     seed: int
@@ -28,7 +29,7 @@ class Request:
 
 
 def draw(rules: Rules, request: Request) -> Physics:
-    """See `Domain.sample`."""
+    """Draw the physics of one episode; see `Domain.sample`."""
     check_overrides(request.overrides)
     active, known = _active(rules, request), attributes()
     values: dict[str, Value] = {key: a.nominal for key, a in known.items()}
@@ -40,12 +41,12 @@ def draw(rules: Rules, request: Request) -> Physics:
         else:
             values[key] = _own_draw(rules, request, known[key], values)
     if CENTER_OF_MASS in active and request.inside is not None:
-        values |= _center_of_mass(rules, request)
+        values |= _center_of_mass(rules, request, request.inside)
     return Physics(values, active)
 
 
 def check_overrides(overrides: Mapping[str, Value]) -> None:
-    """Refuse what no attribute and no auxiliary draw can be.
+    """Raise if an override is no value of its attribute or auxiliary key.
 
     Raises:
         UnknownName: no such key.
@@ -62,7 +63,7 @@ def check_overrides(overrides: Mapping[str, Value]) -> None:
 
 
 def _active(rules: Rules, request: Request) -> list[str]:
-    """Attributes that are set in this episode, sorted."""
+    """Attributes that this episode sets, drawn or overridden, sorted."""
     known = attributes()
     varied = {key for key in rules if key in known}
     if request.only is not None:
@@ -91,27 +92,28 @@ def _auxiliary(rules: Rules, request: Request, active: list[str]) -> dict[str, V
 
 
 def _own_draw(
-    rules: Rules, request: Request, attribute: Attribute, values: Mapping[str, Value]
+    rules: Rules, request: Request, attribute: AnyAttribute, values: Mapping[str, Value]
 ) -> Value:
     rule, source = rules[attribute.key], attribute.key
     if isinstance(rule, SameAs):
         if rule.source in request.overrides:
             return request.overrides[rule.source]
-        source = rule.source  # its stream too, so that it is the same draw
+        source = rule.source  # from its stream, so that the value is the same
         rule = rules[source]
     if isinstance(rule, By):
         rule = rule.branches[str(values[rule.selector])]
     return rule.draw(stream(request.seed, "physics", source), attribute.size)
 
 
-def _center_of_mass(rules: Rules, request: Request) -> dict[str, Value]:
-    """Redrawn until `inside`; an override is taken or refused as it is."""
-    inside = request.inside or (lambda _: True)
-    held = request.overrides.get(CENTER_OF_MASS)
-    if isinstance(held, tuple):
-        if inside(held):
+def _center_of_mass(
+    rules: Rules, request: Request, inside: Callable[[Vector], bool]
+) -> dict[str, Value]:
+    """The first draw that lies inside every body; an override must lie inside as it is."""
+    override = request.overrides.get(CENTER_OF_MASS)
+    if isinstance(override, tuple):
+        if inside(override):
             return {}
-        raise Infeasible("invalid_physics", f"center_of_mass {held} lies outside a body")
+        raise Infeasible("invalid_physics", f"center_of_mass {override} lies outside a body")
     rng = stream(request.seed, "physics", CENTER_OF_MASS)
     for redraws in range(MOST_REDRAWS):
         value = rules[CENTER_OF_MASS].draw(rng, 3)
@@ -123,31 +125,27 @@ def _center_of_mass(rules: Rules, request: Request) -> dict[str, Value]:
 
 
 def after(redraws: int) -> Callable[[Vector], bool]:
-    """An `inside` that refuses as many draws as an episode's label says: no geometry needed."""
-    left = [redraws]
-
-    def inside(_: Vector) -> bool:
-        left[0] -= 1
-        return left[0] < 0
-
-    return inside
+    """An `inside` for `Domain.sample` that rejects the first `redraws` draws, without geometry."""
+    rejections = repeat(False, redraws)
+    return lambda _: next(rejections, True)
 
 
 def _compatible(
     selector: str, rule: Choice, rules: Rules, asked: tuple[list[str], Mapping[str, Value]]
 ) -> list[str]:
-    """Options of `selector` under which the overrides hold and something active can move.
+    """Options of `selector` that fit the overrides and let an active attribute differ from 0.
 
-    Varying `camera_distance` alone never draws mode rotate; holding it at 0.05 needs an orbit.
+    Examples: varying `camera_distance` alone never draws mode rotate; holding it at 0.05
+    needs mode orbit.
 
     Raises:
-        BadValue: overrides that exclude each other.
+        BadValue: overrides that no option allows together.
     """
     active, overrides = asked
     by = {k: r for k in active if isinstance(r := rules.get(k), By) and r.selector == selector}
     options = [str(option) for option in rule.options]
     for key in by.keys() & overrides.keys():
-        options = _holding(by[key], options, overrides[key])
+        options = _allowing(by[key], options, overrides[key])
         if not options:
             others = ", ".join(sorted(by.keys() & overrides.keys() - {key}))
             raise BadValue(key, overrides[key], f"no {selector} has it together with {others}")
@@ -159,8 +157,8 @@ def _compatible(
     return moving or options
 
 
-def _holding(rule: By, options: list[str], value: Value) -> list[str]:
-    """Options whose branch allows `value`; else those of the widest branch that is no constant."""
+def _allowing(rule: By, options: list[str], value: Value) -> list[str]:
+    """Options whose branch allows `value`, else those of the widest branch that is not fixed."""
     fitting = [o for o in options if value in rule.branches[o]]
     if fitting:
         return fitting
@@ -169,10 +167,10 @@ def _holding(rule: By, options: list[str], value: Value) -> list[str]:
         for o in options
         if not isinstance(rule.branches[o], Fixed)
     }
-    return [o for o, far in reach.items() if far == max(reach.values())]
+    return [o for o, largest in reach.items() if largest == max(reach.values())]
 
 
-def _moves(branch: Distribution, held: Value) -> bool:
-    if held is not None:
-        return held != 0.0
+def _moves(branch: Distribution, override: Value) -> bool:
+    if override is not None:
+        return override != 0.0
     return not isinstance(branch, Fixed)

@@ -1,27 +1,28 @@
-"""The physics of one episode: an immutable mapping from key to value."""
+"""The physics of one episode: an immutable mapping from attribute key to value."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
+from typing import cast
 
 Vector = tuple[float, ...]
 Value = float | int | str | Vector | None
 Json = float | int | str | list[float] | None
 
-REDRAWS = "center_of_mass_redraws"  # how often the centre of mass fell outside a body
+REDRAWS = "center_of_mass_redraws"  # key: draws that fell outside a body before this one
 
 
 class Physics(Mapping[str, Value]):
     """Attribute and auxiliary keys -> value, in each attribute's own unit.
 
-    None means the asset's own value (friction, object_joint_damping) or, for an auxiliary key
-    such as `camera_mode`, that nothing in this episode needs it.
+    None means the asset's own value (`friction`, `object_joint_damping`). For an auxiliary key
+    such as `camera_mode` it means that nothing in this episode needs it.
     """
 
     __slots__ = ("_values", "varied")
 
     def __init__(self, values: Mapping[str, Value], varied: Iterable[str] = ()) -> None:
         self._values = MappingProxyType({key: values[key] for key in sorted(values)})
-        self.varied = frozenset(varied)  # attributes that a domain or a user set
+        self.varied = frozenset(varied)  # attributes set by a domain or by the user
         if unknown := self.varied - self._values.keys():
             raise ValueError(f"varied names keys without a value: {sorted(unknown)}")
 
@@ -43,14 +44,14 @@ class Physics(Mapping[str, Value]):
         return hash((tuple(self._values.items()), self.varied))
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{key}={self[key]!r}" for key in sorted(self.varied))
-        return f"Physics({told or 'nominal'})"
+        values = ", ".join(f"{key}={self[key]!r}" for key in sorted(self.varied))
+        return f"Physics({values or 'nominal'})"
 
-    def __reduce__(self):  # a mapping proxy does not pickle, and episodes cross processes
+    def __reduce__(self) -> tuple[object, ...]:  # mapping proxies do not pickle
         return Physics, (dict(self._values), self.varied)
 
     def scalar(self, key: str, default: float | None = None) -> float:
-        """A number; `default` where the value is the asset's own.
+        """The value of a key that holds a number; `default` where it is None, the asset's own.
 
         Raises:
             TypeError: the value is not a number and there is no default.
@@ -63,7 +64,7 @@ class Physics(Mapping[str, Value]):
         return float(value)
 
     def vector(self, key: str) -> Vector:
-        """A vector such as `center_of_mass`.
+        """The value of a key that holds a vector, such as `center_of_mass`.
 
         Raises:
             TypeError: the value is not a vector.
@@ -75,11 +76,11 @@ class Physics(Mapping[str, Value]):
 
     @property
     def redraws(self) -> int:
-        """How many centres of mass were drawn and thrown away before this one."""
+        """Number of centres of mass that were drawn and rejected before this one."""
         return int(self.scalar(REDRAWS, 0)) if REDRAWS in self else 0
 
     def to_json(self) -> dict[str, dict[str, Json] | list[str]]:
-        """Plain JSON; `from_json` gives back an equal object, bit for bit."""
+        """As plain JSON, from which `from_json` makes an equal object, bit for bit."""
         values: dict[str, Json] = {
             k: list(v) if isinstance(v, tuple) else v for k, v in self.items()
         }
@@ -95,11 +96,18 @@ class Physics(Mapping[str, Value]):
         values, varied = data.get("values"), data.get("varied", [])
         if not isinstance(values, Mapping) or not isinstance(varied, list):
             raise ValueError("physics needs a mapping 'values' and a list 'varied'")
-        return Physics({str(k): plain_value(v) for k, v in values.items()}, map(str, varied))
+        pairs = cast(Mapping[object, object], values).items()
+        names = map(str, cast(list[object], varied))
+        return Physics({str(key): plain_value(value) for key, value in pairs}, names)
+
+
+def components(value: object) -> tuple[object, ...]:
+    """The components of a vector; any other value is its own only component."""
+    return cast(tuple[object, ...], value) if isinstance(value, tuple) else (value,)
 
 
 def plain_value(raw: object) -> Value:
-    """A value from JSON or YAML: lists of numbers become tuples.
+    """Convert a value read from JSON or YAML: lists of numbers become tuples.
 
     Raises:
         ValueError: anything that is no number, name, vector or null.
@@ -107,7 +115,8 @@ def plain_value(raw: object) -> Value:
     if raw is None or (isinstance(raw, str | int | float) and not isinstance(raw, bool)):
         return raw
     if isinstance(raw, list | tuple) and raw:
-        numbers = [v for v in raw if isinstance(v, int | float) and not isinstance(v, bool)]
-        if len(numbers) == len(raw):
+        parts = cast(list[object] | tuple[object, ...], raw)
+        numbers = [v for v in parts if isinstance(v, int | float) and not isinstance(v, bool)]
+        if len(numbers) == len(parts):
             return tuple(float(v) for v in numbers)
     raise ValueError(f"{raw!r} is neither a number, a name, a vector nor null")

@@ -11,10 +11,11 @@ from rtphys.sim.recorder import FRAME_STEPS
 
 
 class Expert:
-    """Runs the task's script to its end, as a demonstration does.
+    """Runs the task's script to its end, as in a demonstration.
 
-    It knows the whole world and speaks to the servos at 250 Hz, so it is no policy to compare
-    with, but a proof that the instance can be solved. Each frame counts as one action.
+    It reads the simulator's full state and commands the servos at 250 Hz. It is therefore not
+    comparable with other policies, but proves that an instance can be solved. Each frame counts
+    as one action.
     """
 
     needs_images = False
@@ -22,15 +23,15 @@ class Expert:
     def play(self, episode: PolicyEpisode) -> None:
         rollout, outcome = episode.rollout, None
         robot = ExpertRobot(rollout, stream(episode.seed, "expert"))
-        with suppress(Infeasible):  # then the instance was certified under something else
+        with suppress(Infeasible):  # possible if the instance's certification fingerprint differs
             episode.instance.task.script(robot)
             outcome = rollout.finish()
         episode.conclude(rollout.steps // FRAME_STEPS, outcome)
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Nothing to release."""
 
 
 def open_expert(argument: str, setup: PolicySetup) -> Expert:
-    """`expert`."""
+    """Opener of `expert`."""
     return Expert()

@@ -1,4 +1,4 @@
-"""A robot that does nothing. A task that it solves is no task."""
+"""Baseline policy that does not move: a task that it solves needs no action."""
 
 from rtphys.core.poses import Array
 from rtphys.episode import Observation
@@ -6,7 +6,7 @@ from rtphys.policies.policy import PolicySetup, Stepwise
 
 
 class Idle(Stepwise):
-    """Repeats the command that is in force."""
+    """Repeats the current command."""
 
     needs_images = False
 
@@ -15,5 +15,5 @@ class Idle(Stepwise):
 
 
 def open_idle(argument: str, setup: PolicySetup) -> Idle:
-    """`idle`."""
+    """Opener of `idle`."""
     return Idle()

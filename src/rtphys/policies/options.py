@@ -1,4 +1,4 @@
-"""`REST?key=value&key=value`, the tail of a policy's spec string."""
+"""Options of a policy specification, `ARGUMENT?key=value&key=value`."""
 
 import ast
 from collections.abc import Iterable, Mapping
@@ -10,7 +10,7 @@ Options = dict[str, object]
 
 
 def literal(text: str) -> object:
-    """A Python literal, or the text itself."""
+    """Value of a Python literal, or the text itself if it is none."""
     try:
         return ast.literal_eval(text)
     except (ValueError, SyntaxError, MemoryError, RecursionError):
@@ -18,24 +18,28 @@ def literal(text: str) -> object:
 
 
 def split(text: str, more: Mapping[str, str] | None = None) -> tuple[str, Options]:
-    """What stands before `?`, and the options after it, on top of `more`.
+    """Split a specification's argument into what precedes `?` and the options.
+
+    Args:
+        text: `ARGUMENT?key=value&key=value`.
+        more: further options, which those in `text` override.
 
     Raises:
         BadValue: an option without a value.
     """
     rest, _, tail = text.partition("?")
     try:
-        found = parse_qsl(tail, keep_blank_values=True, strict_parsing=bool(tail))
+        pairs = parse_qsl(tail, keep_blank_values=True, strict_parsing=bool(tail))
     except ValueError as error:
         raise BadValue("policy", text, "options are ?key=value&key=value") from error
-    return rest, {key: literal(value) for key, value in [*(more or {}).items(), *found]}
+    return rest, {key: literal(value) for key, value in [*(more or {}).items(), *pairs]}
 
 
 def only(options: Options, known: Iterable[str], where: str) -> Options:
-    """The options, if all are known.
+    """Return the options if all are known.
 
     Raises:
-        UnknownName: with the nearest match.
+        UnknownName: one is not; names the nearest match.
     """
     known = tuple(known)
     for key in options:
@@ -45,12 +49,12 @@ def only(options: Options, known: Iterable[str], where: str) -> Options:
 
 
 def number(options: Options, key: str, default: float) -> float:
-    """A number greater than zero.
+    """Value of an option that must be a number greater than zero.
 
     Raises:
         BadValue: it is something else.
     """
     value = options.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
-        raise BadValue(key, value, "it is a number greater than zero")
+        raise BadValue(key, value, "it must be a number greater than zero")
     return value

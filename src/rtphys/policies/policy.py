@@ -1,4 +1,4 @@
-"""What a policy is: something that plays one episode to its end."""
+"""Interface of policies: an object that plays one episode to its end."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -13,10 +13,10 @@ from rtphys.episode import Observation, PolicyEpisode
 
 
 class PolicyGone(RtphysError):
-    """A policy cannot be reached at all: nothing that could be called a result.
+    """A policy cannot be reached at all, so the episode has no result.
 
-    It stops an evaluation, which can be resumed. Anything else that a policy raises is a failure
-    of the episode that it was playing.
+    It stops an evaluation, which can be resumed. Any other error that a policy raises counts as
+    failure of the episode that it was playing.
     """
 
     exit_code = 5
@@ -27,55 +27,55 @@ class PolicyGone(RtphysError):
 
 @dataclass(frozen=True)
 class PolicySetup:
-    """What a policy may want to know before its first episode. Picklable.
+    """Facts that a policy may need before its first episode. Picklable.
 
-    A policy is opened anew in a process whenever its setup changes, that is for every task.
+    A process opens a policy again whenever the setup changes, that is for every task.
     """
 
     task: str = ""
     protocol: str = "clean"
-    split: str = "unseen"  # of the sentences, and of the pictures on table and wall
-    seed: int = 0  # of the policy's own chance, not of an episode
-    options: Mapping[str, str] = field(default_factory=dict)  # key -> value, read by the policy
+    split: str = "unseen"  # of instructions and textures: "seen" or "unseen"
+    seed: int = 0  # for the policy's own random numbers, not an episode's seed
+    options: Mapping[str, str] = field(default_factory=dict)  # given by the user, by key
 
 
 class Policy(Protocol):
-    """Lives in a worker process, plays one episode after the other.
+    """Plays one episode after the other in a worker process.
 
-    To be reproducible it must remember nothing from one episode to the next, and draw all chance
-    from `episode.seed`: which episodes a worker gets depends on the number of workers.
+    To be reproducible, it must keep no state between episodes and derive all random numbers from
+    `episode.seed`: which episodes a worker gets depends on the number of workers.
     """
 
     needs_images: bool
-    """Whether it will ask for pictures; then a missing renderer is told before any episode."""
+    """Whether it needs pictures; if so, a missing renderer is reported before any episode."""
 
     def play(self, episode: PolicyEpisode) -> None:
-        """Acts until `episode.over`, or gives up by returning before."""
+        """Act until `episode.over`; returning earlier means giving up."""
         ...
 
     def close(self) -> None:
-        """Lets go of models and connections."""
+        """Release models and connections."""
         ...
 
 
 class Stepwise(ABC):
-    """A policy that maps an observation to a chunk of actions; derive, and write `act`."""
+    """Base class of policies that map an observation to one or several actions; define `act`."""
 
     needs_images = True
 
     def reset(self, episode: PolicyEpisode) -> None:  # noqa: B027 - an empty hook on purpose
-        """Called before the first observation of an episode; the instruction is the episode's."""
+        """Called before the first observation; `episode.instruction` is the sentence to follow."""
 
     @abstractmethod
     def act(self, observation: Observation) -> Array:
         """The next actions (n, 14) or one action (14,), absolute joint targets; n >= 1."""
 
     def play(self, episode: PolicyEpisode) -> None:
-        """Observes, acts out the whole chunk, and so on."""
+        """Alternately observe and carry out all actions that `act` returns."""
         self.reset(episode)
         while not episode.over:
             for action in np.atleast_2d(self.act(episode.observe())):
                 episode.act(action)
 
     def close(self) -> None:  # noqa: B027 - an empty hook on purpose
-        """Nothing to let go of."""
+        """Nothing to release."""

@@ -1,4 +1,4 @@
-"""A policy of the user's own: `python:MODULE:ATTRIBUTE`."""
+"""User-defined policies: `python:MODULE:ATTRIBUTE`."""
 
 import importlib
 import sys
@@ -11,14 +11,13 @@ from rtphys.policies.policy import Policy, PolicySetup
 
 
 def open_python(argument: str, setup: PolicySetup) -> Policy:
-    """Calls `ATTRIBUTE(setup)` of a module, which returns a policy.
+    """Open a policy by calling `ATTRIBUTE(setup)` of a user's module.
 
-    MODULE is a dotted name, looked for beside the command's working folder as well, or the path of
-    a Python file.
+    MODULE is the path of a Python file or a dotted name; the working directory is searched too.
 
     Raises:
-        BadValue: not `python:MODULE:ATTRIBUTE`, no such module, or what it made cannot play.
-        BadFile: the file is not there, or raises when it is run.
+        BadValue: not `python:MODULE:ATTRIBUTE`, no such module, or its result is no policy.
+        BadFile: the file does not exist, or raises when it is imported.
         UnknownName: the module has no such attribute.
     """
     module_name, _, attribute = argument.rpartition(":")
@@ -30,24 +29,24 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
         raise UnknownName(f"attribute of {module_name}", attribute, known)
     policy = getattr(module, attribute)(setup)
     if not callable(getattr(policy, "play", None)):
-        told = f"it made a {type(policy).__name__}, which has no play(episode)"
-        raise BadValue("policy", f"python:{argument}", told)
+        problem = f"it returned a {type(policy).__name__}, which has no play(episode)"
+        raise BadValue("policy", f"python:{argument}", problem)
     return policy
 
 
 def _module(name: str) -> ModuleType:
     path = Path(name)
     if path.suffix == ".py":
-        _reach(path.resolve().parent)  # it may import its neighbours
+        _add_to_path(path.resolve().parent)  # it may import its neighbours
         return load_file(path, "policy")
-    _reach(Path.cwd())
+    _add_to_path(Path.cwd())
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError as error:
-        told = f"Python finds no module {error.name!r}"
-        raise BadValue("policy", f"python:{name}", told) from error
+        problem = f"Python finds no module {error.name!r}"
+        raise BadValue("policy", f"python:{name}", problem) from error
 
 
-def _reach(folder: Path) -> None:
+def _add_to_path(folder: Path) -> None:
     if str(folder) not in sys.path:
-        sys.path.append(str(folder))  # last: a user's random.py is not Python's
+        sys.path.append(str(folder))  # last: a user's random.py must not hide Python's

@@ -1,4 +1,4 @@
-"""A robot that moves at random. A task that it solves is too easy."""
+"""Baseline policy that moves at random: a task that it solves is too easy."""
 
 import numpy as np
 
@@ -7,19 +7,19 @@ from rtphys.core.seeds import stream
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies.policy import PolicySetup, Stepwise
 
-# Standard deviations of one action's step. An arm does a step of 0.013 rad within one frame; with
-# the drift, 400 actions wander about 0.6 rad.
+# Standard deviations of the step from one action to the next. An arm completes a step of 0.013 rad
+# within one frame; with the drift, 400 actions move a joint by about 0.6 rad.
 ARM_STEP = 0.007  # [rad]
-GRIP_STEP = 0.025  # of the opening
-DRIFT = 0.9  # share of a step that the next one goes on with: shaking on the spot reaches nothing
+GRIP_STEP = 0.025  # of the opening, 0..1
+DRIFT = 0.9  # correlation of successive steps; without it the robot only shakes on the spot
 
 
 class Walk:
-    """A random walk of joint targets and openings that drift, reflected at the limits.
+    """Random walk of joint targets and gripper openings with drift, reflected at the limits.
 
     Args:
-        seed: episode seed; the walk has a stream of its own.
-        limits: (2, 6, 2) [rad] of the left and right arm's joints.
+        seed: of the episode; the walk has its own random stream.
+        limits: (2, 6, 2) [rad] joint limits of the left and right arm.
     """
 
     def __init__(self, seed: int, limits: Array) -> None:
@@ -31,7 +31,7 @@ class Walk:
         self._step = self._rng.normal(size=len(self._scale)) * self._scale
 
     def after(self, command: Array) -> Array:
-        """The command (14,) that follows another."""
+        """Command (14,) that follows a command (14,)."""
         fresh = self._rng.normal(size=len(self._scale)) * self._scale
         self._step = DRIFT * self._step + np.sqrt(1 - DRIFT**2) * fresh
         target = command + self._step
@@ -56,5 +56,5 @@ class RandomWalk(Stepwise):
 
 
 def open_random(argument: str, setup: PolicySetup) -> RandomWalk:
-    """`random`."""
+    """Opener of `random`."""
     return RandomWalk()

@@ -1,4 +1,4 @@
-"""The recorded actions of a dataset's episodes, open loop: the baseline that never looks."""
+"""Baseline policy that replays a dataset's recorded actions open loop."""
 
 from pathlib import Path
 
@@ -10,14 +10,14 @@ from rtphys.policies.policy import PolicyGone, PolicySetup
 
 
 class Replay:
-    """Plays what was recorded of the same task and seed.
+    """Replays the recorded actions of the same task and seed.
 
-    A dataset of another protocol will do if it is the only one: `replay:CLEAN` under `phys_random`
-    asks how far clean actions carry under physics that they know nothing of.
+    If the dataset has a single protocol, it may be another one: `replay:CLEAN` under `phys_random`
+    measures how far actions recorded under clean physics succeed under random physics.
 
     Raises:
-        BadFile: no dataset there.
-        UnknownName, BadValue: it has nothing of this task, or several protocols but not this one.
+        BadFile: the folder holds no dataset.
+        UnknownName, BadValue: the dataset lacks this task, or has several protocols without this.
     """
 
     needs_images = False
@@ -34,23 +34,23 @@ class Replay:
 
     def play(self, episode: PolicyEpisode) -> None:
         if episode.seed not in self._stored:
-            told = f"{self._folder} holds no episode of {episode.task}, seed {episode.seed}"
-            cure = f"collect that seed, or give `instances` {self._folder}"
-            raise PolicyGone("replay", f"{told}; {cure}")
+            problem = f"{self._folder} holds no episode of {episode.task}, seed {episode.seed}"
+            cure = "collect that seed, or evaluate on this dataset's own instances"
+            raise PolicyGone("replay", f"{problem}; {cure}")
         for action in self._stored[episode.seed].action:
             if episode.over:
                 return
             episode.act(action)
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Nothing to release."""
 
 
 def open_replay(argument: str, setup: PolicySetup) -> Replay:
-    """`replay:DATASET`."""
+    """Opener of `replay:DATASET`."""
     if not argument:
         raise BadValue("policy", "replay:", "name a dataset's folder: replay:DATASET")
     folder = Path(argument)
     if not folder.exists():
-        raise BadFile(folder, "there is no such dataset")
+        raise BadFile(folder, "no such dataset")
     return Replay(folder, setup.task, setup.protocol)

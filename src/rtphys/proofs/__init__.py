@@ -1,1 +1,1 @@
-"""One experiment per attribute, each with a textbook outcome; shared by the tests and `prove`."""
+"""One experiment for each attribute, with a textbook outcome; the tests and `prove` run them."""

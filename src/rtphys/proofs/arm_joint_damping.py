@@ -1,4 +1,4 @@
-"""An arm joint that is sent 0.1 rad further without a speed lags by tau = k d / stiffness."""
+"""An arm joint whose target moves by 0.1 rad follows with the lag tau = k d / stiffness."""
 
 from functools import partial
 
@@ -6,28 +6,28 @@ import numpy as np
 
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
-from rtphys.proofs.proof import Company, Proof, Trial, number
+from rtphys.proofs.proof import Proof, Trial, Values, number
 from rtphys.proofs.servo_step import step_response
 
 STEP = 0.1  # [rad]
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     trials = []
     for joint in range(6):
-        world = lab.world([], {**company, "arm_joint_damping": value})
+        world = lab.world([], {**others, "arm_joint_damping": value})
         body = world.robot.embodiment
         tau = number(value) * body.joint_damping / body.joint_stiffness
-        ways = []
-        for arm in world.robot.arms:  # both at once, they are far apart
+        steps = []
+        for arm in world.robot.arms:  # both at once: they are far apart
             # Towards the middle of the joint's range, so that no limit stops it.
-            ways.append(STEP if arm.target[joint] <= 0 else -STEP)
+            steps.append(STEP if arm.target[joint] <= 0 else -STEP)
             target = arm.target
-            target[joint] += ways[-1]
+            target[joint] += steps[-1]
             arm.drive(target.tolist(), [0.0] * len(target))
         read = partial(_angles, world, [int(arm.index[joint]) for arm in world.robot.arms])
         names = [f"tau of {side} joint {joint + 1}" for side in ("left", "right")]
-        trials += step_response(world, read, np.array(ways), tau, names)
+        trials += step_response(world, read, np.array(steps), tau, names)
     return trials
 
 

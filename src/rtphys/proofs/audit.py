@@ -1,4 +1,4 @@
-"""Everything that an audit reads from a dataset."""
+"""Reads the attempts of a dataset, for the audit of what the feasibility filter selected."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -11,26 +11,26 @@ from rtphys.proofs.audit_selection import Selection, selections
 
 
 def selections_by_leaf(dataset: Dataset) -> dict[str, list[Selection]]:
-    """Leaf (task and protocol) -> its selections; all leaves of one protocol together as "all".
+    """Task dataset -> selection of each attribute there; "all" is all task datasets together.
 
     Raises:
-        BadFile: a leaf's journal is missing or damaged: attempts are told nowhere else.
+        BadFile: a journal, the only record of attempts, is missing or damaged.
     """
     units = {key: attribute.unit for key, attribute in attributes().items()}
-    found: dict[str, list[Selection]] = {}
+    by_leaf: dict[str, list[Selection]] = {}
     everything: list[tuple[Mapping[str, object], bool]] = []
     for name, entry in dataset.manifest.leaves.items():
         own = list(_attempts(leaf_at(dataset.path, entry).journal))
-        found[name] = selections(own, units)
+        by_leaf[name] = selections(own, units)
         everything += own
-    if len(found) > 1:
-        found["all"] = selections(everything, units)
-    return found
+    if len(by_leaf) > 1:
+        by_leaf["all"] = selections(everything, units)
+    return by_leaf
 
 
 def _attempts(journal: Path) -> Iterator[tuple[Mapping[str, object], bool]]:
     for line in read_journal(journal).lines[1:]:
         physics = line.entry.get("physics")
-        # An attempt that was refused before its physics was drawn tells nothing about physics.
+        # An attempt that was rejected before its physics was drawn has none.
         if isinstance(physics, Mapping) and physics:
             yield physics, line.entry["verdict"] == "accepted"

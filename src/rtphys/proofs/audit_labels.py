@@ -1,4 +1,4 @@
-"""Are a dataset's labels true? Each world is built again from its label and compared."""
+"""Checks a dataset's labels: builds each episode's world again from its label and compares."""
 
 from collections.abc import Mapping
 
@@ -16,12 +16,12 @@ from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
 from rtphys.task.spec import load_task
 
-RELATIVE = 1e-6  # what single precision leaves of a number
-ABSOLUTE = 1e-9  # of numbers that are zero
+RELATIVE = 1e-6  # rounding of a number in single precision
+ABSOLUTE = 1e-9  # the same for numbers that are zero
 
 
 def label_problems(episode: Episode, pack: Pack) -> list[str]:
-    """One sentence for each read-back of an episode that its own label does not give again.
+    """One sentence for each stored read-back that the world rebuilt from the label does not give.
 
     Raises:
         UnknownName: the episode's task is in no library.
@@ -39,7 +39,7 @@ def label_problems(episode: Episode, pack: Pack) -> list[str]:
 
 
 def rebuild(meta: PhysMeta, physics: Physics, pack: Pack) -> World:
-    """The world of an episode before anything moved, from its label alone."""
+    """The initial world of an episode, from its label alone."""
     task = load_task(meta.task)
     blueprint = Blueprint()
     enforce(blueprint, physics)
@@ -51,16 +51,16 @@ def rebuild(meta: PhysMeta, physics: Physics, pack: Pack) -> World:
 
 
 def differences(where: str, stored: object, now: object) -> list[str]:
-    """Places where two nests of mappings, lists and numbers differ by more than rounding."""
+    """One sentence for each key at which two nested structures differ by more than rounding."""
     if isinstance(stored, Mapping) and isinstance(now, Mapping):
-        found: list[str] = []
+        problems: list[str] = []
         for key in sorted({*stored, *now}):
             if key in stored and key in now:
-                found += differences(f"{where}.{key}", stored[key], now[key])
+                problems += differences(f"{where}.{key}", stored[key], now[key])
             elif stored.get(key) != {} and now.get(key) != {}:
                 side = "the label" if key in stored else "the rebuilt world"
-                found.append(f"{where}.{key}: only {side} has it")
-        return found
+                problems.append(f"{where}.{key}: only {side} has it")
+        return problems
     if _close(stored, now):
         return []
     return [f"{where}: the label says {stored}, the rebuilt world {now}"]
@@ -75,7 +75,7 @@ def _close(a: object, b: object) -> bool:
 
 
 def _moved(stored: CameraPose, now: Pose) -> list[str]:
-    """The head camera is compared in metres and radians: q and -q are the same turn."""
+    """Compare head camera poses in metres and radians: q and -q are the same rotation."""
     then = Pose(stored.position, stored.quaternion_wxyz)
     off, turned = float(np.linalg.norm(then.p - now.p)), then.angle_to(now)
     if off < 1e-5 and turned < 1e-3:

@@ -1,4 +1,4 @@
-"""Where did feasibility cut the distribution? Accepted against attempted, key by key."""
+"""Compares accepted with attempted values of each attribute: what feasibility filtered out."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from scipy.stats import ks_2samp
 from rtphys.core.poses import Array
 
 FIFTHS = 5
-UNLIKELY = 0.01  # p below which a difference is told as one
-FEW = 5  # accepted or rejected attempts below which nothing is told
+UNLIKELY = 0.01  # p below which a difference is reported
+FEW = 5  # accepted or rejected attempts below which nothing is reported
 
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """One attribute (or one component of one) over the attempts of a dataset."""
+    """Values of one attribute, or of one of its components, in all attempts of a dataset."""
 
     key: str
     unit: str
@@ -32,10 +32,10 @@ class Selection:
 
     @property
     def p(self) -> float:
-        """How likely acceptance is blind to this attribute.
+        """p-value of the hypothesis that acceptance does not depend on this attribute.
 
-        Two-sample test of accepted against rejected values: accepted and attempted ones share
-        members, and such samples are not the independent ones that the test is made for.
+        A two-sample test of accepted against rejected values. Accepted and attempted values are
+        no independent samples, which the test needs, since they share members.
         """
         kept, cut = self.attempted[self.accepted], self.attempted[~self.accepted]
         if min(len(kept), len(cut)) < FEW:
@@ -44,7 +44,7 @@ class Selection:
 
     @property
     def rates(self) -> tuple[Array, Array]:
-        """Edges (6,) and accepted shares (5,) of fifths with equally many attempts."""
+        """Edges (6,) and accepted shares (5,) of five bins with equally many attempts."""
         order = np.argsort(self.attempted, kind="stable")
         parts = np.array_split(order, FIFTHS)
         edges = [self.attempted[part[0]] for part in parts if len(part)]
@@ -53,7 +53,7 @@ class Selection:
 
     @property
     def sentence(self) -> str:
-        """What happened, in words."""
+        """The result in one sentence."""
         kept, n = int(self.accepted.sum()), len(self.accepted)
         if min(kept, n - kept) < FEW:
             return "too few rejections to tell" if kept else "nothing was accepted"
@@ -79,7 +79,7 @@ def _ks(a: Array, b: Array) -> tuple[float, float]:
 def selections(
     attempts: Iterable[tuple[Mapping[str, object], bool]], units: Mapping[str, str]
 ) -> list[Selection]:
-    """One `Selection` for each scalar, and each component of a vector, that really varies.
+    """One `Selection` for each scalar, and each component of a vector, that varies.
 
     Args:
         attempts: (values by attribute, accepted) of every attempt whose physics was drawn.
@@ -92,13 +92,13 @@ def selections(
                 continue
             for name, number in _components(key, raw):
                 columns.setdefault(name, (units[key], []))[1].append((number, accepted))
-    found = []
+    varying = []
     for name, (unit, rows) in sorted(columns.items()):
         attempted = np.array([number for number, _ in rows])
         if np.ptp(attempted) > 0:
             accepted = np.array([kept for _, kept in rows], bool)
-            found.append(Selection(name, unit, attempted, accepted))
-    return found
+            varying.append(Selection(name, unit, attempted, accepted))
+    return varying
 
 
 def _components(key: str, raw: object) -> list[tuple[str, float]]:

@@ -1,4 +1,4 @@
-"""A pan or tilt by theta moves the gaze pixel by f tan(theta); a roll turns the horizon."""
+"""A pan or tilt by theta moves the gaze pixel by f tan(theta); a roll turns the horizon by it."""
 
 import numpy as np
 
@@ -6,18 +6,18 @@ from rtphys.physics.gaze import gaze_point
 from rtphys.physics.values import Value
 from rtphys.proofs.camera_distance import FOCAL, pixel
 from rtphys.proofs.lab import Lab
-from rtphys.proofs.proof import Company, Proof, Trial, number
+from rtphys.proofs.proof import Proof, Trial, Values, number
 
 FULL = FOCAL * np.tan(np.radians(10))  # [px] the domain's end
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     theta = np.radians(number(value))
     trials: list[Trial] = []
     for name, axis in {"pan": (0, 0, 1), "tilt": (0, 1, 0), "roll": (1, 0, 0)}.items():
         direction = tuple(float(x) for x in axis)
         aux = {"camera_mode": "rotate", "camera_direction": direction}
-        camera = lab.world([], {**company, **aux, "camera_angle": value}).head_camera
+        camera = lab.world([], {**others, **aux, "camera_angle": value}).head_camera
         nominal = camera.nominal_pose
         at = float(np.linalg.norm(pixel(camera, gaze_point(camera))))
         law = 0.0 if name == "roll" else FOCAL * np.tan(theta)

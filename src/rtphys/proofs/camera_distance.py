@@ -1,4 +1,4 @@
-"""An orbit keeps range and gaze; a shift keeps the orientation, so the gaze slips by parallax."""
+"""An orbit keeps range and gaze point; a shift moves the gaze pixel by parallax."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from rtphys.physics.gaze import gaze_point
 from rtphys.physics.handles import Camera
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
-from rtphys.proofs.proof import Company, Proof, Trial, number
+from rtphys.proofs.proof import Proof, Trial, Values, number
 
 FOCAL = 120 / np.tan(np.radians(37) / 2)  # [px] 240 rows, 37 deg
 SHIFT_LIMIT = 0.03  # [m] the domain shifts no further
@@ -16,20 +16,20 @@ DIRECTIONS = ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, -ROOT, ROOT), (ROOT, ROOT,
 
 
 def pixel(camera: Camera, p: Array) -> Array:
-    """(2,) where a world point appears, from the middle of the picture, right and down [px]."""
+    """Pixel (2,) of a world point: right and down from the middle of the picture [px]."""
     X = camera.pose
     forward, left, up = X.R.T @ (p - X.p)
     return FOCAL * np.array([-left, -up]) / forward
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     trials: list[Trial] = []
     for mode in ("orbit", "shift"):
         if mode == "shift" and number(value) > SHIFT_LIMIT:
             continue
         for direction in DIRECTIONS:
             aux = {"camera_mode": mode, "camera_direction": direction}
-            world = lab.world([], {**company, **aux, "camera_distance": value})
+            world = lab.world([], {**others, **aux, "camera_distance": value})
             trials += _look(world.head_camera, mode, np.array(direction), number(value))
     return trials
 
@@ -45,7 +45,7 @@ def _look(camera: Camera, mode: str, direction: Array, d: float) -> list[Trial]:
         trials.append(Trial(f"gaze pixel, {where}", 0.0, far, "px", 10.0))
         trials.append(Trial(f"range, {where}", r, reach, "m"))
     else:
-        # The point stays, the camera goes: it seems to move the other way by f d / range.
+        # The gaze point stays and the camera moves: the pixel moves the other way by f d / range.
         forward, left, up = d * direction
         slip = FOCAL * np.array([left, up]) / (r - forward)
         trials.append(

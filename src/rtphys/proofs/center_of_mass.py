@@ -7,7 +7,7 @@ from rtphys.core.poses import Array, Pose
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, block, floating, pose_of, record, slope
 from rtphys.proofs.object_mass import HALF, block_inertia
-from rtphys.proofs.proof import Company, Proof, Trace, Trial
+from rtphys.proofs.proof import Proof, Trace, Trial, Values
 from rtphys.sim.room import TOP_HALF
 from rtphys.task.props import TABLE_TOP, Box
 
@@ -19,7 +19,7 @@ BARS, PITCH = 21, 0.025  # bars side by side along the table's edge, [m] apart
 BAR = (0.05, 0.008, 0.01)  # [m] half size
 
 
-def push_at_origin(lab: Lab, values: Company, axis: int) -> tuple[Array, Array, Array]:
+def push_at_origin(lab: Lab, values: Values, axis: int) -> tuple[Array, Array, Array]:
     """Times, angular velocities (n, 3) and acceleration (3,) of a block pushed at its origin."""
     world = lab.world([block(HALF, (0, 0, 2))], values)
     body, force = floating(world, "block"), [0.0, 0.0, 0.0]
@@ -34,8 +34,8 @@ def push_at_origin(lab: Lab, values: Company, axis: int) -> tuple[Array, Array, 
     return t, w, np.array([slope(t, w[:, i]) for i in range(3)])
 
 
-def balance_point(lab: Lab, values: Company) -> float:
-    """x [m] in a bar's frame of the point that must be over the table for the bar to stay."""
+def balance_point(lab: Lab, values: Values) -> float:
+    """x [m] in a bar's frame of its balance point: the bar stays while that is over the table."""
     low, high = -0.02, 0.02
     for _ in range(2):  # 2 mm steps, then 0.2 mm steps
         tried = np.linspace(low, high, BARS)
@@ -46,8 +46,8 @@ def balance_point(lab: Lab, values: Company) -> float:
     return -(low + high) / 2
 
 
-def _stay(lab: Lab, values: Company, overhang: Array) -> BoolArray:
-    """Which bars stay whose origin is so far beyond the edge [m]."""
+def _stay(lab: Lab, values: Values, overhang: Array) -> BoolArray:
+    """Which bars stay on the table when their origins lie `overhang` (n,) [m] beyond its edge."""
     bars = [
         Box(
             name=f"bar{i}",
@@ -63,17 +63,17 @@ def _stay(lab: Lab, values: Company, overhang: Array) -> BoolArray:
     return height > world.X_WT.p[2] + TABLE_TOP  # a fallen bar may lie flat again, on the ground
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     offset = np.asarray(value, float)
-    values = {**company, "center_of_mass": value}
+    values = {**others, "center_of_mass": value}
     inertia = block_inertia()  # force and inertia grow alike with object_mass
     t, w, by_x = push_at_origin(lab, values, 0)
     _, _, by_y = push_at_origin(lab, values, 1)
     # tau = -offset x F. A push along x turns about y by -z and about z by +y.
-    found = [-by_y[2] * inertia[2], by_x[2] * inertia[2], -by_x[1] * inertia[1]]
+    measured = [-by_y[2] * inertia[2], by_x[2] * inertia[2], -by_x[1] * inertia[1]]
     trace = Trace(t, w[:, 2], FORCE * offset[1] / inertia[2] * t, "time [s]", "spin [rad/s]")
     trials = [
-        Trial(f"{'xyz'[i]} from an off-centre push", offset[i], found[i] / FORCE, "m", RANGE)
+        Trial(f"{'xyz'[i]} from an off-centre push", offset[i], measured[i] / FORCE, "m", RANGE)
         for i in range(3)
     ]
     trials[1] = Trial(trials[1].what, offset[1], trials[1].measured, "m", RANGE, trace=trace)

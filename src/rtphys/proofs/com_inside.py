@@ -1,4 +1,4 @@
-"""Whether a drawn centre of mass lies inside the bodies of a task: what narrow domains are for."""
+"""How often a drawn centre of mass lies outside a task's bodies: the reason for narrow domains."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,33 +18,33 @@ UPRIGHT = Pose((0, 0, 0), (1, 0, 0, 0))
 
 
 class Bodies:
-    """The dynamic bodies of props at nominal size; each model is built once."""
+    """Convex hulls of the dynamic bodies of props at nominal size; each model is built once."""
 
     def __init__(self, pack: Pack) -> None:
         self._factory = ObjectFactory(new_scene(visuals=False), pack, UPRIGHT, scale=1.0)
         self._known: dict[Prop, list[Solid]] = {}
 
     def solids(self, props: Sequence[Prop]) -> list[Solid]:
-        """Of all props; none of what is fixed.
+        """Solids of all dynamic bodies of these props; fixed props have none.
 
         Raises:
             MissingAsset, UnknownName, BadFile: from the pack.
         """
-        found: list[Solid] = []
+        solids: list[Solid] = []
         for prop in props:
             kind = replace(prop, name="body", pose=UPRIGHT)
             if kind not in self._known:
                 bodies = self._factory.build(kind).bodies
                 self._known[kind] = [Solid(body.hull, body.nominal_com) for body in bodies]
-            found += self._known[kind]
-        return found
+            solids += self._known[kind]
+        return solids
 
 
 def outside(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) -> float:
     """Share of seeds whose first draw of the centre of mass lies outside some body.
 
-    An episode draws again until it lies inside; the share tells how much of a domain is beyond
-    what the task's objects can be. Outside means outside the hull shrunk by a tenth.
+    An episode draws again until the centre lies inside, so the share shows how much of a domain no
+    real object of the task could have. Outside means outside the hull shrunk by a tenth.
     """
     loaded, tried, out = load_task(task), 0, 0
     for seed in seeds:
@@ -60,6 +60,6 @@ def outside(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) -> 
 
 
 def narrowed() -> dict[str, Domain]:
-    """Task -> its own domain, where that domain has a rule of its own for the centre of mass."""
-    found = {name: load_domain(name) for name in library.names("domains") if name != "global"}
-    return {n: d for n, d in found.items() if d.sources.get("center_of_mass") == n}
+    """Task -> its own domain, for tasks whose domain has its own rule for the centre of mass."""
+    domains = {name: load_domain(name) for name in library.names("domains") if name != "global"}
+    return {n: d for n, d in domains.items() if d.sources.get("center_of_mass") == n}

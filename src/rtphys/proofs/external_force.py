@@ -1,18 +1,18 @@
-"""A push of c m g: constant acceleration c g in the air and g (c - mu) on the table."""
+"""A force of c m g accelerates a body by c g in the air and by g (c - mu) on the table."""
 
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, block, floating, puck, record, slope
 from rtphys.proofs.object_mass import HALF
-from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 
 STEPS, FALL = 125, 25
 SLIPPERY = 0.01
 FULL = 0.1 * GRAVITY  # [m/s²] the domain's end
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
-    c, values = number(value), {**company, "external_force": value}
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
+    c, values = number(value), {**others, "external_force": value}
     world = lab.world([block(HALF, (0, 0, 2))], values)
     body = floating(world, "block").component
     t, before = record(world, 50, lambda: body.linear_velocity[0])

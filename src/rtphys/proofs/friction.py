@@ -1,4 +1,4 @@
-"""Coulomb: a plate stops after v² / 2 mu g, and starts when the push exceeds mu m g."""
+"""Coulomb friction: a plate stops after v² / 2 mu g and starts when pushed by more than mu m g."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.proofs.grip import finger_friction
 from rtphys.proofs.lab import Lab, launch, pose_of, puck, record
-from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 
-RUNWAY = 0.25  # [m] the way that the law gives the plate
+RUNWAY = 0.25  # [m] stopping distance for which the plate is launched
 FALL = 50  # [steps] until the plate, dropped from 1 mm, lies still
 
 
-def stopping(lab: Lab, values: Company, mu: float) -> tuple[float, Trace]:
-    """Way [m] that a plate slides after it was launched to slide RUNWAY."""
+def stopping(lab: Lab, values: Values, mu: float) -> tuple[float, Trace]:
+    """Distance [m] that a plate slides after a launch at the speed that should give RUNWAY."""
     world = lab.world([puck(x=0.0)], values)
     body = world.bodies[0]
     for _ in range(FALL):
@@ -26,11 +26,11 @@ def stopping(lab: Lab, values: Company, mu: float) -> tuple[float, Trace]:
     )
     rest = np.minimum(t, speed / (mu * GRAVITY))
     law = speed * rest - mu * GRAVITY * rest**2 / 2
-    return float(x[-1]), Trace(t, x, law, "time [s]", "way [m]")
+    return float(x[-1]), Trace(t, x, law, "time [s]", "distance [m]")
 
 
-def breakaway(lab: Lab, values: Company, mu: float) -> float:
-    """Smallest push, in weights, that moves a plate, by bisection within ±10 % of `mu`."""
+def breakaway(lab: Lab, values: Values, mu: float) -> float:
+    """Smallest push [m g] that moves a plate, by bisection within ±10 % of `mu`."""
     low, high = 0.9 * mu, 1.1 * mu
     if _slips(lab, values, low) or not _slips(lab, values, high):
         return float("nan")
@@ -40,7 +40,7 @@ def breakaway(lab: Lab, values: Company, mu: float) -> float:
     return (low + high) / 2
 
 
-def _slips(lab: Lab, values: Company, push: float) -> bool:
+def _slips(lab: Lab, values: Values, push: float) -> bool:
     world = lab.world([puck(x=0.0)], {**values, "external_force": push})
     body = world.bodies[0].component
     for _ in range(FALL):
@@ -52,19 +52,19 @@ def _slips(lab: Lab, values: Company, push: float) -> bool:
     return bool(body.linear_velocity[0] > 2e-3 * push * GRAVITY * 0.4)
 
 
-def _own(lab: Lab, values: Company) -> float:
-    """The coefficient that plate and table have when no label says otherwise."""
+def _nominal_friction(lab: Lab, values: Values) -> float:
+    """Coefficient [1] of plate against table with the assets' own materials."""
     world = lab.world([puck()], values)
     own = [s.materials()[0][0] for s in world.surfaces if s.name in ("puck", "table")]
     return sum(own) / 2  # PhysX averages
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
-    values = {**company, "friction": value}
-    mu = _own(lab, values) if value is None else number(value)
-    way, trace = stopping(lab, values, mu)
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
+    values = {**others, "friction": value}
+    mu = _nominal_friction(lab, values) if value is None else number(value)
+    distance, trace = stopping(lab, values, mu)
     return [
-        Trial("stopping way v²/2μg on the table", RUNWAY, way, "m", trace=trace),
+        Trial("stopping distance v²/2μg on the table", RUNWAY, distance, "m", trace=trace),
         Trial("breakaway push on the table", mu, breakaway(lab, values, mu), "m·g"),
         Trial("coefficient between finger and object", mu, finger_friction(lab, values, mu), "1"),
     ]
@@ -72,7 +72,7 @@ def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
 
 PROOF = Proof(
     "friction",
-    "stopping way = v² / 2 μ g;  breakaway push = μ m g;  F_slip = 2 μ N between fingers",
+    "stopping distance = v² / 2 μ g;  breakaway push = μ m g;  F_slip = 2 μ N between fingers",
     (None, 0.01, 0.3, 1.25),
     run,
     ({"restitution": 0.5}, {"object_mass": 4.0, "restitution": 0.25}),

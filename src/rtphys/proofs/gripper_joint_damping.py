@@ -1,25 +1,25 @@
-"""A finger that is sent 2 cm further lags by tau = k d / stiffness."""
+"""A finger whose target moves by centimetres follows with the lag tau = k d / stiffness."""
 
 import numpy as np
 
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
-from rtphys.proofs.proof import Company, Proof, Trial, number
+from rtphys.proofs.proof import Proof, Trial, Values, number
 from rtphys.proofs.servo_step import step_response
 
-OPENING = 0.4  # closing from fully open to here
+OPENING = 0.4  # [1] gripper command: closing from fully open (1) to this
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
-    world = lab.world([], {**company, "gripper_joint_damping": value})
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
+    world = lab.world([], {**others, "gripper_joint_damping": value})
     body, arms = world.robot.embodiment, world.robot.arms
     tau = number(value) * body.gripper_damping / body.gripper_stiffness
     start = np.array([arm.gap() for arm in arms])
     for arm in arms:
         arm.grip(OPENING)
-    ways = 2 * body.finger_target(OPENING) - start
+    steps = 2 * body.finger_target(OPENING) - start
     names = [f"tau of the {side} fingers" for side in ("left", "right")]
-    return step_response(world, lambda: np.array([arm.gap() for arm in arms]), ways, tau, names)
+    return step_response(world, lambda: np.array([arm.gap() for arm in arms]), steps, tau, names)
 
 
 PROOF = Proof(

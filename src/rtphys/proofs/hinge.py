@@ -1,4 +1,4 @@
-"""What a joint has to move: mass along a slide, moment of inertia about a hinge."""
+"""Inertia that a joint moves: mass along a slide, moment of inertia about a hinge."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,9 +7,9 @@ from rtphys.sim.engine import from_sapien
 
 
 def inertia_about(joint) -> float:
-    """[kg m²] about a revolute joint's axis, [kg] along a prismatic one, of all links behind it.
+    """Inertia of all links behind a joint: [kg m²] if it is revolute, [kg] if prismatic.
 
-    Parallel axes: I = sum over links of u·I u + m r², r the distance of its CoM from the axis.
+    Parallel axis theorem: the sum over links of u·I u + m r², with r from the axis to its CoM.
     `joint` is a SAPIEN articulation joint, whose axis is x of its global pose.
     """
     links = _behind(joint.child_link)
@@ -28,5 +28,5 @@ def inertia_about(joint) -> float:
 
 
 def _behind(link) -> list:
-    """A link and everything that hangs on it."""
+    """A link and all links behind it."""
     return [link, *(deeper for child in link.children for deeper in _behind(child))]

@@ -1,4 +1,4 @@
-"""The laboratory: a real World with a few simple props, built through the attributes."""
+"""The laboratory of the proofs: a World with a few simple props and chosen physics."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from rtphys.assets.pack import Pack
 from rtphys.core.poses import Array, Pose
 from rtphys.physics.auxiliary import AUXILIARY
-from rtphys.physics.enforce import disagreements, enforce
+from rtphys.physics.enforce import enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import Physics, Value
@@ -20,34 +20,30 @@ from rtphys.task.props import Box, Prop
 
 @dataclass(frozen=True)
 class Lab:
-    """Builds worlds whose physics is nominal but for a few values.
+    """Builds worlds whose physics is nominal except for a few values.
 
     Args:
-        pack: where robot and articulated objects come from.
-        visuals: with a renderer, for experiments that look at pictures.
+        pack: the asset pack with the robot and the articulated objects.
+        visuals: whether there is a renderer, for experiments with pictures.
     """
 
     pack: Pack
     visuals: bool = False
 
     def physics(self, values: Mapping[str, Value]) -> Physics:
-        """Nominal physics with `values` held."""
+        """Nominal physics except for `values`."""
         nominal: dict[str, Value] = {key: a.nominal for key, a in attributes().items()}
         nominal |= dict.fromkeys(AUXILIARY)
         return Physics(nominal | dict(values), values.keys() & attributes().keys())
 
     def world(self, props: Sequence[Prop], values: Mapping[str, Value]) -> World:
-        """A world in which `values` are in force."""
+        """A world whose physics is nominal except for `values`."""
         physics, blueprint = self.physics(values), Blueprint()
         enforce(blueprint, physics)
         plan = WorldPlan(self.pack, tuple(props), blueprint, visuals=self.visuals)
         world = World(plan)
         enforce(world, physics)
         return world
-
-    def lies(self, world: World, values: Mapping[str, Value]) -> list[str]:
-        """Places where the simulator does not read back as `values`; empty if all is well."""
-        return disagreements(world, self.physics(values))
 
 
 def launch(body: SimBody, velocity: Sequence[float]) -> None:
@@ -57,25 +53,30 @@ def launch(body: SimBody, velocity: Sequence[float]) -> None:
 
 
 def floating(world: World, name: str) -> SimBody:
-    """A body that gravity leaves alone, so that only the experiment moves it."""
+    """The body of this name, with its gravity switched off: only the experiment moves it."""
     body = next(b for b in world.bodies if b.name == name)
     body.component.set_disable_gravity(True)
     return body
 
 
-def record(world: World, steps: int, read: Callable[[], object], push=None) -> tuple[Array, Array]:
-    """Times (n,) [s] and readings (n, ...) after each of `steps` steps; `push` acts before each."""
-    seen = []
+def record(
+    world: World,
+    steps: int,
+    read: Callable[[], object],
+    push: Callable[[], object] | None = None,
+) -> tuple[Array, Array]:
+    """Times (n,) [s] and readings (n, ...) after each of `steps` steps; `push` runs before each."""
+    readings = []
     for _ in range(steps):
         if push is not None:
             push()
         world.step()
-        seen.append(np.array(read(), float))
-    return np.arange(1, steps + 1, dtype=float) * TIME_STEP, np.array(seen)
+        readings.append(np.array(read(), float))
+    return np.arange(1, steps + 1, dtype=float) * TIME_STEP, np.array(readings)
 
 
 def slope(t: Array, y: Array) -> float:
-    """Rate of change of `y` (n,) by least squares."""
+    """Slope of `y` (n,) over `t` (n,) by least squares."""
     return float(np.polyfit(t, y, 1)[0])
 
 
@@ -92,5 +93,5 @@ def block(
 
 
 def puck(x: float = 0.15, y: float = -0.05, name: str = "puck") -> Box:
-    """A flat plate that slides and cannot tumble."""
+    """A flat plate on the table, which slides but cannot tip over."""
     return Box(name=name, pose=Pose((x, y, 0)), half_size=(0.05, 0.05, 0.01))

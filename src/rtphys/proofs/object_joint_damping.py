@@ -1,4 +1,4 @@
-"""A door pushed once and left alone: it slows as exp(-d t / I) and coasts I omega / d."""
+"""A door that is pushed once slows as exp(-d t / I) and coasts by I omega / d."""
 
 import numpy as np
 
@@ -6,23 +6,23 @@ from rtphys.core.poses import Array, Pose
 from rtphys.physics.values import Value
 from rtphys.proofs.hinge import inertia_about
 from rtphys.proofs.lab import Lab, record
-from rtphys.proofs.proof import Company, Proof, Trace, Trial
+from rtphys.proofs.proof import Proof, Trace, Trial, Values
 from rtphys.sim.body import SimJoint
 from rtphys.sim.world import World
 from rtphys.task.props import Articulated
 
 TOLERANCE = 0.05
-OPENING = 0.4  # preset of the joint, a share of its range: room to coast both ways
-COAST = 0.02  # [rad or m] that the law gives a heavily damped joint, unless that needs more than
-FASTEST = 20.0  # [rad/s or m/s], well below the simulator's own limit on joint speeds
-SPEED = 0.3  # [rad/s or m/s] of a lightly damped one
-STEPS = 50  # that are watched
-ROOM = 0.8  # of the way to the stop
-CLEAR_DECAY = 0.05  # d dt / I: above it, a step is too coarse to watch the decay
+OPENING = 0.4  # [1] initial position in the joint's range: room to coast in both directions
+COAST = 0.02  # [rad or m] coasting distance of a heavily damped joint, if its speed may be so high
+FASTEST = 20.0  # [rad/s or m/s] highest initial speed, well below the simulator's own limit
+SPEED = 0.3  # [rad/s or m/s] initial speed of a lightly damped joint
+STEPS = 50  # recorded
+ROOM = 0.8  # [1] of the distance to the joint's limit that it may use
+CLEAR_DECAY = 0.05  # [1] d dt / I above which a step is too coarse to measure the decay
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
-    values = {**company, "object_joint_damping": value}
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
+    values = {**others, "object_joint_damping": value}
     trials: list[Trial] = []
     for category in lab.pack.names:
         if lab.pack.is_articulated(category):
@@ -32,8 +32,8 @@ def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
     return trials
 
 
-def _stand(lab: Lab, category: str, values: Company) -> World:
-    """One articulated object in the air, without gravity."""
+def _stand(lab: Lab, category: str, values: Values) -> World:
+    """A world with one articulated object in the air, without gravity."""
     model = lab.pack.indices(category)[0]
     pose = Pose((0, 0.1, 1.2))
     prop = Articulated(
@@ -47,15 +47,15 @@ def _stand(lab: Lab, category: str, values: Company) -> World:
 
 
 def _coast(world: World, index: int, value: Value) -> Trial:
-    """Push one joint, watch it alone."""
-    thing = next(iter(world.objects.values()))
-    joint: SimJoint = thing.joints[index]
+    """Give one joint a speed and compare its coasting, or its decay, with the law."""
+    scene_object = next(iter(world.objects.values()))
+    joint: SimJoint = scene_object.joints[index]
     damping = float(value) if isinstance(value, int | float) else joint.nominal_damping
     inertia = inertia_about(joint.joint)
     slow = damping * world.scene.timestep / inertia < CLEAR_DECAY
-    art = thing.articulation
+    art = scene_object.articulation
     assert art is not None
-    # A pot's lid travels millimetres: what hits its stop says nothing about damping.
+    # A pot's lid travels millimetres, and a joint that hits its limit shows no damping.
     room = ROOM * float(art.qlimits[index][1] - art.qpos[index])
     seconds = STEPS * world.scene.timestep
     heavy = min(COAST, room) * damping / inertia
@@ -64,29 +64,29 @@ def _coast(world: World, index: int, value: Value) -> Trial:
     qvel[index] = speed
     art.set_qvel(qvel.astype(np.float32))
     start = float(art.qpos[index])
-    t, seen = record(world, STEPS, lambda: (art.qpos[index] - start, art.qvel[index]))
+    t, recorded = record(world, STEPS, lambda: (art.qpos[index] - start, art.qvel[index]))
     if slow:
-        return _decay(joint, t, seen, (speed, damping / inertia))
+        return _decay(joint, t, recorded, (speed, damping / inertia))
     law = speed * inertia / damping * (1 - np.exp(-damping / inertia * t))
-    trace = Trace(t, seen[:, 0], law, "time [s]", f"way of {joint.name}")
+    trace = Trace(t, recorded[:, 0], law, "time [s]", f"displacement of {joint.name}")
     unit = "rad" if joint.kind == "revolute" else "m"
-    way, full = float(seen[-1, 0]), speed * inertia / damping
-    return Trial(f"coasting of {joint.name}", full, way, unit, 0, TOLERANCE, trace=trace)
+    distance, full = float(recorded[-1, 0]), speed * inertia / damping
+    return Trial(f"coasting of {joint.name}", full, distance, unit, 0, TOLERANCE, trace=trace)
 
 
-def _decay(joint: SimJoint, t: Array, seen: Array, law: tuple[float, float]) -> Trial:
-    """Rate of decay [1/s] of the speed, by least squares of its logarithm."""
+def _decay(joint: SimJoint, t: Array, recorded: Array, law: tuple[float, float]) -> Trial:
+    """Rate of decay [1/s] of the speed, by least squares on its logarithm."""
     speed, rate = law
-    kept = seen[:, 1] > 0.02 * speed
-    found = -float(np.polyfit(t[kept], np.log(seen[kept, 1]), 1)[0]) if kept.sum() > 2 else np.nan
+    fast = recorded[:, 1] > 0.02 * speed
+    fit = np.polyfit(t[fast], np.log(recorded[fast, 1]), 1) if fast.sum() > 2 else [np.nan]
     line = speed * np.exp(-rate * t)
-    trace = Trace(t, seen[:, 1], line, "time [s]", f"speed of {joint.name}")
-    return Trial(f"decay of {joint.name}", rate, found, "1/s", 1.0, TOLERANCE, trace=trace)
+    trace = Trace(t, recorded[:, 1], line, "time [s]", f"speed of {joint.name}")
+    return Trial(f"decay of {joint.name}", rate, -float(fit[0]), "1/s", 1.0, TOLERANCE, trace=trace)
 
 
 PROOF = Proof(
     "object_joint_damping",
-    "speed ∝ exp(-d t / I),  coasting way = I ω / d",
+    "speed ∝ exp(-d t / I),  coasting distance = I ω / d",
     (None, 0.0, 0.01, 0.25, 25.0),
     run,
     ({"object_mass": 4.0}, {"object_mass": 0.5, "object_scale": 1.05}),

@@ -1,10 +1,12 @@
-"""Newton's second law, straight and turning: a = F / m and alpha = tau / I."""
+"""Newton's second law for translation and rotation: a = F / m and alpha = tau / I."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, block, floating, record, slope
-from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 from rtphys.task.props import PINE
 
 HALF = (0.03, 0.04, 0.05)  # [m]
@@ -12,17 +14,17 @@ FORCE, TORQUE, STEPS = 0.2, 2e-4, 50  # [N], [N m], 0.2 s
 
 
 def block_mass(scale: float = 1.0) -> float:
-    """[kg] density times volume."""
+    """Mass [kg] of the test block: density times volume."""
     return float(PINE * 8 * np.prod(HALF) * scale**3)
 
 
 def block_inertia(scale: float = 1.0) -> np.ndarray:
-    """(3,) of a solid box, m (b² + c²) / 3 with half sizes b, c [kg m²]."""
+    """Principal moments (3,) [kg m²] of the test block: m (b² + c²) / 3 with half sizes b, c."""
     a, b, c = scale * np.array(HALF)
     return block_mass(scale) / 3 * np.array([b**2 + c**2, a**2 + c**2, a**2 + b**2])
 
 
-def weigh(lab: Lab, values: Company) -> tuple[float, Trace]:
+def linear_acceleration(lab: Lab, values: Values) -> tuple[float, Trace]:
     """Acceleration [m/s²] of a floating block under FORCE along x at its centre of mass."""
     world = lab.world([block(HALF, (0, 0, 2))], values)
     c = floating(world, "block").component
@@ -35,7 +37,7 @@ def weigh(lab: Lab, values: Company) -> tuple[float, Trace]:
     return slope(t, v), Trace(t, v, 0 * t, "time [s]", "speed [m/s]")
 
 
-def spin(lab: Lab, values: Company, axis: int) -> float:
+def angular_acceleration(lab: Lab, values: Values, axis: int) -> float:
     """Angular acceleration [rad/s²] of a floating block under TORQUE about one principal axis."""
     world = lab.world([block(HALF, (0, 0, 2))], values)
     c, none = floating(world, "block").component, [0.0, 0.0, 0.0]
@@ -47,16 +49,18 @@ def spin(lab: Lab, values: Company, axis: int) -> float:
     return slope(t, w)
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
-    values = {**company, "object_mass": value}
-    factor, scale = number(value), number(company.get("object_scale", 1.0))
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
+    values = {**others, "object_mass": value}
+    factor, scale = number(value), number(others.get("object_scale", 1.0))
     law = FORCE / (factor * block_mass(scale))
-    measured, seen = weigh(lab, values)
-    trace = Trace(seen.x, seen.measured, law * seen.x, seen.x_label, seen.y_label)
+    measured, recorded = linear_acceleration(lab, values)
+    trace = replace(recorded, law=law * recorded.x)
     trials = [Trial(f"a under {FORCE} N", law, measured, "m/s²", trace=trace)]
     for axis, moment in enumerate(factor * block_inertia(scale)):
         name = f"alpha about {'xyz'[axis]} under {TORQUE} N·m"
-        trials.append(Trial(name, TORQUE / moment, spin(lab, values, axis), "rad/s²"))
+        trials.append(
+            Trial(name, TORQUE / moment, angular_acceleration(lab, values, axis), "rad/s²")
+        )
     return trials
 
 

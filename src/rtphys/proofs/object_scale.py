@@ -1,14 +1,22 @@
-"""Twice as large is eight times as heavy and 32 times as hard to turn."""
+"""A body k times as large has k³ times the mass and k⁵ times the inertia."""
 
 from rtphys.core.poses import Pose
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, pose_of
-from rtphys.proofs.object_mass import FORCE, HALF, TORQUE, block_inertia, block_mass, spin, weigh
-from rtphys.proofs.proof import Company, Proof, Trial, number
+from rtphys.proofs.object_mass import (
+    FORCE,
+    HALF,
+    TORQUE,
+    angular_acceleration,
+    block_inertia,
+    block_mass,
+    linear_acceleration,
+)
+from rtphys.proofs.proof import Proof, Trial, Values, number
 from rtphys.task.props import TABLE_TOP, Box
 
 
-def rest(lab: Lab, values: Company) -> tuple[float, float]:
+def rest(lab: Lab, values: Values) -> tuple[float, float]:
     """Heights [m] of a resting block's origin and of its upper functional point over the table."""
     world = lab.world([Box(name="block", pose=Pose((0.2, 0, 0)), half_size=HALF)], values)
     for _ in range(150):
@@ -17,11 +25,11 @@ def rest(lab: Lab, values: Company) -> tuple[float, float]:
     return float(pose_of(world.bodies[0]).p[2]) - TABLE_TOP, float(top) - TABLE_TOP
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
-    values = {**company, "object_scale": value}
-    k, mass = number(value), number(company.get("object_mass", 1.0))
-    a, _ = weigh(lab, values)
-    alpha = spin(lab, values, 2)
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
+    values = {**others, "object_scale": value}
+    k, mass = number(value), number(others.get("object_mass", 1.0))
+    a, _ = linear_acceleration(lab, values)
+    alpha = angular_acceleration(lab, values, 2)
     middle, top = rest(lab, values)
     return [
         Trial("mass ratio k³", k**3, FORCE / (a * mass * block_mass()), "1"),

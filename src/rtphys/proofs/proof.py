@@ -1,4 +1,4 @@
-"""What a proof is: a law, the settings to try it at, and the numbers that come out."""
+"""A proof of one attribute: its law, the settings to test, and the trials that come out."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -9,12 +9,12 @@ from rtphys.core.poses import Array
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
 
-Company = Mapping[str, Value]  # other attributes held at the same time
+Values = Mapping[str, Value]  # attribute or auxiliary key -> value
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What one experiment recorded, beside what the law says, for the figure."""
+    """The recorded curve of one experiment and the curve of the law, for a figure."""
 
     x: Array
     measured: Array
@@ -25,20 +25,20 @@ class Trace:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One number: what the textbook says and what the simulator did."""
+    """One number of an experiment: the textbook's and the simulator's."""
 
     what: str  # "acceleration under 0.5 N"
     expected: float
     measured: float
     unit: str
-    full: float = 0.0  # size to compare with where the expected value is zero or near it
+    full: float = 0.0  # full scale of the error where the expected value is near zero
     tolerance: float = 0.03
-    setting: str = ""  # "object_mass = 4"; filled in by the runner
+    setting: str = ""  # "object_mass = 4"; `run.py` fills it in
     trace: Trace | None = None
 
     @property
     def error(self) -> float:
-        """|measured - expected| over the larger of |expected| and `full`."""
+        """Relative error [1]: |measured - expected| / the larger of |expected| and `full`."""
         if not np.isfinite(self.measured):
             return float("inf")
         size = max(abs(self.expected), self.full)
@@ -51,26 +51,26 @@ class Trial:
 
 @dataclass(frozen=True)
 class Proof:
-    """The law of one attribute.
+    """The law of one attribute and the experiments that test it.
 
     Args:
-        key: the attribute.
-        law: one line with the formula.
-        settings: nominal and both ends of the global domain, perhaps more; at least one of them
-            far enough from nominal that an attribute which does nothing must fail.
-        run: the experiments at one setting.
-        company: what else may be changed at the same time; the law must still hold.
+        key: the attribute's key.
+        law: the formula, on one line.
+        settings: the nominal value, both ends of the global domain, perhaps more. At least one is
+            so far from nominal that an attribute without effect must fail.
+        run: the experiments at one setting: (lab, setting, values of other attributes) -> trials.
+        others: values of other attributes under which the law must hold too.
     """
 
     key: str
     law: str
     settings: tuple[Value, ...]
-    run: Callable[[Lab, Value, Company], list[Trial]]
-    company: tuple[Company, ...] = field(default_factory=tuple)
+    run: Callable[[Lab, Value, Values], list[Trial]]
+    others: tuple[Values, ...] = field(default_factory=tuple)
 
 
 def number(value: Value) -> float:
-    """A setting that must be a number."""
+    """A setting as a float. Raises TypeError if it is no number."""
     if not isinstance(value, int | float):
         raise TypeError(f"{value!r} is not a number")
     return float(value)

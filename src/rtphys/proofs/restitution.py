@@ -1,12 +1,14 @@
-"""A ball dropped from h comes back to e² h."""
+"""A ball that drops from height h bounces to e² h."""
+
+from dataclasses import replace
 
 import numpy as np
 
-from rtphys.core.poses import Pose
+from rtphys.core.poses import Array, Pose
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, pose_of, record
-from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 from rtphys.task.props import TABLE_TOP, Ball
 
 RADIUS, DROP = 0.025, 0.4  # [m] the drop is a free fall of the ball's lowest point
@@ -14,8 +16,8 @@ FULL = 0.25 * DROP  # [m] the bounce at the domain's end, e = 0.5
 TOLERANCE = 0.06  # 250 Hz: an impact falls up to one step too early or late
 
 
-def bounce(lab: Lab, values: Company) -> tuple[float, Trace]:
-    """Height [m] to which a ball returns, and its path."""
+def bounce(lab: Lab, values: Values) -> tuple[float, Trace]:
+    """Height [m] to which a ball bounces, and its path."""
     start = TABLE_TOP + RADIUS + DROP
     ball = Ball(name="ball", pose=Pose((0.15, 0, start)), radius=RADIUS, resting=False)
     world = lab.world([ball], values)
@@ -25,18 +27,18 @@ def bounce(lab: Lab, values: Company) -> tuple[float, Trace]:
     return float(z[first:].max()), Trace(t, z, 0 * t, "time [s]", "height over the table [m]")
 
 
-def path(t: np.ndarray, e: float) -> np.ndarray:
-    """Height [m] of the ideal ball up to its second touch."""
+def path(t: Array, e: float) -> Array:
+    """Height [m] of an ideal ball over time, up to its second impact."""
     touch = np.sqrt(2 * DROP / GRAVITY)
     after = t - touch
     rise = e * GRAVITY * touch * after - GRAVITY * after**2 / 2
     return np.where(after < 0, DROP - GRAVITY * t**2 / 2, np.maximum(rise, 0))
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     e = number(value)
-    height, seen = bounce(lab, {**company, "restitution": value})
-    trace = Trace(seen.x, seen.measured, path(seen.x, e), seen.x_label, seen.y_label)
+    height, recorded = bounce(lab, {**others, "restitution": value})
+    trace = replace(recorded, law=path(recorded.x, e))
     return [Trial("bounce height e² h", e**2 * DROP, height, "m", FULL, TOLERANCE, trace=trace)]
 
 

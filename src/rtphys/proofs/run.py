@@ -1,4 +1,4 @@
-"""Runs proofs: finds one per attribute, and tells each trial what it was a trial of."""
+"""Runs the proof of an attribute at each of its settings."""
 
 import importlib
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ from rtphys.core.errors import UnknownName
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
-from rtphys.proofs.proof import Company, Proof, Trial
+from rtphys.proofs.proof import Proof, Trial, Values
 
 
 @cache
@@ -26,24 +26,23 @@ def proof(key: str) -> Proof:
     return module.PROOF
 
 
-def try_out(lab: Lab, law: Proof, value: Value, company: Company) -> list[Trial]:
-    """All trials of one law at one setting, each labelled."""
-    held = "".join(f", {k} = {spell(v)}" for k, v in company.items())
-    setting = f"{law.key} = {spell(value)}{held}"
-    return [replace(trial, setting=setting) for trial in law.run(lab, value, company)]
+def run_trials(lab: Lab, law: Proof, value: Value, others: Values) -> list[Trial]:
+    """All trials of one law at one setting, each with the setting filled in."""
+    setting = ", ".join(f"{k} = {value_text(v)}" for k, v in {law.key: value, **others}.items())
+    return [replace(trial, setting=setting) for trial in law.run(lab, value, others)]
 
 
 def prove(lab: Lab, key: str) -> Iterator[Trial]:
-    """Every trial of one attribute: each setting alone, then the last one in company."""
+    """All trials of one attribute: each setting alone, then the last one with other attributes."""
     law = proof(key)
     for value in law.settings:
-        yield from try_out(lab, law, value, {})
-    for company in law.company:
-        yield from try_out(lab, law, law.settings[-1], company)
+        yield from run_trials(lab, law, value, {})
+    for others in law.others:
+        yield from run_trials(lab, law, law.settings[-1], others)
 
 
-def spell(value: Value) -> str:
-    """A value for people."""
+def value_text(value: Value) -> str:
+    """A value as short text, such as "0.3" or "(0, 0, 0.015)"."""
     if isinstance(value, tuple):
         return "(" + ", ".join(f"{x:g}" for x in value) + ")"
     return f"{value:g}" if isinstance(value, int | float) else str(value)

@@ -1,4 +1,4 @@
-"""The step response of servos: without a velocity target they lag by tau = d / k."""
+"""Step response of servos: without a velocity target they lag by tau = damping / stiffness."""
 
 from collections.abc import Callable
 
@@ -14,27 +14,27 @@ TOLERANCE = 0.05
 
 
 def step_response(
-    world: World, read: Callable[[], Array], ways: Array, tau: float, names: list[str]
+    world: World, read: Callable[[], Array], steps: Array, tau: float, names: list[str]
 ) -> list[Trial]:
-    """Time constants of servos (n,) that have just been told to go `ways` [rad or m] further.
+    """Time constants of servos (n,) whose targets have just moved by `steps` (n,) [rad or m].
 
-    Two points of the curve give each, 20 % and 60 %, so that neither the start (the link's
-    inertia) nor the end matters: for exp(-t / tau) they lie tau ln 2 apart.
+    The time from 20 % to 60 % of the step gives each, which is tau ln 2 for exp(-t / tau). So the
+    start of the curve (the link's inertia) and its end do not matter.
     """
     start = np.array(read(), float)
     t, q = record(world, int(RATE * 2 * max(tau, 0.05)), read)
     law = 1 - np.exp(-t / tau)
     trials = []
     for i, name in enumerate(names):
-        share = (q[:, i] - start[i]) / ways[i]
-        found = (_crossing(t, share, 0.6) - _crossing(t, share, 0.2)) / np.log(2)
-        trace = Trace(t, share, law, "time [s]", "share of the way [1]")
-        trials.append(Trial(name, tau, float(found), "s", tolerance=TOLERANCE, trace=trace))
+        share = (q[:, i] - start[i]) / steps[i]
+        measured = (_crossing(t, share, 0.6) - _crossing(t, share, 0.2)) / np.log(2)
+        trace = Trace(t, share, law, "time [s]", "share of the step [1]")
+        trials.append(Trial(name, tau, float(measured), "s", tolerance=TOLERANCE, trace=trace))
     return trials
 
 
 def _crossing(t: Array, share: Array, level: float) -> float:
-    """First time [s] at which `share` (n,) reaches `level`, interpolated; nan if never."""
+    """Interpolated time [s] at which `share` (n,) first reaches `level`; nan if it never does."""
     above = np.nonzero(share >= level)[0]
     if not len(above) or above[0] == 0:
         return float("nan")

@@ -1,9 +1,9 @@
-"""A dropped body comes to rest on the table, wherever the table is."""
+"""A dropped body comes to rest at the height of the table."""
 
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, block, pose_of, record
-from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 from rtphys.task.props import TABLE_TOP
 
 HALF = 0.03  # [m]
@@ -12,20 +12,20 @@ PLACES = ((0.35, 0.2), (0.0, 0.2), (-0.35, 0.2))
 FULL = 0.08  # [m] the domain's depth
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     height = number(value)
     size = (HALF, HALF, HALF)
     # A prop's pose rides on the table; START is a height of the world.
     places = [(x, y, START - height) for x, y in PLACES]
     blocks = [block(size, place, f"block{i}") for i, place in enumerate(places)]
-    world = lab.world(blocks, {**company, "table_height": value})
+    world = lab.world(blocks, {**others, "table_height": value})
     t, z = record(world, 250, lambda: [pose_of(b).p[2] for b in world.bodies])
     floor = TABLE_TOP + height + HALF
     fall = (START - 0.5 * GRAVITY * t**2).clip(min=floor)
     trace = Trace(t, z[:, 0], fall, "time [s]", "height of the block [m]")
     trials = [
-        Trial(f"contact height at ({x:g}, {y:g})", height, found, "m", FULL, trace=trace)
-        for (x, y), found in zip(PLACES, z[-1] - HALF - TABLE_TOP, strict=True)
+        Trial(f"contact height at ({x:g}, {y:g})", height, contact, "m", FULL, trace=trace)
+        for (x, y), contact in zip(PLACES, z[-1] - HALF - TABLE_TOP, strict=True)
     ]
     landed = t[(z[:, 0] < floor + 5e-4).argmax()]
     law = (2 * (START - floor) / GRAVITY) ** 0.5

@@ -1,12 +1,14 @@
 """A plate slides down the tilted table with g (sin - mu cos), a ball rolls with 5/7 g sin."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from rtphys.core.poses import Pose
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, pose_of, puck, record, slope
-from rtphys.proofs.proof import Company, Proof, Trace, Trial, number
+from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 from rtphys.sim.world import World
 from rtphys.task.props import Ball
 
@@ -17,7 +19,7 @@ FULL = GRAVITY * np.sin(np.radians(2))  # [m/s²] the steepest slope of the doma
 
 
 def downhill(world: World) -> tuple[float, Trace]:
-    """Acceleration [m/s²] of the only body along the table, uphill azimuth 270 deg."""
+    """Acceleration [m/s²] of the only body down the tilted table."""
     body = world.bodies[0]
     down = world.X_WT.R[:, 1]  # the table's own y leans down when its normal leans towards +y
     t, v = record(world, STEPS, lambda: body.component.linear_velocity @ down)
@@ -25,15 +27,15 @@ def downhill(world: World) -> tuple[float, Trace]:
     return a, Trace(t, v, 0 * t, "time [s]", "speed down the table [m/s]")
 
 
-def run(lab: Lab, value: Value, company: Company) -> list[Trial]:
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     theta = np.radians(number(value))
-    smooth = {**company, "table_tilt": value, "friction": SLIPPERY}
-    slide, seen = downhill(lab.world([puck()], smooth))
+    smooth = {**others, "table_tilt": value, "friction": SLIPPERY}
+    slide, recorded = downhill(lab.world([puck()], smooth))
     law = max(0.0, GRAVITY * (np.sin(theta) - SLIPPERY * np.cos(theta)))
-    line = seen.measured[FALL] + law * (seen.x - seen.x[FALL])
-    trace = Trace(seen.x, seen.measured, line, seen.x_label, seen.y_label)
+    line = recorded.measured[FALL] + law * (recorded.x - recorded.x[FALL])
+    trace = replace(recorded, law=line)
     ball = Ball(name="ball", pose=Pose((0.15, -0.1, 0)), radius=0.025)
-    roll, _ = downhill(lab.world([ball], {**company, "table_tilt": value, "friction": ROUGH}))
+    roll, _ = downhill(lab.world([ball], {**others, "table_tilt": value, "friction": ROUGH}))
     plate = lab.world([puck()], {**smooth, "friction": 1.0})
     for _ in range(150):
         plate.step()

@@ -1,1 +1,1 @@
-"""A dataset made visible: one HTML page, contact sheets, plots."""
+"""Datasets and results as pictures: an HTML page, contact sheets, plots."""

@@ -1,4 +1,4 @@
-"""What the report page tells, gathered from manifest, journals and episodes as plain JSON."""
+"""Data of the report page as plain JSON, gathered from manifest, journals and episodes."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -20,14 +20,15 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Axis:
-    """One number to make a histogram of: an attribute, or one component of it."""
+    """One quantity with a histogram on the page: an attribute, or one component of a vector."""
 
     key: str
-    part: int | None
+    part: int | None  # component of a vector; None for a scalar
     title: str
     unit: str
 
     def of(self, values: Mapping[str, JSON]) -> float | None:
+        """Value among an episode's physics; None if it has no such number."""
         value = values.get(self.key)
         if self.part is not None and isinstance(value, list | tuple):
             value = value[self.part]
@@ -35,26 +36,25 @@ class Axis:
 
 
 def axes() -> list[Axis]:
-    """Every attribute; vectors by component."""
-    found = []
-    for key, known in attributes().items():
-        if known.size == 1:
-            found.append(Axis(key, None, key.replace("_", " "), known.unit))
-        else:
-            found += [
-                Axis(key, n, f"{key.replace('_', ' ')} {'xyz'[n]}", known.unit)
-                for n in range(known.size)
-            ]
-    return found
+    """An axis per attribute, or per component of a vector attribute."""
+    return [
+        Axis(key, part, f"{key.replace('_', ' ')}{suffix}", attribute.unit)
+        for key, attribute in attributes().items()
+        for part, suffix in (
+            [(None, "")]
+            if attribute.size == 1
+            else [(n, f" {'xyz'[n]}") for n in range(attribute.size)]
+        )
+    ]
 
 
 @dataclass
 class Facts:
-    """The page's data; `to_json` is what its script reads."""
+    """Data of the report page; its script reads `to_json()`."""
 
     title: str
     leaves: list[dict[str, JSON]] = field(default_factory=list)
-    attempts: list[list[JSON]] = field(default_factory=list)  # leaf, accepted, one value an axis
+    attempts: list[list[JSON]] = field(default_factory=list)  # leaf, accepted, one value per axis
     episodes: list[dict[str, JSON]] = field(default_factory=list)
 
     def to_json(self) -> dict[str, JSON]:
@@ -69,7 +69,7 @@ class Facts:
 
 
 def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
-    """Reads every label and every trajectory once; no picture.
+    """Read every label and trajectory of a dataset once, but no picture.
 
     Raises:
         BadFile, SchemaError: an episode is damaged.
@@ -98,20 +98,19 @@ def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
 
 
 def _tried(dataset: Dataset, entry: LeafEntry) -> list[tuple[bool, Mapping[str, JSON]]]:
-    """(accepted, physics) of every attempt, told by the journal or drawn again from the seed."""
-    told: dict[int, Mapping[str, JSON]] = {}
+    """(accepted, physics) of every attempt, from the journal or drawn again from the seed."""
+    known: dict[int, Mapping[str, JSON]] = {}
     journal = leaf_at(dataset.path, entry).journal
     if journal.exists():
         for line in read_journal(journal).lines[1:]:
             seed, physics = line.entry.get("seed"), line.entry.get("physics")
             if isinstance(seed, int) and isinstance(physics, Mapping) and physics:
-                told[seed] = physics
+                known[seed] = physics
     redraw = Redraw(entry, dataset.manifest.domains)
-    found = []
-    for attempt in entry.attempts:
-        values = told.get(attempt.seed) or redraw.values(attempt.seed)
-        found.append((attempt.verdict == "accepted", values))
-    return found
+    return [
+        (attempt.verdict == "accepted", known.get(attempt.seed) or redraw.values(attempt.seed))
+        for attempt in entry.attempts
+    ]
 
 
 def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:

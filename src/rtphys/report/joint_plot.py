@@ -1,20 +1,39 @@
-"""Targets against measured joints over time, the expert's stages marked, as SVG."""
+"""Plot of commanded and measured joints over time, with the expert's stages, as SVG."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
+from io import StringIO
 from itertools import pairwise
+from textwrap import fill
 
+import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from rtphys.data.dataset import Episode
 from rtphys.data.episode import Floats, Frames
 
-WIDTH, HEIGHT, LEFT, TOP = 460, 92, 78, 40  # of one panel, and around them [px]
-TARGET, MEASURED = "#d1495b", "#1f7a8c"
-SMALLEST = 0.02  # [rad or m] that a panel spans
+SIZE = (11.0, 9.0)  # [inch] of the whole plot
+NAMES_WIDTH = 160  # characters of a line of stage names
+NO_BREAK = "\u00a0"  # a space that does not end a line
+COMMANDED, MEASURED = "#d1495b", "#1f7a8c"
+INK, SOFT, LINE = "#1d2733", "#66727f", "#d8dee5"  # as on the report page
 BANDS = ("#eef2f6", "#ffffff")
+SMALLEST = 0.02  # [rad or m] that a panel spans, so that a joint at rest is a flat line
 OPENING = (-0.01, 0.045)  # finger joint at commanded opening 0 and 1 [m], aloha-agilex
+
+STYLE = {
+    "axes.edgecolor": LINE,
+    "axes.labelcolor": INK,
+    "font.family": "sans-serif",
+    "font.size": 8,
+    "path.simplify": False,  # draw every frame
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "rtphys",  # the same bytes on every run
+    "text.color": INK,
+    "xtick.color": SOFT,
+    "ytick.color": SOFT,
+}
 
 
 @dataclass(frozen=True)
@@ -48,76 +67,57 @@ def panels(frames: Frames) -> list[Panel]:
 def joint_plot(episode: Episode) -> str:
     """An SVG document: left arm in the left column, right arm in the right one."""
     frames = episode.frames
-    parts = [_bands(frames, column) for column in (0, 1)]
-    for n, panel in enumerate(panels(frames)):
-        parts.append(_panel(panel, frames.time, n // 7, n % 7))
-    title = escape(f"{episode.task} {episode.number}, seed {episode.seed}, {episode.protocol}")
-    key = (
-        f'<text x="{LEFT}" y="30"><tspan fill="{TARGET}">commanded</tspan> '
-        f'<tspan fill="{MEASURED}">measured</tspan> over {frames.time[-1]:.1f} s</text>'
-    )
-    width, height = 2 * (WIDTH + LEFT) + 10, 7 * HEIGHT + TOP + 24
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
-        'font-family="sans-serif" font-size="11" fill="#1d2733">'
-        f'<rect width="100%" height="100%" fill="#ffffff"/>'
-        f'<text x="{LEFT}" y="15" font-weight="bold">{title}</text>{key}{"".join(parts)}</svg>\n'
-    )
+    with matplotlib.rc_context(STYLE):  # pyright: ignore[reportArgumentType] - str is fine
+        figure = Figure(figsize=SIZE, layout="constrained")
+        title = f"{episode.task} {episode.number}, seed {episode.seed}, {episode.protocol}"
+        figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
+        shown = panels(frames)
+        columns = figure.subplots(len(shown) // 2, 2, sharex=True).T
+        for axes, panel in zip(columns.flat, shown, strict=True):
+            _draw_panel(axes, panel, frames)
+        for column in columns:
+            _number_stages(column[0], frames)
+            column[-1].set_xlabel("time [s]")
+        figure.supxlabel(_stage_names(frames), size="medium", color=SOFT)
+        handles, labels = columns[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper right", ncols=2, frameon=False)
+        text = StringIO()
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
 
 
-def _x(time: Floats, at: float, column: int) -> float:
-    span = float(time[-1] - time[0]) or 1.0
-    return LEFT + column * (WIDTH + LEFT) + WIDTH * (at - float(time[0])) / span
+def _draw_panel(axes: Axes, panel: Panel, frames: Frames) -> None:
+    lines = {"commanded": panel.target, "measured": panel.measured}
+    known = {label: values for label, values in lines.items() if values is not None}
+    for n, (first, last) in enumerate(_stages(frames)):
+        axes.axvspan(frames.time[first], frames.time[last], color=BANDS[n % 2], lw=0)
+    for (label, values), colour in zip(known.items(), (COMMANDED, MEASURED), strict=False):
+        (line,) = axes.plot(frames.time, values, color=colour, lw=1.2, label=label)
+        line.set_gid(f"{label} {panel.title}")
+    low = min(float(values.min()) for values in known.values())
+    high = max(float(values.max()) for values in known.values())
+    half = max(high - low, SMALLEST) / 2
+    axes.set_ylim((low + high) / 2 - 1.1 * half, (low + high) / 2 + 1.1 * half)
+    axes.set_xlim(frames.time[0], frames.time[-1])
+    axes.set_ylabel(panel.title)
+    axes.tick_params(length=2)
 
 
-def _bands(frames: Frames, column: int) -> str:
-    """A band for each stretch of one stage, its name below."""
-    edges = [0, *(np.flatnonzero(np.diff(frames.stage)) + 1).tolist(), len(frames) - 1]
-    parts = []
-    for n, (first, last) in enumerate(pairwise(edges)):
-        x, end = (_x(frames.time, float(frames.time[t]), column) for t in (first, last))
-        name = escape(frames.stages[int(frames.stage[first])])
-        below = TOP + 7 * HEIGHT + 12 + 9 * (n % 2)  # neighbours' names on two lines
-        parts.append(
-            f'<rect x="{x:.1f}" y="{TOP}" width="{end - x:.1f}" height="{7 * HEIGHT}" '
-            f'fill="{BANDS[n % 2]}"/><text x="{x + 2:.1f}" y="{below}" '
-            f'font-size="9" fill="#66727f">{name}</text>'
-        )
-    return "".join(parts)
+def _number_stages(axes: Axes, frames: Frames) -> None:
+    """Write the number of each stage above its band."""
+    for number, (first, last) in enumerate(_stages(frames), start=1):
+        middle = float(frames.time[first] + frames.time[last]) / 2
+        above = axes.get_xaxis_transform()
+        axes.text(middle, 1.04, str(number), transform=above, color=SOFT, ha="center")
 
 
-def _panel(panel: Panel, time: Floats, column: int, row: int) -> str:
-    shown = [panel.target, *([panel.measured] if panel.measured is not None else [])]
-    low = min(float(line.min()) for line in shown)
-    high = max(float(line.max()) for line in shown)
-    if high - low < SMALLEST:  # a joint at rest is a flat line, not magnified noise
-        low, high = (low + high - SMALLEST) / 2, (low + high + SMALLEST) / 2
-    top, left = TOP + row * HEIGHT, column * (WIDTH + LEFT)
-    lines = [
-        _line(line, time, (low, high), (column, top), colour)
-        for line, colour in zip(shown, (TARGET, MEASURED), strict=False)
-    ]
-    scale = [
-        f'<text x="{left + LEFT - 4}" y="{y}" text-anchor="end" font-size="9">{value:.2f}</text>'
-        for y, value in ((top + 14, high), (top + HEIGHT - 8, low))
-    ]
-    title = f'<text x="{left + 4}" y="{top + HEIGHT / 2}">{escape(panel.title)}</text>'
-    return "".join([title, *scale, *lines])
+def _stage_names(frames: Frames) -> str:
+    names = (frames.stages[int(frames.stage[first])] for first, _ in _stages(frames))
+    numbered = (f"{n} {name}".replace(" ", NO_BREAK) for n, name in enumerate(names, start=1))
+    return fill(" · ".join(numbered), NAMES_WIDTH)
 
 
-def _line(
-    values: Floats,
-    time: Floats,
-    limits: tuple[float, float],
-    place: tuple[int, float],
-    colour: str,
-) -> str:
-    (low, high), (column, top) = limits, place
-    span = (high - low) or 1.0
-    points: Sequence[str] = [
-        f"{_x(time, float(t), column):.1f},{top + 8 + (HEIGHT - 16) * (1 - (v - low) / span):.1f}"
-        for t, v in zip(time, values, strict=True)
-    ]
-    return (
-        f'<polyline points="{" ".join(points)}" fill="none" stroke="{colour}" stroke-width="1.3"/>'
-    )
+def _stages(frames: Frames) -> list[tuple[int, int]]:
+    """First frames of each stage and of the next one."""
+    changes = (np.flatnonzero(np.diff(frames.stage)) + 1).tolist()
+    return list(pairwise([0, *changes, len(frames) - 1]))

@@ -1,4 +1,4 @@
-"""A contact sheet: what an episode looks like, on one picture."""
+"""Contact sheet: frames of all cameras of an episode in one picture."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ WHITE = 255
 
 
 def contact_sheet(episode: Episode, columns: int = COLUMNS) -> NDArray[np.uint8]:
-    """(H, W, 3) RGB: one row a camera, `columns` frames from first to last."""
+    """Picture (H, W, 3) RGB with one row per camera: `columns` frames, evenly spaced in time."""
     picked = np.linspace(0, len(episode) - 1, min(columns, len(episode))).round().astype(int)
     rows = [_row([episode.image(camera, int(t)) for t in picked]) for camera in episode.cameras]
     width = max(row.shape[1] for row in rows)

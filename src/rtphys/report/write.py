@@ -1,4 +1,4 @@
-"""One self-contained HTML page about a dataset."""
+"""Writes the report of a dataset as one self-contained HTML page."""
 
 import base64
 import json
@@ -14,18 +14,18 @@ from rtphys.data.files import make_folder, replace_file
 from rtphys.report.facts import Progress, gather
 
 THUMBNAIL = 200  # [px]
-EMBEDDED = 64_000_000  # bytes of video inside the page; later ones are linked to
+EMBEDDED = 64_000_000  # bytes of video inside the page; further videos are linked
 
 
 def write_report(dataset: Dataset, out: Path, progress: Progress | None = None) -> Path:
-    """Writes the page.
+    """Write the report page.
 
-    Pictures and videos are inside it, up to 64 MB of video; the rest is linked relative to it.
+    Pictures and up to 64 MB of video are embedded; further videos are linked by relative path.
 
     Args:
-        dataset: what to show.
+        dataset: episodes to show.
         out: the HTML file.
-        progress: called with (steps done, steps in all).
+        progress: called with (steps done, total steps).
 
     Raises:
         BadFile, SchemaError: an episode is damaged.

@@ -54,7 +54,7 @@ class Results:
 
     @property
     def policy(self) -> str:
-        """Policy specification, as given to `--policy`."""
+        """Specification of the policy, `NAME` or `NAME:ARGUMENT`."""
         return str(self.run["policy"])
 
 

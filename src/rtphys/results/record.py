@@ -14,7 +14,7 @@ REASONS: dict[str, str] = {
     "policy_error": "the policy raised; `detail` holds the traceback",
     "infeasible": "the world could not be set up: the certification fingerprint differs",
     "worker_crash": "the process died, twice",
-    "worker_hang": "the episode ran longer than `timeout`, twice",
+    "worker_hang": "the episode exceeded the time limit of a worker, twice",
 }
 """Reasons of failure -> what they mean."""
 

@@ -1,4 +1,4 @@
-"""A folder that RoboTwin's launchers take for RoboTwin, with rtphys' worlds behind it."""
+"""A folder that looks like RoboTwin to its launchers, and simulates rtphys' worlds."""
 
 from rtphys.robotwin_root.base_task import Base_Task, UnStableError
 from rtphys.robotwin_root.write import write_root

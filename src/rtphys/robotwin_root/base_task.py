@@ -1,4 +1,4 @@
-"""`envs._base_task.Base_Task`: what RoboTwin's drivers call, beside what its adapters use."""
+"""`envs._base_task.Base_Task`: the interface that RoboTwin's launchers and adapters use."""
 
 from subprocess import Popen
 
@@ -16,20 +16,20 @@ from rtphys.task.instructions import scene_info
 from rtphys.task.spec import Task, load_task
 
 PROTOCOL = "rtphys_protocol"  # key of our task configurations
-SEED = "rtphys_seed"  # key of an episode's info, from which its sentences are made
+SEED = "rtphys_seed"  # key of an episode's info; sentences are derived from it
 OFFICIAL = {"demo_clean": "clean", "demo_randomized": "official_random"}
-"""RoboTwin's own configurations -> our protocols."""
+"""RoboTwin's task configuration -> our protocol."""
 
 
 class UnStableError(RtphysError):
-    """A world that cannot be set up or does not come to rest: drivers go on to the next seed."""
+    """A world cannot be set up or does not come to rest: launchers try the next seed."""
 
 
 def protocol_of(args: dict[str, object]) -> str:
-    """Of the arguments that a driver has read from a task configuration.
+    """Protocol of a task configuration's arguments.
 
     Raises:
-        UnknownName: it names none.
+        UnknownName: they name no protocol.
     """
     config = str(args.get("task_config", ""))
     name = str(args.get(PROTOCOL) or OFFICIAL.get(config, config))
@@ -40,7 +40,7 @@ def protocol_of(args: dict[str, object]) -> str:
 
 
 class Base_Task(TaskEnv):
-    """A task by the name of its class: `class click_bell(Base_Task)`."""
+    """RoboTwin task whose name is its class's name: `class click_bell(Base_Task)`."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -48,19 +48,22 @@ class Base_Task(TaskEnv):
         self.info: dict[str, object] = {}
         self.eval_video_ffmpeg: Popen[bytes] | None = None
         self._made: tuple[Recipe, Task, Pack] | None = None
-        self._demonstrated: bool | None = None  # by the expert, in this episode
+        self._demonstrated: bool | None = None  # whether the expert solved this episode
 
-    # A driver hands over whole configurations.
+    # Launchers pass whole configurations.
     def setup_demo(
         self, now_ep_num: int = 0, seed: int = 0, is_test: bool = False, **args: object
     ) -> None:
-        """A new episode.
+        """Begin a new episode.
 
         Args:
-            is_test: textures and sentences of the unseen split.
+            now_ep_num: number of the episode.
+            seed: of the episode.
+            is_test: use textures and sentences of the unseen split.
+            args: the task configuration.
 
         Raises:
-            UnStableError: there is no such world.
+            UnStableError: the world cannot be set up.
             UnknownName: the configuration names no protocol.
         """
         self.ep_num = now_ep_num
@@ -81,7 +84,7 @@ class Base_Task(TaskEnv):
         self._made, self._demonstrated, self.plan_success = (recipe, task, pack), None, True
 
     def play_once(self) -> dict[str, object]:
-        """The expert tries this episode, in a world of its own.
+        """Let the expert try this episode, in a separate world.
 
         Returns:
             `info`: the placeholders of the episode's sentences, and their seed.
@@ -97,18 +100,18 @@ class Base_Task(TaskEnv):
         return self.info
 
     def check_success(self) -> bool:
-        """Of the expert after `play_once`, otherwise of the actions so far."""
+        """Success of the expert after `play_once`, otherwise of the actions so far."""
         return super().check_success() if self._demonstrated is None else self._demonstrated
 
     def take_action(self, action: ArrayLike, action_type: ActionKind = "qpos") -> None:
         if self.take_action_cnt < self.step_lim and not self.eval_success:
-            self._film()
+            self._write_frame()
         super().take_action(action, action_type)
 
     def close_env(self, clear_cache: bool = False) -> None:
         self._made = None
 
-    # ---- videos as drivers make them -------------------------------------------------------------
+    # ---- videos as launchers make them -----------------------------------------------------------
 
     def _set_eval_video_ffmpeg(self, ffmpeg: Popen[bytes]) -> None:
         self.eval_video_ffmpeg = ffmpeg
@@ -119,8 +122,8 @@ class Base_Task(TaskEnv):
             self.eval_video_ffmpeg.wait()
         self.eval_video_ffmpeg = None
 
-    def _film(self) -> None:
-        """The frame before an action, as the adapter saw it last."""
+    def _write_frame(self) -> None:
+        """Write the head camera's picture before an action into the launcher's video."""
         if self.eval_video_ffmpeg is not None and self.eval_video_ffmpeg.stdin is not None:
             picture = self.episode.observe().images["head"]
             self.eval_video_ffmpeg.stdin.write(picture.tobytes())

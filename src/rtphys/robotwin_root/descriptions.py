@@ -1,4 +1,4 @@
-"""`description/utils/generate_episode_instructions.py`, with our sentences."""
+"""Stand-in for RoboTwin's `generate_episode_instructions.py`, with rtphys' sentences."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,21 +13,23 @@ from rtphys.task.spec import load_task
 def generate_episode_descriptions(
     task_name: str, episodes: Sequence[Mapping[str, object]], max_descriptions: int = 100
 ) -> list[dict[str, object]]:
-    """Sentences of each episode: `{"episode_index": i, "seen": [...], "unseen": [...]}`.
+    """Instructions of episodes, each `{"episode_index": i, "seen": [...], "unseen": [...]}`.
 
     Args:
-        episodes: the `info` that `play_once` returned, one each.
+        task_name: of all episodes.
+        episodes: what `play_once` returned in each episode.
+        max_descriptions: sentences per split.
 
     Raises:
-        BadValue: an info of somebody else.
+        BadValue: an episode's info does not come from rtphys.
     """
     task, describe = load_task(task_name), describer(default_pack())
-    found: list[dict[str, object]] = []
+    described: list[dict[str, object]] = []
     for index, info in enumerate(episodes):
         seed = info.get(SEED)
         if not isinstance(seed, int):
             raise BadValue(SEED, seed, "pass what play_once of this root's tasks returns")
-        said = instructions(task, seed, describe)
-        limited = {split: lines[:max_descriptions] for split, lines in said.items()}
-        found.append({"episode_index": index, **limited})
-    return found
+        sentences = instructions(task, seed, describe)
+        limited = {split: lines[:max_descriptions] for split, lines in sentences.items()}
+        described.append({"episode_index": index, **limited})
+    return described

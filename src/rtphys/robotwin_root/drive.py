@@ -1,4 +1,4 @@
-"""What `script/eval_policy.py` of a root does: one task, one configuration, one policy."""
+"""Stand-in for RoboTwin's `script/eval_policy.py`: evaluates one policy in one task."""
 
 import argparse
 import importlib
@@ -20,12 +20,12 @@ from rtphys.results.instances import FIRST_SEED
 from rtphys.results.official import result_text
 from rtphys.robotwin_root.base_task import Base_Task, UnStableError, protocol_of
 
-BARREN = 200  # infeasible seeds in a row after which a search is given up
+MAX_INFEASIBLE = 200  # consecutive infeasible seeds after which the search ends
 BENCHMARK = "benchmark_v1"
 
 
 def parse_args_and_config(words: Sequence[str] | None = None) -> dict[str, object]:
-    """`--config FILE --overrides --key value ...` as `usr_args`.
+    """Parse RoboTwin's command line, `--config FILE --overrides --key value ...`, into `usr_args`.
 
     Raises:
         BadFile, BadValue: the file cannot be read, or a key has no value.
@@ -40,20 +40,21 @@ def parse_args_and_config(words: Sequence[str] | None = None) -> dict[str, objec
 
 
 def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
-    """Runs the episodes in this process and writes `_result*.txt` below `eval_result/`.
+    """Run the episodes in this process and write `_result*.txt` below `eval_result/`.
 
-    Seed 0 plays the certified instances where there are any; other seeds, and protocols without
-    a list, search from `100000 * (1 + seed)` with the expert, as RoboTwin does. A policy that
-    raises has failed that episode.
+    Seed 0 uses the certified instances if there are any. Other seeds, and protocols without a
+    list, let the expert search for feasible seeds from `100000 * (1 + seed)`, as RoboTwin does. A
+    policy that raises has failed the episode.
 
     Args:
-        usr_args: of the plug-in; `eval_num_episodes` or `test_num` in it win over the argument.
+        usr_args: of the plug-in; `eval_num_episodes` or `test_num` in it override the argument.
+        test_num: number of episodes.
 
     Returns:
         The result file.
 
     Raises:
-        BadFile, UnknownName, BrokenPlugin: no such configuration, task or policy.
+        BadFile, UnknownName, BrokenPlugin: the configuration, task or policy does not exist.
     """
     wanted = int(str(usr_args.get("eval_num_episodes") or usr_args.get("test_num") or test_num))
     run = Run.begin(Path.cwd(), usr_args)
@@ -66,7 +67,7 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
 
 @dataclass
 class Run:
-    """One policy in one task under one configuration."""
+    """State of evaluating one policy in one task under one configuration."""
 
     root: Path
     usr_args: Mapping[str, object]
@@ -74,10 +75,11 @@ class Run:
     env: Base_Task
     plugin: Plugin
     model: object
-    slots: int = 0  # seeds so far, infeasible ones included
+    slots: int = 0  # number of seeds so far, infeasible ones included
 
     @staticmethod
     def begin(root: Path, usr_args: dict[str, object]) -> "Run":
+        """Load configuration, task and policy from a root folder."""
         task, config = str(usr_args["task_name"]), str(usr_args["task_config"])
         args = dict(library.read_yaml(root / "task_config" / f"{config}.yml"))
         args |= {"task_name": task, "task_config": config, "eval_mode": True}
@@ -87,7 +89,7 @@ class Run:
         return Run(root, usr_args, args, env, plugin, plugin.get_model(usr_args))
 
     def seeds(self) -> Iterator[int]:
-        """Seeds that the expert solves; the others are counted as well."""
+        """Seeds that the expert solves; the others only count as slots."""
         first = int(str(self.usr_args["seed"]))
         folder = library.bundled() / "manifests" / BENCHMARK
         listed = instance_file(folder, protocol_of(self.args), self.env.task_name)
@@ -97,16 +99,18 @@ class Run:
                 if slot.feasible:
                     yield slot.seed
             return
-        barren = 0
+        infeasible = 0  # in a row
         for seed in count(FIRST_SEED * (1 + first)):
             self.slots += 1
-            barren = 0 if (can := self._expert_can(seed)) else barren + 1
-            if can:
+            if self._expert_solves(seed):
+                infeasible = 0
                 yield seed
-            elif barren >= BARREN:
+                continue
+            infeasible += 1
+            if infeasible >= MAX_INFEASIBLE:
                 return
 
-    def _expert_can(self, seed: int) -> bool:
+    def _expert_solves(self, seed: int) -> bool:
         try:
             self._set_up(seed)
         except UnStableError:
@@ -119,7 +123,7 @@ class Run:
         self.env.setup_demo(self.env.test_num, seed, unseen, **self.args)
 
     def roll_out(self, seed: int) -> None:
-        """One episode of the policy."""
+        """Play one episode with the policy."""
         env = self.env
         self._set_up(seed)
         try:
@@ -130,18 +134,18 @@ class Run:
         env.suc += env.eval_success
         env.test_num += 1
         env.close_env()
-        done = f"{env.task_name} | {self.plugin.name} | {self.args['task_config']}"
+        header = f"{env.task_name} | {self.plugin.name} | {self.args['task_config']}"
         rate = 100 * env.suc / env.test_num
-        print(f"{done}\nSuccess rate: {env.suc}/{env.test_num} => {rate:.1f}%, seed {seed}")
+        print(f"{header}\nSuccess rate: {env.suc}/{env.test_num} => {rate:.1f}%, seed {seed}")
 
     def write(self) -> Path:
-        """The result file. Raises `CannotWrite`."""
-        now, told = datetime.now(UTC), self.usr_args
+        """Write the result file and return its path. Raises `CannotWrite`."""
+        now, args = datetime.now(UTC), self.usr_args
         config = str(self.args["task_config"])
         below = Path("eval_result", self.env.task_name, self.plugin.name, config)
-        below = below / str(told["ckpt_setting"]) / f"{now:%Y%m%d_%H%M%S}"
-        folder = self.root / Path(str(told.get("eval_output_dir") or below))
-        split = str(told["instruction_type"])
+        below = below / str(args["ckpt_setting"]) / f"{now:%Y%m%d_%H%M%S}"
+        folder = self.root / Path(str(args.get("eval_output_dir") or below))
+        split = str(args["instruction_type"])
         text = result_text(split, self.env.test_num, self.slots, self.env.suc, now)
         kind = "clean" if protocol_of(self.args) == "clean" else "random"
         files.make_folder(folder)

@@ -1,6 +1,6 @@
-"""The Python files of a root. Each only says where in rtphys the thing is."""
+"""Python files of a root folder; each only imports its content from rtphys."""
 
-# Launchers replace the line `    test_num = 100` in this text, blanks and line end included.
+# Launchers replace the line `    test_num = 100` in this file, spaces and newline included.
 _EVALUATE = '''"""RoboTwin's evaluation entry point, on rtphys' worlds."""
 
 import sys

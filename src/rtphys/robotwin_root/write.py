@@ -1,4 +1,4 @@
-"""Writes the folder: thin files that import rtphys, at the places where launchers look."""
+"""Writes a root folder: small files that import rtphys, at the paths that launchers expect."""
 
 import json
 from collections.abc import Mapping
@@ -13,9 +13,9 @@ from rtphys.setting.protocol import Protocol, VisualRules, load_protocol, protoc
 from rtphys.sim.camera import KINDS
 from rtphys.task.spec import load_task, task_names
 
-MARK = ".rtphys-root"  # a root of ours, which may be written anew
+MARK = ".rtphys-root"  # marks a folder written by rtphys, which may be overwritten
 EMPTY = ("policy", "eval_result", "data", "assets")
-CONFIGS = ("task_config", "env_cfg/task_config")  # older and newer launchers
+CONFIGS = ("task_config", "env_cfg/task_config")  # for older and newer launchers
 
 CAMERAS = {
     "head_camera_type": "D435",
@@ -28,24 +28,25 @@ DATA_TYPES = {"rgb": True, "endpose": True, "qpos": True, **dict.fromkeys(OFF, F
 
 
 class NotOurs(RtphysError):
-    """A folder with something else in it is left alone."""
+    """A folder holds other files and must not be overwritten."""
 
 
 def write_root(folder: Path, pack: Pack) -> list[Path]:
-    """Writes a root, or writes it anew; what others put into `policy/` and `eval_result/` stays.
+    """Write or overwrite a root folder; `policy/` and `eval_result/` keep their content.
 
     Args:
-        pack: whose embodiments the configurations name.
+        folder: new, empty, or written by this function.
+        pack: asset pack whose embodiments the configurations name.
 
     Returns:
-        The files, relative to the folder.
+        The files written, relative to the folder.
 
     Raises:
-        NotOurs: the folder exists, is not empty and was not written by this.
+        NotOurs: the folder is not empty and was not written by this function.
         CannotWrite: the file system refuses.
     """
     if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
-        raise NotOurs(f"{folder}: is not empty, and no root of rtphys; choose a new folder")
+        raise NotOurs(f"{folder}: is not empty and was not written by rtphys; choose a new folder")
     content = {MARK: "written by rtphys robotwin-root\n", **_code(), **_configs(pack)}
     for name in EMPTY:
         files.make_folder(folder / name)
@@ -76,7 +77,7 @@ def _configs(pack: Pack) -> dict[str, str]:
     }
     for name in (*protocol_names(), *OFFICIAL):
         shared[name] = _config(load_protocol(OFFICIAL.get(name, name)))
-    # JSON is YAML, and our YAML reader is nobody else's writer.
+    # JSON is valid YAML, and only `core` owns the YAML package.
     return {
         f"{place}/{name}.yml": json.dumps(content, indent=2) + "\n"
         for place in CONFIGS
@@ -85,7 +86,7 @@ def _configs(pack: Pack) -> dict[str, str]:
 
 
 def _config(protocol: Protocol) -> dict[str, object]:
-    """A task configuration with every key that drivers read. What decides is `rtphys_protocol`."""
+    """Task configuration with every key that launchers read; rtphys uses only `rtphys_protocol`."""
     look = protocol.visual or VisualRules()
     return {
         PROTOCOL: protocol.name,

@@ -6,11 +6,26 @@ carries its checks, which run whenever one is made, and the help text of its opt
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Annotated
 
-from pydantic import AfterValidator, ValidationInfo
+from pydantic import AfterValidator, Field, ValidationInfo
+from pydantic.dataclasses import dataclass as checked_dataclass
 
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
+from rtphys.setting.protocol import protocol_names
+
+__all__ = [
+    "Option",
+    "Positive",
+    "Protocols",
+    "Seed",
+    "Tasks",
+    "Workers",
+    "at_least",
+    "checked_dataclass",
+    "one_of",
+]
 
 
 @dataclass(frozen=True)
@@ -61,10 +76,24 @@ def one_of(kind: str, known: Iterable[str] | Callable[[], Iterable[str]]) -> Aft
     return AfterValidator(check)
 
 
-def entries_of(kind: str) -> AfterValidator:
-    """Names of library entries, such as "tasks", from names and patterns, each once.
+Positive = Annotated[int, at_least(1)]
+Seed = Annotated[int, at_least(0)]
 
-    Raises:
-        UnknownName: a name or pattern that matches nothing; names the nearest match.
-    """
-    return AfterValidator(lambda patterns: library.matching(kind, list(patterns)))
+Tasks = Annotated[
+    tuple[str, ...],
+    Field(validate_default=True),
+    AfterValidator(lambda patterns: library.matching("tasks", list(patterns))),
+    Option("Tasks or patterns; several with commas, or repeated.", "task"),
+]
+"""Task names, from names and patterns; raises `UnknownName`."""
+
+Protocols = Annotated[
+    tuple[str, ...],
+    one_of("protocol", protocol_names),
+    Option("clean, phys_random; several with commas.", "protocol"),
+]
+
+Workers = Annotated[
+    int | None, at_least(1, most=1000), Option("Worker processes; default one a core.")
+]
+"""Processes of 0.5 GB; more than the most is a slip of the finger."""

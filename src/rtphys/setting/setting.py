@@ -6,13 +6,12 @@ from functools import cached_property
 from typing import Annotated
 
 from pydantic import PlainSerializer, PlainValidator, TypeAdapter, ValidationError
-from pydantic.dataclasses import dataclass
 
 from rtphys.core.errors import BadValue
 from rtphys.physics.domain import Domain
 from rtphys.physics.load import domain_for_task, load_domain
 from rtphys.physics.values import Physics, Value, Vector
-from rtphys.setting.option import Option, one_of
+from rtphys.setting.option import Option, checked_dataclass, one_of
 from rtphys.setting.protocol import VisualRules, load_protocol
 
 SPLITS = ("seen", "unseen")
@@ -37,7 +36,7 @@ def _domain_json(domain: Domain | None) -> dict[str, object] | None:
 Ranges = Annotated[Domain | None, PlainValidator(_domain), PlainSerializer(_domain_json)]
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class Setting:
     """What decides an episode but its seed. Equal settings and seeds give equal bits."""
 
@@ -96,7 +95,7 @@ class Setting:
         return {k: v for k, v in found.items() if k not in rare or v != rare[k]}
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class Recipe:
     """One attempt. Equal recipes give equal episodes, bit for bit."""
 
@@ -119,14 +118,18 @@ class Recipe:
 
     @staticmethod
     def from_json(stored: Mapping[str, object]) -> "Recipe":
-        """Inverse of `to_json`. Raises `ValueError` where a field is missing or of another kind."""
-        rest = dict(stored)
-        # Older labels leave the others out.
-        if missing := [key for key in ("task", "protocol", "embodiment") if key not in rest]:
-            raise ValueError(f"{', '.join(missing)}: field required")
+        """Inverse of `to_json`.
+
+        Raises:
+            KeyError: a field is missing that every label has.
+            ValueError: a value of another kind.
+        """
+        seed, rest = stored["seed"], {key: v for key, v in stored.items() if key != "seed"}
+        for key in ("task", "protocol", "embodiment"):
+            _ = rest[key]
         try:
-            return Recipe(seed=rest.pop("seed"), setting=_ADAPTER.validate_python(rest))  # type: ignore[arg-type] - validated
-        except (ValidationError, KeyError) as error:
+            return Recipe(_ADAPTER.validate_python(rest), seed)  # type: ignore[arg-type] - validated
+        except ValidationError as error:
             raise ValueError(str(error)) from error
 
 

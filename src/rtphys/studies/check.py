@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
-from pydantic.dataclasses import dataclass as validated
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
@@ -22,7 +21,15 @@ from rtphys.episode.instance import prepare
 from rtphys.episode.photograph import photograph
 from rtphys.episode.replay import actions_of, replay
 from rtphys.policies import open_policy
-from rtphys.setting.option import Option, at_least, entries_of
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Protocols,
+    Seed,
+    Tasks,
+    Workers,
+    checked_dataclass,
+)
 from rtphys.setting.protocol import load_protocol
 from rtphys.setting.setting import Ranges, Recipe, Setting, check_varies
 from rtphys.sim import renderer
@@ -35,37 +42,27 @@ SHEET_CAMERAS = ("head", "left", "right", "front")
 Robot = Literal["expert", "again", "idle", "random", "sheet"]
 
 
-@validated(frozen=True)
+@checked_dataclass(frozen=True)
 class CheckPlan:
     """One run of `check`: tasks under protocols."""
 
-    tasks: Annotated[
-        tuple[str, ...], entries_of("tasks"), Option("Tasks or patterns.", positional=True)
-    ]
-    protocols: Annotated[
-        tuple[str, ...], Option("clean, phys_random; several with commas.", "protocol")
-    ] = ("clean",)
-    seeds: Annotated[int, at_least(1), Option("Number of seeds of each task and protocol.")] = 20
-    first_seed: Annotated[int, at_least(0), Option("The first seed.")] = 0
+    tasks: Annotated[Tasks, Option("Tasks or patterns.", positional=True)]
+    protocols: Protocols = ("clean",)
+    seeds: Annotated[Positive, Option("Number of seeds of each task and protocol.")] = 20
+    first_seed: Annotated[Seed, Option("The first seed.")] = 0
     robots: Annotated[
-        int,
-        at_least(0),
-        Option("Number of seeds for the idle and the random robot, which cost the most."),
+        Seed, Option("Number of seeds for the idle and the random robot, which cost the most.")
     ] = 20
-    workers: Annotated[int | None, at_least(1), Option("Worker processes; default one a core.")] = (
-        None
-    )
+    workers: Workers = None
     ranges: Annotated[
         Ranges, Option("Draw from this domain (name or file), not from the task's own.", "domain")
     ] = None
     limits: Limits = field(default_factory=Limits)
 
     def check(self) -> None:
-        """Raises UnknownName, BadValue or BadFile before any work is done."""
+        """Raises `BadValue` or `BadFile` before any work is done."""
         for name in self.tasks:
             load_task(name)
-        for name in self.protocols:
-            load_protocol(name)
         if self.ranges is not None:
             check_varies(self.ranges, self.protocols)
 

@@ -8,16 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from pydantic.dataclasses import dataclass as validated
-
 from rtphys.assets.pack import Pack
 from rtphys.core.timing import Laps
 from rtphys.data.staging import stage_episode
 from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import photograph
-from rtphys.setting.option import Option, at_least, entries_of
-from rtphys.setting.protocol import load_protocol
+from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks, checked_dataclass
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.studies.worker import LoadedTasks
@@ -31,29 +28,15 @@ OUTSIDE = ("build", "write", "other")  # neither physics nor planning, nor rende
 CAMERAS = ("head", "left", "right")
 
 
-@validated(frozen=True)
+@checked_dataclass(frozen=True)
 class BenchPlan:
     """One run of `bench`: tasks under protocols."""
 
-    tasks: Annotated[
-        tuple[str, ...],
-        entries_of("tasks"),
-        Option("Tasks or patterns; several with commas.", "task"),
-    ] = ("*",)
-    protocols: Annotated[tuple[str, ...], Option("Several with commas.", "protocol")] = (
-        "clean",
-        "phys_random_all",
-    )
-    episodes: Annotated[
-        int, at_least(1), Option("Number of attempts of each task and protocol.")
-    ] = 2
-    first_seed: Annotated[int, at_least(0), Option("The first seed.")] = 0
+    tasks: Tasks = ("*",)
+    protocols: Protocols = ("clean", "phys_random_all")
+    episodes: Annotated[Positive, Option("Number of attempts of each task and protocol.")] = 2
+    first_seed: Annotated[Seed, Option("The first seed.")] = 0
     pictures: Annotated[bool, Option("Draw and write what is accepted.")] = True
-
-    def check(self) -> None:
-        """Raises `UnknownName`, `BadValue` or `BadFile` before any work is done."""
-        for name in self.protocols:
-            load_protocol(name)
 
 
 @dataclass

@@ -1,17 +1,12 @@
 """Everything a task file may import."""
 
+from rtphys.assets.embodiment import Hand
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Pose, axis_angle, quat_multiply
 from rtphys.task.alternatives import place_at_first
 from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
-from rtphys.task.baskets import carrying_basket, fill_and_lift, filled_and_lifted
-from rtphys.task.blocks import Block, ranked, scattered
-from rtphys.task.bottle_pairs import bottles_together, bring_bottles_together, two_bottles
-from rtphys.task.bowls import bowls_nested, nest_bowls, scattered_bowls
 from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
-from rtphys.task.everyday import everyday, pair
 from rtphys.task.orientation import DOWN, IDENTITY, UP_F, UP_S, UP_Y, UP_Z, yawed
-from rtphys.task.pads import coloured_pad
 from rtphys.task.props import (
     BLUE,
     COLOURS,
@@ -26,17 +21,18 @@ from rtphys.task.props import (
     Prop,
 )
 from rtphys.task.scene import LEFT, RIGHT, Scene
-from rtphys.task.set_beside import set_beside, stands_beside
 from rtphys.task.spec import Phrases, Task, load_task, task_names
 from rtphys.task.success import (
     Condition,
     above,
     at_rest,
     beside,
-    claim,
+    condition,
     free_of,
     hands_open,
     held_by,
+    in_either_hand,
+    in_hand,
     in_row,
     joint_beyond,
     lifted,
@@ -71,10 +67,10 @@ __all__ = [
     "Arm",
     "Articulated",
     "Ball",
-    "Block",
     "Box",
     "Condition",
     "Draw",
+    "Hand",
     "Infeasible",
     "Mesh",
     "Motion",
@@ -90,45 +86,31 @@ __all__ = [
     "at_rest",
     "axis_angle",
     "beside",
-    "bottles_together",
-    "bowls_nested",
-    "bring_bottles_together",
-    "carrying_basket",
-    "claim",
     "clear_of",
-    "coloured_pad",
-    "everyday",
-    "fill_and_lift",
-    "filled_and_lifted",
+    "condition",
     "free_of",
     "hands_open",
     "held_by",
+    "in_either_hand",
+    "in_hand",
     "in_row",
     "joint_beyond",
     "lifted",
     "load_task",
     "near",
-    "nest_bowls",
     "off_centre",
     "on_table",
     "opened",
-    "pair",
     "parallel",
     "place_at_first",
     "points_meet",
     "pressed",
     "quat_multiply",
-    "ranked",
     "reachable",
-    "scattered",
-    "scattered_bowls",
-    "set_beside",
     "shaken",
-    "stands_beside",
     "task_names",
     "touching",
     "turned_to",
-    "two_bottles",
     "upright",
     "yawed",
 ]  # fmt: skip

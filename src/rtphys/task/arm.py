@@ -5,12 +5,15 @@ A verb returns a `Motion`; nothing moves until `robot.do(...)`. Motions of both 
 task files see nothing else.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
+from rtphys.assets.embodiment import Hand
 from rtphys.core.poses import Pose
 from rtphys.task.scene import Scene
+
+T = TypeVar("T")  # an option of `Robot.first_feasible`
 
 
 @dataclass(frozen=True)
@@ -249,6 +252,10 @@ class Robot(Protocol):
     def right(self) -> Arm: ...
     @property
     def scene(self) -> Scene: ...
+    @property
+    def hand(self) -> Hand:
+        """Measures of each arm's gripper: ee to TCP, TCP to fingertips, size of the pads [m]."""
+        ...
 
     def do(self, *motions: Motion) -> None:
         """Carry out motions: those of different arms together, those of one arm in order.
@@ -272,6 +279,10 @@ class Robot(Protocol):
 
     def tried(self, action: Callable[[], object]) -> bool:
         """Run `action`; False when it was infeasible by planning (nothing has moved then)."""
+        ...
+
+    def first_feasible(self, options: Iterable[T], act: Callable[[T], object]) -> T | None:
+        """Run `act` on each option until one can be planned (see `tried`); that one, or None."""
         ...
 
     def retake(self, action: Callable[[], None]) -> None:

@@ -15,7 +15,7 @@ Vector = Sequence[float]
 
 @dataclass(frozen=True)
 class Condition:
-    """One claim about the scene. `parts` is empty for a leaf.
+    """A named statement about the scene. `parts` is empty unless it is a conjunction.
 
     A condition that remembers (`Scene.once`, `Scene.peak`) must be asked at every instant;
     `rtphys.sim.watch` sees to that, and spares the others.
@@ -149,6 +149,16 @@ def held_by(prop: str, *sides: str) -> Condition:
     )
 
 
+def in_hand(scene: Scene, prop: str, *sides: str) -> bool:
+    """Whether a gripper of the named sides (none named: either) presses on the prop now."""
+    return any(scene.touching(f"{side}_gripper", prop) for side in sides or (LEFT, RIGHT))
+
+
+def in_either_hand(prop: str) -> Condition:
+    """A gripper presses on the prop, now."""
+    return Condition(f"the {prop} is in a hand", lambda s: in_hand(s, prop))
+
+
 def at_rest(*props: str, slower_than: float = 0.05) -> Condition:
     """Linear speed of each prop below a bound [m/s]."""
     return Condition(
@@ -243,7 +253,7 @@ def shaken(prop: str, by: float, turns: int, during: Condition) -> Condition:
     return Condition(f"{prop} shaken {turns} times by {by} m", holds, remembers=True)
 
 
-def claim(text: str, holds: Callable[[Scene], bool], remembers: bool = False) -> Condition:
+def condition(text: str, holds: Callable[[Scene], bool], remembers: bool = False) -> Condition:
     """A task's own condition, with the sentence that names it.
 
     `remembers` must be true when it uses `Scene.once` or `Scene.peak`.

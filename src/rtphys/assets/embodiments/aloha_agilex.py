@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Inertial, Joint, Machine, Part
+from rtphys.assets.asset_model import ArticulatedModel, Body, Inertial, Joint, Part
 from rtphys.assets.embodiment import ALOHA_LIMITS
 from rtphys.assets.embodiments import aloha_arm, aloha_base
 from rtphys.assets.urdf import placed
@@ -75,7 +75,7 @@ def write_aloha_agilex(folder: Path) -> None:
     (folder / "config.yml").write_text(CONFIG)
 
 
-def aloha_agilex() -> Machine:
+def aloha_agilex() -> ArticulatedModel:
     """The whole machine, root `footprint` on the ground, x forward, z up."""
     links = {"footprint": Body((), ())} | _scenery()
     joints = list(_scenery_joints())
@@ -83,7 +83,7 @@ def aloha_agilex() -> Machine:
     for side in SIDES:
         links |= {_link(side, key): body for key, body in arm.items()}
         joints += _arm_joints(side)
-    return Machine(
+    return ArticulatedModel(
         links=links,
         joints=tuple(joints),
         material="aluminium",

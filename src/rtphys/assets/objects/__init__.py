@@ -1,7 +1,7 @@
 """Object generators, one module a family. A module is found by being here; see docs/objects.md.
 
 Each module holds `MODELS`: id_name -> model number -> function without arguments that returns a
-Thing (rigid) or a Machine (articulated).
+AssetModel (rigid) or a ArticulatedModel (articulated).
 """
 
 import pkgutil
@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import import_module
 
-from rtphys.assets.asset_model import Machine, Thing
+from rtphys.assets.asset_model import ArticulatedModel, AssetModel
 
-Maker = Callable[[], Thing | Machine]
+Maker = Callable[[], AssetModel | ArticulatedModel]
 Models = Mapping[str, Mapping[int, Maker]]
 
 

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import box, cylinder, lathe, rounded_box
 from rtphys.assets.lettering import dots
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic, tint
@@ -34,7 +34,7 @@ class Clock:
 
 def digital(
     size: Clock, shell: Colour, glow: Colour, button: Colour, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A box with a lit display to +z and a wide button on top."""
     w, d, top = size.width, size.depth, size.height - 0.010
     half = d / 2
@@ -57,7 +57,7 @@ def digital(
 
 def twin_bells(
     size: Clock, paint: Finish, bells: Finish, dial: Colour, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A round clock on two feet, two bells on top and a button between them."""
     r = size.width / 2 - 0.012
     y = r + 0.012
@@ -89,9 +89,9 @@ def _leg(side: int, r: float, y: float, depth: float) -> Solid:
 
 def _thing(
     size: Clock, looks: tuple[Part, ...], parts: tuple[Solid, ...], words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     y, z = size.press
-    return Thing(
+    return AssetModel(
         body=Body(looks, parts, size.mass),
         material="plastic",
         description=words,
@@ -116,8 +116,8 @@ def _dial(ink: Colour) -> Picture:
     near = np.abs((angle + 15) % 30 - 15)
     canvas[(radius > 22) & (radius < 28) & (near * radius < 90)] = ink
     canvas[radius > 29.5] = ink
-    for way, length, width in ((305, 15, 2.0), (60, 22, 1.4)):
-        a = np.radians(way)
+    for direction_deg, length, width in ((305, 15, 2.0), (60, 22, 1.4)):
+        a = np.radians(direction_deg)
         along, across = x * np.sin(a) - y * np.cos(a), x * np.cos(a) + y * np.sin(a)
         canvas[(along > -3) & (along < length) & (abs(across) < width)] = (0.08, 0.08, 0.10)
     canvas[radius < 2.5] = (0.8, 0.1, 0.1)

@@ -10,14 +10,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.material import Colour, Finish, matt, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
+from rtphys.assets.rounded_tray import RoundedTray
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.tub import Tub
 from rtphys.assets.weaves import wicker
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 STRIP = (0.024, 0.010)  # [m] the arch's width and thickness: fingers need room against tipping
 LEGS = 7  # straight pieces of an arch
@@ -33,11 +33,11 @@ class Arch:
 
 
 def bread_basket(
-    size: Tub, mass: float, drop: float, colours: tuple[Colour, Colour], words: tuple[str, str, str]
-) -> Thing:
+    size: RoundedTray, mass: float, drop: float, colours: tuple[Colour, Colour], words: Words
+) -> AssetModel:
     """A shallow basket with a cloth in it."""
     weave, cloth = colours
-    return Thing(
+    return AssetModel(
         body=Body(_woven(size, weave, cloth), size.parts(), mass),
         material="wicker",
         description=phrases(*words, "basket"),
@@ -47,8 +47,8 @@ def bread_basket(
 
 
 def carried_basket(
-    size: Tub, mass: float, arch: Arch, colours: tuple[Colour, Colour], words: tuple[str, str, str]
-) -> Thing:
+    size: RoundedTray, mass: float, arch: Arch, colours: tuple[Colour, Colour], words: Words
+) -> AssetModel:
     """A basket with an arch over its middle."""
     weave, dark = colours
     strip = _arch(size, arch.top)
@@ -56,7 +56,7 @@ def carried_basket(
         *_woven(size, weave, tint(weave, 0.8)),
         Part(together(*strip), matt(dark), "wicker"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (*size.parts(), *strip), mass),
         material="wicker",
         description=phrases(*words, "carrying basket"),
@@ -66,7 +66,7 @@ def carried_basket(
     )
 
 
-def _woven(size: Tub, weave: Colour, cloth: Colour) -> tuple[Part, ...]:
+def _woven(size: RoundedTray, weave: Colour, cloth: Colour) -> tuple[Part, ...]:
     walls: Finish = matt((1, 1, 1)).with_picture(wicker(weave), "cylinder")
     inside = matt((1, 1, 1)).with_picture(speckle(cloth, "cloth", 0.12), "y")
     edge = matt(tint(weave, 0.6))
@@ -77,7 +77,7 @@ def _woven(size: Tub, weave: Colour, cloth: Colour) -> tuple[Part, ...]:
     )
 
 
-def _arch(size: Tub, top: float) -> tuple[Solid, ...]:
+def _arch(size: RoundedTray, top: float) -> tuple[Solid, ...]:
     """Half an ellipse in the plane x = 0, from wall to wall, as straight strips."""
     wide, thick = STRIP
     foot = 0.5 * size.y
@@ -103,39 +103,39 @@ WHITE, BLUE, GREEN = (0.93, 0.92, 0.88), (0.32, 0.45, 0.65), (0.45, 0.58, 0.38)
 MODELS: Models = {
     "076_breadbasket": {
         0: partial(
-            bread_basket, Tub(0.190, 0.062, 0.134, 0.84, 0.005, 0.006, 0.03, 2), 0.16, 0.0084,
-            (STRAW, RED), ("bread basket", "straw-coloured", "a red cloth"),
+            bread_basket, RoundedTray(0.190, 0.062, 0.134, 0.84, 0.005, 0.006, 0.03, 2), 0.16,
+            0.0084, (STRAW, RED), ("bread basket", "straw-coloured", "a red cloth"),
         ),
         1: partial(
-            bread_basket, Tub(0.188, 0.051, 0.137, 0.90, 0.005, 0.006, 0.012), 0.15, 0.0157,
+            bread_basket, RoundedTray(0.188, 0.051, 0.137, 0.90, 0.005, 0.006, 0.012), 0.15, 0.0157,
             (HONEY, WHITE), ("bread basket", "brown", "a white cloth"),
         ),
         2: partial(
-            bread_basket, Tub(0.208, 0.085, 0.170, 0.78, 0.005, 0.006, 0.05, 2), 0.22, 0.0111,
-            (BROWN, BLUE), ("deep bread basket", "dark brown", "a blue cloth"),
+            bread_basket, RoundedTray(0.208, 0.085, 0.170, 0.78, 0.005, 0.006, 0.05, 2), 0.22,
+            0.0111, (BROWN, BLUE), ("deep bread basket", "dark brown", "a blue cloth"),
         ),
         3: partial(
-            bread_basket, Tub(0.190, 0.046, 0.137, 0.86, 0.005, 0.006, 0.04, 2), 0.14, 0.0135,
-            (PALE, GREEN), ("bread basket", "pale", "a green cloth"),
+            bread_basket, RoundedTray(0.190, 0.046, 0.137, 0.86, 0.005, 0.006, 0.04, 2), 0.14,
+            0.0135, (PALE, GREEN), ("bread basket", "pale", "a green cloth"),
         ),
         4: partial(
-            bread_basket, Tub(0.188, 0.075, 0.188, 0.72, 0.005, 0.006, 0.094, 3), 0.21, 0.0341,
-            (GREY, WHITE), ("round bread basket", "grey", "a white cloth"),
+            bread_basket, RoundedTray(0.188, 0.075, 0.188, 0.72, 0.005, 0.006, 0.094, 3), 0.21,
+            0.0341, (GREY, WHITE), ("round bread basket", "grey", "a white cloth"),
         ),
     },
     "110_basket": {
         0: partial(
-            carried_basket, Tub(0.228, 0.085, 0.142, 0.88, 0.005, 0.006, 0.02), 0.12,
+            carried_basket, RoundedTray(0.228, 0.085, 0.142, 0.88, 0.005, 0.006, 0.02), 0.12,
             Arch(0.1745, 0.1704, ((0.0552, 0.1093), (-0.0548, 0.1095))),
             (HONEY, BROWN), ("basket", "brown", "an arched handle"),
         ),
         1: partial(
-            carried_basket, Tub(0.231, 0.080, 0.149, 0.80, 0.005, 0.006, 0.05, 2), 0.12,
+            carried_basket, RoundedTray(0.231, 0.080, 0.149, 0.80, 0.005, 0.006, 0.05, 2), 0.12,
             Arch(0.1760, 0.1621, ((0.0672, 0.1017), (-0.0699, 0.0999))),
             (PALE, HONEY), ("oval basket", "straw-coloured", "a golden handle"),
         ),
         2: partial(
-            carried_basket, Tub(0.230, 0.090, 0.158, 0.92, 0.005, 0.006, 0.012), 0.13,
+            carried_basket, RoundedTray(0.230, 0.090, 0.158, 0.92, 0.005, 0.006, 0.012), 0.13,
             Arch(0.1760, 0.1708, ((0.0719, 0.0963), (-0.0686, 0.0958))),
             (GREY, BROWN), ("square basket", "grey", "a dark handle"),
         ),

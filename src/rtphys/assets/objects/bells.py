@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import cone, cylinder, lathe, rounded
 from rtphys.assets.material import Colour, Finish, metal, plastic
 from rtphys.assets.objects import Models
@@ -22,7 +22,7 @@ class Bell:
     mass: float  # [kg]
 
 
-def bell(size: Bell, dome: Finish, foot_colour: Colour, words: tuple[str, ...]) -> Thing:
+def bell(size: Bell, dome: Finish, foot_colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """A bell on a round foot; the plunger sticks out on top."""
     r, top = size.dome_radius, size.dome_top
     foot = cone(size.foot_radius, 0.84 * size.foot_radius, 0.010, 24)
@@ -48,7 +48,7 @@ def bell(size: Bell, dome: Finish, foot_colour: Colour, words: tuple[str, ...]) 
         y=(size.height + top - 0.004) / 2
     )
     hulls = (cone(size.foot_radius, 0.84 * size.foot_radius, 0.010, 20), body, plunger)
-    return Thing(
+    return AssetModel(
         body=Body(looks, hulls, size.mass),
         material="steel",
         description=words,

@@ -6,20 +6,18 @@ that the throwing tasks ask for (balls 13 to 25 cm, bottles 20 to 70 cm).
 
 from functools import partial
 
-from rtphys.assets.asset_model import Array, Body, Part, Thing, contact
+from rtphys.assets.asset_model import Array, AssetModel, Body, Part, contact
 from rtphys.assets.geometry import cylinder
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
+from rtphys.assets.rounded_tray import RoundedTray
 from rtphys.assets.solid import together
-from rtphys.assets.tub import Tub
 from rtphys.assets.vessel import Vessel, band
 from rtphys.assets.weaves import slats
-from rtphys.assets.words import phrases
-
-Words = tuple[str, str, str]
+from rtphys.assets.words import Words, phrases
 
 
-def dustbin(size: Tub, mass: float) -> Thing:
+def dustbin(size: RoundedTray, mass: float) -> AssetModel:
     """A big bin with a rim and two wheels."""
     grey, dark = plastic((0.30, 0.45, 0.36), 0.3), plastic((0.10, 0.11, 0.12), 0.2)
     wheels = [cylinder(0.045, 0.04, 16).turned("z", 90).at(s * 0.19, 0.045, -0.17) for s in (-1, 1)]
@@ -27,7 +25,7 @@ def dustbin(size: Tub, mass: float) -> Thing:
         Part(size.shell(), grey),
         Part(together(size.rim(0.0035, 0.03), *wheels), dark),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, size.parts(), mass),
         material="plastic",
         description=phrases("dustbin", "green", "a black rim", "waste bin"),
@@ -37,7 +35,7 @@ def dustbin(size: Tub, mass: float) -> Thing:
 
 def round_bin(
     size: Vessel, mass: float, grip: float, colours: tuple[Colour, Colour], words: Words
-) -> Thing:
+) -> AssetModel:
     """A desk bin turned about y."""
     shell, stripe = colours
     finish = metal(shell) if words[1] == "steel" else plastic(shell, 0.4)
@@ -51,8 +49,8 @@ def round_bin(
 
 
 def square_bin(
-    size: Tub, mass: float, grip: float, colours: tuple[Colour, Colour], words: Words
-) -> Thing:
+    size: RoundedTray, mass: float, grip: float, colours: tuple[Colour, Colour], words: Words
+) -> AssetModel:
     """A desk bin with four walls."""
     shell, rim = colours
     picture = slats(shell, (0.12, 0.12, 0.13)) if words[2] == "slits" else None
@@ -64,9 +62,9 @@ def square_bin(
     return _bin(Body(looks, size.parts(), mass), (float(x), float(z)), grip, words)
 
 
-def _bin(body: Body, reach: tuple[float, float], grip: float, words: Words) -> Thing:
+def _bin(body: Body, reach: tuple[float, float], grip: float, words: Words) -> AssetModel:
     x, z = reach
-    return Thing(
+    return AssetModel(
         body=body,
         material="plastic",
         description=phrases(*words, "waste basket"),
@@ -87,11 +85,13 @@ BLUE, GREEN, PINK = (0.16, 0.38, 0.70), (0.36, 0.62, 0.40), (0.92, 0.64, 0.70)
 STEEL, TEAL, YELLOW = (0.72, 0.74, 0.77), (0.18, 0.55, 0.56), (0.95, 0.78, 0.22)
 
 MODELS: Models = {
-    "011_dustbin": {0: partial(dustbin, Tub(0.640, 0.735, 0.430, 0.80, 0.012, 0.215, 0.05), 4.5)},
+    "011_dustbin": {
+        0: partial(dustbin, RoundedTray(0.640, 0.735, 0.430, 0.80, 0.012, 0.215, 0.05), 4.5),
+    },
     "063_tabletrashbin": {
         0: partial(
-            square_bin, Tub(0.149, 0.131, 0.149, 0.84, 0.0035, 0.004, 0.020, 2), 0.09, 0.1296,
-            (GREY, BLACK), ("desk bin", "grey", "slits"),
+            square_bin, RoundedTray(0.149, 0.131, 0.149, 0.84, 0.0035, 0.004, 0.020, 2), 0.09,
+            0.1296, (GREY, BLACK), ("desk bin", "grey", "slits"),
         ),
         3: partial(
             round_bin,
@@ -99,7 +99,7 @@ MODELS: Models = {
             0.085, 0.1390, (WHITE, TEAL), ("desk bin", "white", "a teal stripe"),
         ),
         6: partial(
-            square_bin, Tub(0.185, 0.096, 0.126, 0.86, 0.0035, 0.004, 0.015), 0.08, 0.0895,
+            square_bin, RoundedTray(0.185, 0.096, 0.126, 0.86, 0.0035, 0.004, 0.015), 0.08, 0.0895,
             (PINK, WHITE), ("desk bin", "pink", "a white rim"),
         ),
         7: partial(
@@ -108,8 +108,8 @@ MODELS: Models = {
             0.045, 0.1125, (BLUE, YELLOW), ("small desk bin", "blue", "a yellow stripe"),
         ),
         8: partial(
-            square_bin, Tub(0.0815, 0.116, 0.0815, 0.92, 0.0035, 0.004, 0.008), 0.05, 0.1145,
-            (BLACK, GREY), ("small desk bin", "black", "a grey rim"),
+            square_bin, RoundedTray(0.0815, 0.116, 0.0815, 0.92, 0.0035, 0.004, 0.008), 0.05,
+            0.1145, (BLACK, GREY), ("small desk bin", "black", "a grey rim"),
         ),
         9: partial(
             round_bin,
@@ -117,8 +117,8 @@ MODELS: Models = {
             0.05, 0.1135, (STEEL, BLACK), ("small desk bin", "steel", "a black stripe"),
         ),
         10: partial(
-            square_bin, Tub(0.0840, 0.135, 0.0840, 0.90, 0.0035, 0.004, 0.025, 2), 0.055, 0.1320,
-            (GREEN, WHITE), ("small desk bin", "green", "slits"),
+            square_bin, RoundedTray(0.0840, 0.135, 0.0840, 0.90, 0.0035, 0.004, 0.025, 2), 0.055,
+            0.1320, (GREEN, WHITE), ("small desk bin", "green", "slits"),
         ),
     },
 }  # fmt: skip

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box, tube
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, matt, metal, plastic, tint
@@ -27,7 +27,7 @@ class Book:
     mass: float
 
 
-def book(size: Book, colour: Colour, ink: Colour, title: str, words: tuple[str, ...]) -> Thing:
+def book(size: Book, colour: Colour, ink: Colour, title: str, words: tuple[str, ...]) -> AssetModel:
     """A bound book: two covers and a spine around a block of pages."""
     x, y, z, t = size.x, size.y, size.z, size.cover
     covers = [box(x, t, z).at(y=v) for v in (t / 2, y - t / 2)]
@@ -43,7 +43,9 @@ def book(size: Book, colour: Colour, ink: Colour, title: str, words: tuple[str, 
     return _thing(looks, size, words, "book")
 
 
-def notebook(size: Book, colour: Colour, band: Colour, rings: int, words: tuple[str, ...]) -> Thing:
+def notebook(
+    size: Book, colour: Colour, band: Colour, rings: int, words: tuple[str, ...]
+) -> AssetModel:
     """A spiral notebook, or with no rings one held shut by a band."""
     x, y, z, t = size.x, size.y, size.z, size.cover
     covers = [box(x, t, z).at(y=v) for v in (t / 2, y - t / 2)]
@@ -69,8 +71,8 @@ def notebook(size: Book, colour: Colour, band: Colour, rings: int, words: tuple[
     return _thing(tuple(looks), size, words, "notebook")
 
 
-def _thing(looks: tuple[Part, ...], size: Book, words: tuple[str, ...], kind: str) -> Thing:
-    return Thing(
+def _thing(looks: tuple[Part, ...], size: Book, words: tuple[str, ...], kind: str) -> AssetModel:
+    return AssetModel(
         body=Body(looks, (box(size.x, size.y, size.z).at(y=size.y / 2),), size.mass),
         material="cardboard",
         description=words,

@@ -8,15 +8,14 @@ contact points where the official ones have the first four.
 from collections.abc import Sequence
 from functools import partial
 
-from rtphys.assets.asset_model import Thing, from_sides, functional
+from rtphys.assets.asset_model import AssetModel, from_sides, functional
 from rtphys.assets.bottle import Bottle, Look, bottle_body, with_handle
 from rtphys.assets.objects import Models
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 AZIMUTHS = (270, 0, 90, 180, 315, 45, 135, 225)  # official order
 
 # What a row says: noun, colour, feature, and the heights [m] of contact and functional points.
-Words = tuple[str, str, str]
 Points = tuple[float, float]
 
 
@@ -26,10 +25,10 @@ def bottle(
     words: Words,
     points: Points,
     handle: Sequence[tuple[float, float, float]] = (),
-) -> Thing:
+) -> AssetModel:
     """One bottle standing on the origin; `handle` is the path of a jug's."""
     body = bottle_body(size, look)
-    return Thing(
+    return AssetModel(
         body=with_handle(body, handle) if handle else body,
         material=look.material,
         description=phrases(*words, "bottle"),

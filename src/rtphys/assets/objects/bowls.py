@@ -9,11 +9,11 @@ stacking: its shoulder centres it on the next one's rim, 2.7 cm up, so that rims
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, functional
 from rtphys.assets.material import Colour, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.vessel import Vessel, band, pinch
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 ABOVE = 0.010  # [m] contact points above the rim
 
@@ -29,7 +29,7 @@ class Look:
     material: str = "plastic"
 
 
-def bowl(size: Vessel, mass: float, look: Look, words: tuple[str, str, str]) -> Thing:
+def bowl(size: Vessel, mass: float, look: Look, words: Words) -> AssetModel:
     """A bowl on a foot."""
     radius, top = size.rim
     stripe = band(size.outer, *look.heights, size.sides)
@@ -39,7 +39,7 @@ def bowl(size: Vessel, mass: float, look: Look, words: tuple[str, str, str]) -> 
     ]
     if look.inside != look.outside:
         looks.append(Part(size.liner(), plastic(look.inside, 0.7), look.material, 50))
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), size.parts(), mass),
         material=look.material,
         description=phrases(*words, "dish"),

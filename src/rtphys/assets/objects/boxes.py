@@ -6,24 +6,24 @@ official ones of some models hang beside it.
 
 from functools import partial
 
-from rtphys.assets.asset_model import Array, Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import Array, AssetModel, Body, Part, contact, functional
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
-from rtphys.assets.tub import Tub
-from rtphys.assets.words import phrases
+from rtphys.assets.rounded_tray import RoundedTray
+from rtphys.assets.words import Words, phrases
 
 Spot = tuple[float, float, float]
 
 
 def plastic_box(
-    size: Tub, mass: float, colour: Colour, spots: tuple[Spot, ...], words: tuple[str, str, str]
-) -> Thing:
+    size: RoundedTray, mass: float, colour: Colour, spots: tuple[Spot, ...], words: Words
+) -> AssetModel:
     """A storage box with a bead around the rim; `spots` are the functional points [m]."""
     shell = plastic(colour, 0.5)
     looks = (Part(size.shell() + size.rim(0.003), shell),)
-    return Thing(
+    return AssetModel(
         body=Body(looks, size.parts(), mass),
         material="plastic",
         description=phrases(*words, "storage box"),
@@ -33,7 +33,7 @@ def plastic_box(
     )
 
 
-def _walls(size: Tub) -> tuple[Array, ...]:
+def _walls(size: RoundedTray) -> tuple[Array, ...]:
     """From above, across the walls at -x, +x, +z, -z, both yaws each."""
     y = size.y - 0.008
     x = 0.5 * size.x - 0.5 * size.wall
@@ -43,7 +43,7 @@ def _walls(size: Tub) -> tuple[Array, ...]:
     return (*ends, *flanks)
 
 
-def shoe_box(size: Tub, mass: float) -> Thing:
+def shoe_box(size: RoundedTray, mass: float) -> AssetModel:
     """An open cardboard box, printed outside, with tissue paper on its floor."""
     board = matt((1, 1, 1)).with_picture(label(ORANGE, BLACK, WHITE, "band"), "cylinder")
     looks = (
@@ -51,7 +51,7 @@ def shoe_box(size: Tub, mass: float) -> Thing:
         Part(size.rim(0.0005, 0.004), matt((0.80, 0.68, 0.50)), "cardboard"),
         Part(size.liner(), matt((0.93, 0.93, 0.90)), "paper"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, size.parts(), mass),
         material="cardboard",
         description=phrases("shoe box", "orange", "a black stripe", "cardboard box"),
@@ -63,8 +63,8 @@ def shoe_box(size: Tub, mass: float) -> Thing:
 
 
 def tray(
-    size: Tub, mass: float, colour: Colour, spots: tuple[Spot, Spot], words: tuple[str, str, str]
-) -> Thing:
+    size: RoundedTray, mass: float, colour: Colour, spots: tuple[Spot, Spot], words: Words
+) -> AssetModel:
     """A serving tray; its left and right place are functional points 0 and 1."""
     wooden = words[1] == "wooden"
     skin = plastic(colour, 0.4)
@@ -76,7 +76,7 @@ def tray(
         Part(size.shell() + size.rim(0.003, 0.004), skin, stuff),
         Part(size.liner(), sheet, "paper"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, size.parts(), mass),
         material=stuff,
         description=phrases(*words, "serving tray"),
@@ -93,62 +93,62 @@ TEAL, OAK, BROWN = (0.16, 0.56, 0.58), (0.74, 0.55, 0.34), (0.34, 0.20, 0.12)
 MODELS: Models = {
     "062_plasticbox": {
         0: partial(
-            plastic_box, Tub(0.190, 0.074, 0.148, 0.88, 0.003, 0.003, 0.020, 2), 0.14, GREEN,
-            ((0.0360, 0, 0.0114), (-0.0368, 0, -0.0142)),
+            plastic_box, RoundedTray(0.190, 0.074, 0.148, 0.88, 0.003, 0.003, 0.020, 2), 0.14,
+            GREEN, ((0.0360, 0, 0.0114), (-0.0368, 0, -0.0142)),
             ("plastic box", "green", "rounded corners"),
         ),
         1: partial(
-            plastic_box, Tub(0.150, 0.070, 0.150, 0.86, 0.003, 0.003, 0.030, 2), 0.12, PINK,
+            plastic_box, RoundedTray(0.150, 0.070, 0.150, 0.86, 0.003, 0.003, 0.030, 2), 0.12, PINK,
             ((0.0002, 0, -0.0324), (0.0005, 0, 0.0379)),
             ("plastic box", "pink", "a square shape"),
         ),
         2: partial(
-            plastic_box, Tub(0.176, 0.111, 0.176, 0.90, 0.003, 0.003, 0.088, 3), 0.20, YELLOW,
-            ((-0.0378, 0, -0.0213), (0.0363, 0, 0.0421)),
+            plastic_box, RoundedTray(0.176, 0.111, 0.176, 0.90, 0.003, 0.003, 0.088, 3), 0.20,
+            YELLOW, ((-0.0378, 0, -0.0213), (0.0363, 0, 0.0421)),
             ("round plastic box", "yellow", "high walls"),
         ),
         3: partial(
-            plastic_box, Tub(0.188, 0.074, 0.152, 0.92, 0.003, 0.003, 0.012), 0.15, BLUE,
+            plastic_box, RoundedTray(0.188, 0.074, 0.152, 0.92, 0.003, 0.003, 0.012), 0.15, BLUE,
             ((0.0329, 0, 0), (-0.0313, 0, 0)),
             ("plastic box", "blue", "steep walls"),
         ),
         4: partial(
-            plastic_box, Tub(0.190, 0.093, 0.143, 0.90, 0.003, 0.003, 0.015), 0.17, GREY,
+            plastic_box, RoundedTray(0.190, 0.093, 0.143, 0.90, 0.003, 0.003, 0.015), 0.17, GREY,
             ((0.0366, 0, 0.0157), (-0.0367, 0, -0.0137)),
             ("deep plastic box", "grey", "high walls"),
         ),
         5: partial(
-            plastic_box, Tub(0.190, 0.075, 0.136, 0.94, 0.003, 0.003, 0.025, 2), 0.13, ORANGE,
-            ((0.0453, 0, 0.0162), (-0.0221, 0, -0.0090)),
+            plastic_box, RoundedTray(0.190, 0.075, 0.136, 0.94, 0.003, 0.003, 0.025, 2), 0.13,
+            ORANGE, ((0.0453, 0, 0.0162), (-0.0221, 0, -0.0090)),
             ("plastic box", "orange", "rounded corners"),
         ),
         6: partial(
-            plastic_box, Tub(0.190, 0.082, 0.129, 0.86, 0.003, 0.003, 0.010), 0.14, WHITE,
+            plastic_box, RoundedTray(0.190, 0.082, 0.129, 0.86, 0.003, 0.003, 0.010), 0.14, WHITE,
             ((0.0355, 0, 0), (-0.0434, 0, 0)),
             ("narrow plastic box", "white", "slanting walls"),
         ),
     },
     "007_shoe-box": {
-        0: partial(shoe_box, Tub(0.180, 0.1055, 0.260, 1.0, 0.003, 0.004, 0.002), 0.22),
+        0: partial(shoe_box, RoundedTray(0.180, 0.1055, 0.260, 1.0, 0.003, 0.004, 0.002), 0.22),
     },
     "008_tray": {
         0: partial(
-            tray, Tub(0.301, 0.030, 0.184, 0.92, 0.004, 0.004, 0.015), 0.38, RED,
+            tray, RoundedTray(0.301, 0.030, 0.184, 0.92, 0.004, 0.004, 0.015), 0.38, RED,
             ((-0.0745, 0.0049, 0), (0.0738, 0.0049, 0)),
             ("tray", "red", "a paper sheet"),
         ),
         1: partial(
-            tray, Tub(0.301, 0.037, 0.188, 0.86, 0.004, 0.004, 0.040, 2), 0.40, TEAL,
+            tray, RoundedTray(0.301, 0.037, 0.188, 0.86, 0.004, 0.004, 0.040, 2), 0.40, TEAL,
             ((-0.0721, 0.0060, 0), (0.0747, 0.0060, 0)),
             ("tray", "teal", "round corners"),
         ),
         2: partial(
-            tray, Tub(0.301, 0.037, 0.219, 0.90, 0.007, 0.006, 0.008), 0.62, OAK,
+            tray, RoundedTray(0.301, 0.037, 0.219, 0.90, 0.007, 0.006, 0.008), 0.62, OAK,
             ((-0.0762, 0.0078, 0), (0.0698, 0.0078, 0)),
             ("tray", "wooden", "thick walls"),
         ),
         3: partial(
-            tray, Tub(0.301, 0.040, 0.230, 0.84, 0.004, 0.005, 0.070, 3), 0.45, BROWN,
+            tray, RoundedTray(0.301, 0.040, 0.230, 0.84, 0.004, 0.005, 0.070, 3), 0.45, BROWN,
             ((-0.0689, 0.0078, 0), (0.0633, 0.0078, 0)),
             ("oval tray", "brown", "a paper sheet"),
         ),

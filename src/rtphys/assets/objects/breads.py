@@ -5,14 +5,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from rtphys.assets.asset_model import Array, Body, Part, Thing, contact, from_above
+from rtphys.assets.asset_model import Array, AssetModel, Body, Part, contact, from_above
+from rtphys.assets.bread import bread, crust, scored
 from rtphys.assets.geometry import box, extrude, lathe, rounded
-from rtphys.assets.loaf import crust, loaf, scored
 from rtphys.assets.material import Colour, Finish, matt
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 GOLD, BROWN, CRUMB = (0.80, 0.52, 0.22), (0.58, 0.33, 0.13), (0.95, 0.87, 0.68)
 RYE, BUTTER, BUN = (0.40, 0.24, 0.13), (0.88, 0.62, 0.28), (0.72, 0.42, 0.16)
@@ -21,17 +21,16 @@ FLOUR = (0.95, 0.91, 0.82)
 ROUND = (0, 90, 180, 270)
 SIDES = 20  # of a round loaf
 STEADY = 0.92  # share of the underside that is flat: a centre of mass 1.5 cm off must not tip it
-Words = tuple[str, str, str]
 
 
-def _bread(
+def _bread_model(
     looks: tuple[Part, ...],
     hulls: tuple[Solid, ...],
     mass: float,
     grips: tuple[Array, ...],
     words: Words,
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, hulls, mass),
         material="bread",
         description=phrases(*words, "bread"),
@@ -52,7 +51,9 @@ def _points(y: float, side: tuple[float, float] | None, yaws: tuple[int, ...]) -
     return (*above, contact((0, side[0], 0), (0, 0, side[1]), (0, 1, 0)))
 
 
-def round_loaf(radius: float, height: float, mass: float, colour: Colour, words: Words) -> Thing:
+def round_loaf(
+    radius: float, height: float, mass: float, colour: Colour, words: Words
+) -> AssetModel:
     """A round loaf with a cross cut into it."""
     outline = [(STEADY, 0), (1.0, 0.22), (1.0, 0.52), (0.87, 0.74), (0.55, 0.92)]
     # Fingers must meet a face: held at two corners, a loaf would swing between them.
@@ -67,25 +68,25 @@ def round_loaf(radius: float, height: float, mass: float, colour: Colour, words:
     )
     side = (0.6 * height, -1.0)
     yaw_height = {True: 0.0223, False: 0.0301}[height < 0.05]
-    return _bread(looks, (body,), mass, _points(yaw_height, side, ROUND), words)
+    return _bread_model(looks, (body,), mass, _points(yaw_height, side, ROUND), words)
 
 
 def long_loaf(
     size: tuple[float, float, float], along: str, mass: float, colour: Colour, words: Words
-) -> Thing:
+) -> AssetModel:
     """A small baguette with slanting cuts; sizes [m] across, up, along."""
     wide, high, length = size
-    body = loaf(wide, high, length, 0.25, flat=STEADY)
+    body = bread(wide, high, length, 0.25, flat=STEADY)
     scores, turn = scored(body, wide, high, length), 90 if along == "x" else 0
     looks = (
         Part(body.turned("y", turn), _baked(colour, words[0]), "bread", 60),
         Part(scores.turned("y", turn), matt(CRUMB), "bread"),
     )
     grips = _points(0.0186, None, (0, 180)) if turn else _points(0.0186, (0.018, 1.0), (90, 270))
-    return _bread(looks, (body.turned("y", turn),), mass, grips, words)
+    return _bread_model(looks, (body.turned("y", turn),), mass, grips, words)
 
 
-def croissant(radius: float, thick: float, mass: float, words: Words) -> Thing:
+def croissant(radius: float, thick: float, mass: float, words: Words) -> AssetModel:
     """A crescent of seven rolled segments in the ground plane, tips towards -z."""
     bounds = np.linspace(-125, 125, 8)
     segments = []
@@ -97,7 +98,7 @@ def croissant(radius: float, thick: float, mass: float, words: Words) -> Thing:
     shift = -0.5 * (whole.bounds[0] + whole.bounds[1])
     placed = [s.at(x=shift[0], z=shift[2]) for s in segments]
     looks = (Part(together(*placed), _baked(BUTTER, words[0]), "bread", 30),)
-    return _bread(looks, tuple(placed), mass, _points(0.0236, (0.0123, -1.0), ROUND), words)
+    return _bread_model(looks, tuple(placed), mass, _points(0.0236, (0.0123, -1.0), ROUND), words)
 
 
 def _girth(angle_deg: float, thick: float) -> float:
@@ -116,7 +117,7 @@ def _rolled(radius: float, angle_deg: float, girth: float) -> np.ndarray:
 
 def sliced(
     width: float, height: float, depth: float, lying: bool, mass: float, words: Words
-) -> Thing:
+) -> AssetModel:
     """Tin bread: a lying slice, or a standing piece with two cut faces."""
     shape = [(-0.44, 0), (0.44, 0), (0.44, 0.55), (0.5, 0.62), (0.5, 0.85), (0.36, 1.0)]
     shape += [(-x, y) for x, y in shape[:1:-1]]
@@ -131,17 +132,17 @@ def sliced(
     face = matt((1, 1, 1)).with_picture(speckle(CRUMB, "crumb", 0.10), "y" if lying else "z")
     looks = (Part(slab, matt(BROWN), "bread"), Part(crumb, face, "bread"))
     grips = _points(0.0132 if lying else 0.0359, None, ROUND)
-    return _bread(looks, (hull(together(slab, crumb).vertices),), mass, grips, words)
+    return _bread_model(looks, (hull(together(slab, crumb).vertices),), mass, grips, words)
 
 
-def baguette(width: float, height: float, length: float, mass: float, words: Words) -> Thing:
+def baguette(width: float, height: float, length: float, mass: float, words: Words) -> AssetModel:
     """A long loaf along z. Clutter, without contact points."""
-    body = loaf(width, height, length, 0.35)
+    body = bread(width, height, length, 0.35)
     looks = (
         Part(body, _baked(GOLD, words[0]), "bread", 60),
         Part(scored(body, width, height, length, 5), matt(CRUMB), "bread"),
     )
-    return _bread(looks, (body,), mass, (), words)
+    return _bread_model(looks, (body,), mass, (), words)
 
 
 MODELS: Models = {

@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Array, Body, Part, Thing, from_above, functional
+from rtphys.assets.asset_model import Array, AssetModel, Body, Part, from_above, functional
+from rtphys.assets.bread import bread, crust
 from rtphys.assets.geometry import ball, box, capsule, circle, extrude, lathe, tube
-from rtphys.assets.loaf import crust, loaf
 from rtphys.assets.material import Colour, Finish, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, together
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 BUN, CRUMB, SEED = (0.85, 0.55, 0.24), (0.96, 0.85, 0.62), (0.98, 0.93, 0.78)
 PATTY, CHEESE, LETTUCE = (0.30, 0.16, 0.09), (0.98, 0.75, 0.14), (0.42, 0.70, 0.22)
@@ -29,8 +29,6 @@ SEEDS = (
     (0.5, -0.35),
 )
 
-Words = tuple[str, str, str]
-
 
 @dataclass(frozen=True)
 class Burger:
@@ -43,7 +41,7 @@ class Burger:
     mass: float  # [kg]
 
 
-def burger(size: Burger, grips: tuple[Array, ...], words: Words) -> Thing:
+def burger(size: Burger, grips: tuple[Array, ...], words: Words) -> AssetModel:
     """Two halves of a bun with layers between them."""
     r, h = size.radius, size.height
     low = 0.20 * h  # top of the lower half
@@ -102,12 +100,12 @@ def hot_dog(
     sauce: Colour,
     grips: tuple[Array, ...],
     words: Words,
-) -> Thing:
+) -> AssetModel:
     """A long bun, a sausage and a wavy line of sauce; sizes [m] across, up, along z."""
     wide, high, length = size
     bun = matt((1, 1, 1)).with_picture(crust(BUN, words[0], 0.06), "cylinder")
     halves = [
-        loaf(0.46 * wide, 0.86 * high, 0.94 * length, 0.6).at(x=s * 0.27 * wide) for s in (-1, 1)
+        bread(0.46 * wide, 0.86 * high, 0.94 * length, 0.6).at(x=s * 0.27 * wide) for s in (-1, 1)
     ]
     thick = 0.21 * wide
     sausage = capsule(thick, length, 12).turned("x", 90).at(y=0.97 * high - thick)
@@ -121,8 +119,10 @@ def hot_dog(
     return _meal(Body(looks, (*halves, sausage), mass), grips, words, ("hot dog", "food"))
 
 
-def _meal(body: Body, grips: tuple[Array, ...], words: Words, categories: tuple[str, ...]) -> Thing:
-    return Thing(
+def _meal(
+    body: Body, grips: tuple[Array, ...], words: Words, categories: tuple[str, ...]
+) -> AssetModel:
+    return AssetModel(
         body=body,
         material="food",
         description=phrases(*words, "sandwich"),

@@ -8,14 +8,13 @@ Its functional point is 3 cm behind the official one: in the middle of what 16 c
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact, functional
+from rtphys.assets.asset_model import ArticulatedModel, Body, Joint, Part, contact, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, metal, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import grain
 from rtphys.assets.solid import Solid, together
-from rtphys.assets.upright import upright_joint
-from rtphys.assets.urdf import placed
+from rtphys.assets.urdf import placed, root_joint
 
 WALL = 0.008  # [m] of the carcass
 SIDE = 0.006  # [m] of a drawer's box
@@ -34,11 +33,13 @@ class Cabinet:
     mass: tuple[float, float]  # carcass, a drawer
 
 
-def cabinet(size: Cabinet, wood: Finish, fronts: Colour, words: tuple[str, ...]) -> Machine:
+def cabinet(
+    size: Cabinet, wood: Finish, fronts: Colour, words: tuple[str, ...]
+) -> ArticulatedModel:
     """Root frame in the middle of the carcass."""
     rows = [_row(size, i) for i in range(3)]
     links = {"base": Body((), ()), "link_0": _carcass(size, wood)}
-    joints = [upright_joint("base", "link_0")]
+    joints = [root_joint("base", "link_0")]
     for i, middle in enumerate(rows, 1):
         links[f"link_{i}"] = _drawer(size, middle, wood, fronts)
         joints.append(
@@ -58,7 +59,7 @@ def cabinet(size: Cabinet, wood: Finish, fronts: Colour, words: tuple[str, ...])
     bar_y, bar_z = rows[0] + size.handle, _face(size) + 0.026
     grip = (0, bar_y, bar_z + 0.012)
     floor = (0, -size.height / 2 + WALL + CLEAR + SIDE, 0.010)
-    return Machine(
+    return ArticulatedModel(
         links=links,
         joints=tuple(joints),
         material="wood",

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import ball, capsule, cone, cylinder
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
@@ -25,7 +25,7 @@ class Cactus:
     mass: float
 
 
-def cactus(size: Cactus, clay: Colour, bloom: Colour, words: tuple[str, ...]) -> Thing:
+def cactus(size: Cactus, clay: Colour, bloom: Colour, words: tuple[str, ...]) -> AssetModel:
     """A pot filled with soil, a ribbed plant with a flower."""
     p, y, r = size.pot, size.rim, size.radius
     pot = cone(0.74 * p, 0.94 * p, 0.80 * y, SIDES)
@@ -49,7 +49,7 @@ def cactus(size: Cactus, clay: Colour, bloom: Colour, words: tuple[str, ...]) ->
         Part(together(*plants), ribs, "food", 50),
         Part(flower, plastic(bloom, 0.4), "food"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (pot, rim, *plants, flower), size.mass),
         material="ceramic",
         description=words,

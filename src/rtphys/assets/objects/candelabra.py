@@ -6,13 +6,13 @@ The branched one is held below its arms.
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, from_sides
+from rtphys.assets.asset_model import AssetModel, Body, Part, from_sides
 from rtphys.assets.geometry import cylinder, tube
 from rtphys.assets.material import Colour, matt, metal
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
 from rtphys.assets.turned import turned, turned_parts
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Holder:
     mass: float = 0.4  # [kg]
 
 
-def candlestick(size: Holder, holder: Colour, wax: Colour, words: tuple[str, str, str]) -> Thing:
+def candlestick(size: Holder, holder: Colour, wax: Colour, words: Words) -> AssetModel:
     """A foot, a stem, a cup with a candle; with arms, two more of each."""
     post = [(0, 0), (size.foot, 0), (size.foot, 0.006), (0.35 * size.foot, 0.014)]
     post += [(0.008, 0.024), (0.008, size.stem), (size.cup, size.stem + 0.010)]
@@ -50,7 +50,7 @@ def candlestick(size: Holder, holder: Colour, wax: Colour, words: tuple[str, str
         Part(together(*candles), matt(wax), "soap"),
         Part(together(*wicks), matt((0.12, 0.10, 0.10)), "fabric"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (*hulls, *candles, *wicks), size.mass),
         material="steel",
         description=phrases(*words, "candle holder"),

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import cone, cylinder, lathe, rounded, tube
 from rtphys.assets.material import Colour, Finish, metal, plastic, tint
 from rtphys.assets.objects import Models
@@ -13,7 +13,7 @@ from rtphys.assets.solid import Solid
 SIDES = 16
 
 
-def candlestick(metal_: Finish, wax: Colour, words: tuple[str, ...]) -> Thing:
+def candlestick(metal_: Finish, wax: Colour, words: tuple[str, ...]) -> AssetModel:
     """A turned holder on a broad foot, a thin candle in it; 19 cm high."""
     base = [(0, 0), (0.032, 0), (0.032, 0.006), (0.012, 0.016)]
     knots = [(0.007, 0.030), (0.013, 0.044), (0.007, 0.058), (0.007, 0.078)]
@@ -32,7 +32,7 @@ def candlestick(metal_: Finish, wax: Colour, words: tuple[str, ...]) -> Thing:
     return _thing(looks, (foot, stem, pan, stick, tip), 0.26, words)
 
 
-def pillar(radius: float, height: float, wax: Colour, words: tuple[str, ...]) -> Thing:
+def pillar(radius: float, height: float, wax: Colour, words: tuple[str, ...]) -> AssetModel:
     """A thick candle on a saucer, with runs of wax."""
     saucer = lathe([(0, 0), (0.72 * radius, 0), (1.25 * radius, 0.008), (1.25 * radius, 0.011),
                     (0.95 * radius, 0.008), (0, 0.008)], 20)  # fmt: skip
@@ -63,8 +63,8 @@ def _flame(y: float) -> tuple[Part, ...]:
 
 def _thing(
     looks: tuple[Part, ...], parts: tuple[Solid, ...], mass: float, words: tuple[str, ...]
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, mass),
         material="soap",
         description=words,

@@ -7,12 +7,12 @@ the width of the tin. Weights are those of opened, partly used cans.
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Array, Body, Part, Thing, from_above, from_sides
+from rtphys.assets.asset_model import Array, AssetModel, Body, Part, from_above, from_sides
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.turned import disc, ring, turned, turned_parts
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 EIGHT = tuple(range(0, 360, 45))
 STEEL = (0.74, 0.75, 0.78)
@@ -39,7 +39,7 @@ class Print:
     style: str
 
 
-def can(size: Can, look: Print, words: tuple[str, str, str], grips: tuple[Array, ...]) -> Thing:
+def can(size: Can, look: Print, words: Words, grips: tuple[Array, ...]) -> AssetModel:
     """A tin with a printed sleeve."""
     r, h = size.radius, size.height
     in_, up = (0.84 * r, 0.10 * h) if size.necked else (0.97 * r, 0.02 * h)
@@ -55,7 +55,7 @@ def can(size: Can, look: Print, words: tuple[str, str, str], grips: tuple[Array,
     rim = ring(in_, h - 0.001, h + 0.0012, 0.003)
     tab = disc(0.010, h, h + 0.0015).scaled(0.6, 1, 1).at(z=0.006)
     looks.append(Part(rim + tab if size.necked else rim, bare, "aluminium"))
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), turned_parts(outline), size.mass),
         material="aluminium",
         description=phrases(*words, "can"),
@@ -64,13 +64,13 @@ def can(size: Can, look: Print, words: tuple[str, str, str], grips: tuple[Array,
     )
 
 
-def _can(size: Can, look: Print, words: tuple[str, str, str], top: float) -> Thing:
+def _can(size: Can, look: Print, words: Words, top: float) -> AssetModel:
     """With the points of 071: sides at 5.2 cm, from above at `top`."""
     sides = from_sides(0.0521, (270, 315, 0, 45, 90, 135, 180, 225))
     return can(size, look, words, sides + from_above((0, top, 0), EIGHT))
 
 
-def _sauce(size: Can, look: Print, words: tuple[str, str, str], top: float) -> Thing:
+def _sauce(size: Can, look: Print, words: Words, top: float) -> AssetModel:
     """With the points of 105."""
     sides = from_sides(0.0673, (180, 323, 8, 53, 98, 143, 188, 233))
     if top < 0.0885:  # model 0 is held lower
@@ -84,7 +84,7 @@ BLUE, GREEN, YELLOW = (0.10, 0.30, 0.75), (0.13, 0.48, 0.20), (0.97, 0.80, 0.12)
 ORANGE, BROWN, GOLD = (0.95, 0.50, 0.10), (0.38, 0.20, 0.10), (0.82, 0.66, 0.28)
 NAVY, PINK, OLIVE = (0.08, 0.14, 0.38), (0.95, 0.55, 0.60), (0.45, 0.48, 0.15)
 
-CANS: dict[int, tuple[Can, Print, tuple[str, str, str], float]] = {
+CANS: dict[int, tuple[Can, Print, Words, float]] = {
     0: (
         Can(0.0330, 0.0965, 0.18, True),
         Print(RED, WHITE, RED, "wave"),
@@ -123,7 +123,7 @@ CANS: dict[int, tuple[Can, Print, tuple[str, str, str], float]] = {
     ),
 }
 
-SAUCES: dict[int, tuple[Can, Print, tuple[str, str, str], float]] = {
+SAUCES: dict[int, tuple[Can, Print, Words, float]] = {
     0: (
         Can(0.0365, 0.1160, 0.27, lid=RED),
         Print(CREAM, RED, RED, "fruit"),

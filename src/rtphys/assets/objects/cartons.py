@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, from_sides
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, from_sides
 from rtphys.assets.geometry import box, cylinder, tube
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, Picture, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull
-from rtphys.assets.words import phrases
-
-Words = tuple[str, str, str]
+from rtphys.assets.words import Words, phrases
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class Print:
     cap: Colour
 
 
-def milk_box(size: Carton, look: Print, words: Words) -> Thing:
+def milk_box(size: Carton, look: Print, words: Words) -> AssetModel:
     """A gable-topped carton with a screw cap on its slope."""
     roof = 0.22 * size.y
     body = size.y - roof - 0.012
@@ -51,7 +49,7 @@ def milk_box(size: Carton, look: Print, words: Words) -> Thing:
         Part(gable + fin, plain, "cardboard"),
         Part(cap, plastic(look.cap, 0.4)),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (block, gable, fin, hull(cap.vertices)), size.mass),
         material="cardboard",
         description=phrases(*words, "carton"),
@@ -59,7 +57,7 @@ def milk_box(size: Carton, look: Print, words: Words) -> Thing:
     )
 
 
-def drink_box(size: Carton, look: Print, straw: float, words: Words) -> Thing:
+def drink_box(size: Carton, look: Print, straw: float, words: Words) -> AssetModel:
     """A brick of juice with a bent straw, `straw` [m] tall."""
     high = size.y - straw
     block = box(size.x, high, size.z).at(y=0.5 * high)
@@ -70,7 +68,7 @@ def drink_box(size: Carton, look: Print, straw: float, words: Words) -> Thing:
     if straw > 0:
         straws = tuple(hull(tube(path[i : i + 2], 0.0025, 6).vertices) for i in range(2))
         looks.append(Part(tube(path, 0.0025, 6), plastic(look.cap, 0.4)))
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), (block, *straws), size.mass),
         material="cardboard",
         description=phrases(*words, "drink carton"),
@@ -79,7 +77,7 @@ def drink_box(size: Carton, look: Print, straw: float, words: Words) -> Thing:
     )
 
 
-def tissue_box(size: Carton, look: Print, words: Words) -> Thing:
+def tissue_box(size: Carton, look: Print, words: Words) -> AssetModel:
     """A flat box with a tissue sticking out of its top."""
     high = size.y - 0.016
     block = box(size.x, high, size.z).at(y=0.5 * high)
@@ -100,7 +98,7 @@ def tissue_box(size: Carton, look: Print, words: Words) -> Thing:
                 (s * out[0], 0, s * out[2]), (0, 1, 0))
         for s in (-1, 1)
     ]  # fmt: skip
-    return Thing(
+    return AssetModel(
         body=Body(looks, (block, tissue), size.mass),
         material="cardboard",
         description=phrases(*words, "paper tissues"),

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Thing, from_above, from_sides
+from rtphys.assets.asset_model import AssetModel, Body, from_above, from_sides
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture
 from rtphys.assets.objects import Models
@@ -17,10 +17,10 @@ Label = tuple[Colour, Colour]  # page and ink
 
 def coffee_box(
     size: Packet, colour: Colour, lid: Colour, label: Label, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A packet of coffee: a steaming cup in front, a bean on the sides."""
     visual, parts = packet(size, Print(colour, lid, _cup(*label), _bean(*label)))
-    return Thing(
+    return AssetModel(
         body=Body(visual, parts, size.mass),
         material="steel" if size.kind in ("tin", "can") else "cardboard",
         description=words,

@@ -10,14 +10,14 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, functional
 from rtphys.assets.bottle import with_handle
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import Picture, bands, stripes
 from rtphys.assets.vessel import Vessel, pinch
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Look:
     picture: Picture | None = None
 
 
-def cup(size: Cup, look: Look, words: tuple[str, str, str]) -> Thing:
+def cup(size: Cup, look: Look, words: Words) -> AssetModel:
     """A cup, with or without a handle."""
     vessel = size.vessel()
     finish = plastic((1, 1, 1) if look.picture is not None else look.outside, 0.6)
@@ -64,7 +64,7 @@ def cup(size: Cup, look: Look, words: tuple[str, str, str]) -> Thing:
     body = Body(looks, vessel.parts(), size.mass)
     if size.reach:
         body = with_handle(body, _handle(size, vessel), plastic(look.outside, 0.6))
-    return Thing(
+    return AssetModel(
         body=body,
         material=look.material,
         description=phrases(*words, "drinking cup"),
@@ -96,7 +96,7 @@ GREEN, YELLOW, BLACK = (0.20, 0.55, 0.32), (0.96, 0.78, 0.16), (0.10, 0.10, 0.11
 KRAFT, ORANGE, SKY = (0.72, 0.53, 0.34), (0.94, 0.48, 0.12), (0.55, 0.77, 0.90)
 PINK, STEEL, DARK = (0.95, 0.62, 0.70), (0.72, 0.74, 0.77), (0.22, 0.14, 0.10)
 
-ROWS: tuple[tuple[Cup, Look, tuple[str, str, str]], ...] = (
+ROWS: tuple[tuple[Cup, Look, Words], ...] = (
     (
         Cup(0.0330, 0.0420, 0.0895, 0.0836, 0.09),
         Look(WHITE, WHITE, "plastic", bands((WHITE, RED, WHITE, RED, WHITE), (3, 2, 2, 6, 4))),

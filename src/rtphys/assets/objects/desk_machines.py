@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic, tint
@@ -16,7 +16,7 @@ from rtphys.assets.swept import bevelled
 
 
 @dataclass(frozen=True)
-class Machine:
+class Wedge:
     """Sizes [m]; `rear` is the height at -z, `front` at +z."""
 
     x: float
@@ -26,7 +26,7 @@ class Machine:
     mass: float
 
 
-def calculator(size: Machine, body: Colour, keycap: Colour, words: tuple[str, ...]) -> Thing:
+def calculator(size: Wedge, body: Colour, keycap: Colour, words: tuple[str, ...]) -> AssetModel:
     """A pocket calculator with a grey display."""
     shell = _wedge(size)
     pad = _on_top(size, 0.86, 0.60, 0.17)
@@ -41,7 +41,7 @@ def calculator(size: Machine, body: Colour, keycap: Colour, words: tuple[str, ..
     return _thing(looks, shell, size, words, "calculator")
 
 
-def keyboard(size: Machine, body: Colour, keycap: Colour, words: tuple[str, ...]) -> Thing:
+def keyboard(size: Wedge, body: Colour, keycap: Colour, words: tuple[str, ...]) -> AssetModel:
     """A small keyboard, its keys raised."""
     shell = _wedge(size)
     pad = _on_top(size, 0.96, 0.90, 0.0, 0.0035)
@@ -53,12 +53,12 @@ def keyboard(size: Machine, body: Colour, keycap: Colour, words: tuple[str, ...]
     return _thing(looks, whole, size, words, "keyboard")
 
 
-def _wedge(size: Machine) -> Solid:
+def _wedge(size: Wedge) -> Solid:
     h = size.z / 2
     return bevelled([(-h, 0), (h, 0), (h, size.front), (-h, size.rear)], size.x, 0.002)
 
 
-def _on_top(size: Machine, wide: float, deep: float, middle: float, thick: float = 0.0016) -> Solid:
+def _on_top(size: Wedge, wide: float, deep: float, middle: float, thick: float = 0.0016) -> Solid:
     """A slab on the slanted top; shares of the width and depth, and where along z."""
     slope = (size.front - size.rear) / size.z
     slab = box(wide * size.x, thick, deep * size.z).turned("x", -np.degrees(np.arctan(slope)))
@@ -67,9 +67,9 @@ def _on_top(size: Machine, wide: float, deep: float, middle: float, thick: float
 
 
 def _thing(
-    looks: tuple[Part, ...], part: Solid, size: Machine, words: tuple[str, ...], kind: str
-) -> Thing:
-    return Thing(
+    looks: tuple[Part, ...], part: Solid, size: Wedge, words: tuple[str, ...], kind: str
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, (part,), size.mass),
         material="plastic",
         description=words,
@@ -102,21 +102,21 @@ MODELS: Models = {
     "116_keyboard": {
         0: partial(
             keyboard,
-            Machine(0.154, 0.054, 0.018, 0.010, 0.16),
+            Wedge(0.154, 0.054, 0.018, 0.010, 0.16),
             WHITE,
             (0.97, 0.97, 0.97),
             ("white keyboard", "small keyboard", "mini keyboard", "white computer keyboard"),
         ),
         1: partial(
             keyboard,
-            Machine(0.154, 0.054, 0.017, 0.010, 0.16),
+            Wedge(0.154, 0.054, 0.017, 0.010, 0.16),
             BLACK,
             (0.32, 0.33, 0.36),
             ("black keyboard", "small black keyboard", "keyboard", "black computer keyboard"),
         ),
         2: partial(
             keyboard,
-            Machine(0.152, 0.052, 0.019, 0.011, 0.17),
+            Wedge(0.152, 0.052, 0.019, 0.011, 0.17),
             NAVY,
             CREAM,
             ("blue keyboard", "retro keyboard", "keyboard with cream keys", "dark blue keyboard"),
@@ -125,21 +125,21 @@ MODELS: Models = {
     "151_calculator": {
         0: partial(
             calculator,
-            Machine(0.082, 0.140, 0.022, 0.012, 0.11),
+            Wedge(0.082, 0.140, 0.022, 0.012, 0.11),
             BLACK,
             (0.85, 0.85, 0.86),
             ("black calculator", "pocket calculator", "calculator", "calculator with white keys"),
         ),
         1: partial(
             calculator,
-            Machine(0.105, 0.135, 0.030, 0.013, 0.15),
+            Wedge(0.105, 0.135, 0.030, 0.013, 0.15),
             WHITE,
             (0.30, 0.32, 0.36),
             ("white calculator", "desk calculator", "wide calculator", "white desk calculator"),
         ),
         2: partial(
             calculator,
-            Machine(0.075, 0.120, 0.014, 0.010, 0.08),
+            Wedge(0.075, 0.120, 0.014, 0.010, 0.08),
             PINK,
             (0.97, 0.95, 0.95),
             ("pink calculator", "small calculator", "small pink calculator", "pink adding machine"),

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, plastic, tint
 from rtphys.assets.objects import Models
@@ -24,7 +24,7 @@ class Stand:
     mass: float
 
 
-def bench(size: Stand, top: Finish, legs: Colour, words: tuple[str, ...]) -> Thing:
+def bench(size: Stand, top: Finish, legs: Colour, words: tuple[str, ...]) -> AssetModel:
     """A board on two side walls."""
     board = box(size.x, 0.014, size.z).at(y=size.y - 0.007)
     walls = [
@@ -35,7 +35,7 @@ def bench(size: Stand, top: Finish, legs: Colour, words: tuple[str, ...]) -> Thi
     return _thing(size, looks, (board, *walls), "wood", words)
 
 
-def steps(size: Stand, body: Finish, rim: Colour, words: tuple[str, ...]) -> Thing:
+def steps(size: Stand, body: Finish, rim: Colour, words: tuple[str, ...]) -> AssetModel:
     """A wide plinth with a smaller one on it; the top is the smaller one's."""
     low = rounded_box(size.x, 0.55 * size.y, size.z, 0.003, 1).at(y=0.275 * size.y)
     high = rounded_box(0.80 * size.x, 0.5 * size.y, 0.80 * size.z, 0.003, 1).at(y=0.75 * size.y)
@@ -44,7 +44,7 @@ def steps(size: Stand, body: Finish, rim: Colour, words: tuple[str, ...]) -> Thi
     return _thing(size, looks, (low, high), "plastic", words)
 
 
-def drum(size: Stand, body: Finish, rim: Colour, words: tuple[str, ...]) -> Thing:
+def drum(size: Stand, body: Finish, rim: Colour, words: tuple[str, ...]) -> AssetModel:
     """An oval plinth."""
 
     def layer(grow: float, start: float, end: float) -> Solid:
@@ -57,7 +57,7 @@ def drum(size: Stand, body: Finish, rim: Colour, words: tuple[str, ...]) -> Thin
     return _thing(size, looks, (layer(1.0, 0.0, size.y),), "plastic", words)
 
 
-def slab(size: Stand, body: Finish, felt: Colour, words: tuple[str, ...]) -> Thing:
+def slab(size: Stand, body: Finish, felt: Colour, words: tuple[str, ...]) -> AssetModel:
     """A low block with a felt inlay and a chamfered edge."""
     block = rounded_box(size.x, size.y, size.z, 0.006, 1).at(y=size.y / 2)
     inlay = box(size.x - 0.024, 0.001, size.z - 0.024).at(y=size.y)
@@ -71,8 +71,8 @@ def _thing(
     parts: tuple[Solid, ...],
     material: str,
     words: tuple[str, ...],
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, size.mass),
         material=material,
         description=words,

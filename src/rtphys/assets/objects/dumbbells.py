@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
@@ -24,7 +24,7 @@ class Dumbbell:
     mass: float
 
 
-def dumbbell(size: Dumbbell, colour: Colour, words: tuple[str, ...]) -> Thing:
+def dumbbell(size: Dumbbell, colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """Two six sided heads on a steel bar."""
     r, half = size.radius, size.length / 2
     height = r * np.cos(np.pi / 6)
@@ -39,7 +39,7 @@ def dumbbell(size: Dumbbell, colour: Colour, words: tuple[str, ...]) -> Thing:
         Part((bar + collars[0] + collars[1]).turned("y", angle), metal(), "steel"),
     )
     parts = tuple(p.turned("y", angle) for p in (*heads, bar))
-    return Thing(
+    return AssetModel(
         body=Body(looks, parts, size.mass),
         material="rubber",
         description=words,

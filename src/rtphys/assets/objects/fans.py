@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import box, cone, cylinder, rounded_box, tube
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
@@ -29,7 +29,7 @@ class Fan:
     mass: float
 
 
-def fan(size: Fan, body: Colour, blade: Colour, words: tuple[str, ...]) -> Thing:
+def fan(size: Fan, body: Colour, blade: Colour, words: tuple[str, ...]) -> AssetModel:
     """A fan: a weighted foot, a stem, a cage of bars with blades inside."""
     r, z, y = size.radius, size.axis_z, size.height - size.radius
     coat = plastic(body, 0.6)
@@ -47,7 +47,7 @@ def fan(size: Fan, body: Colour, blade: Colour, words: tuple[str, ...]) -> Thing
     apothem = r / np.cos(np.pi / SIDES)
     cage = cylinder(apothem, size.deep, SIDES).turned("y", 180 / SIDES).turned("x", 90).at(0, y, z)
     grip = (0, size.grip, z)
-    return Thing(
+    return AssetModel(
         body=Body(looks, (foot, stem, cage), size.mass),
         material="plastic",
         description=words,

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, matt
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 from rtphys.core.seeds import stream
 
 
@@ -27,7 +27,7 @@ class Fries:
     mass: float  # [kg]
 
 
-def fries(size: Fries, ground: Colour, accent: Colour, words: tuple[str, str, str]) -> Thing:
+def fries(size: Fries, ground: Colour, accent: Colour, words: Words) -> AssetModel:
     """A flat carton, wider at its mouth, with sticks in it; its middle plane is z = 0."""
     half = 0.5 * size.depth
     low = [(s * 0.5 * size.foot, 0.0, z) for s in (-1, 1) for z in (-half, half)]
@@ -37,7 +37,7 @@ def fries(size: Fries, ground: Colour, accent: Colour, words: tuple[str, str, st
     paper = matt((1, 1, 1)).with_picture(label(ground, accent, accent, "wave"), "z")
     sticks, block = _sticks(size)
     y, z = size.grip
-    return Thing(
+    return AssetModel(
         body=Body(
             (
                 Part(carton, paper, "cardboard"),
@@ -56,15 +56,15 @@ def fries(size: Fries, ground: Colour, accent: Colour, words: tuple[str, str, st
 
 def _sticks(size: Fries) -> tuple[Solid, Solid]:
     """Fourteen sticks in two rows that stand out of the carton, and the block they fill."""
-    draw = stream(0, "assets", "fries", str(size.height))
+    rng = stream(0, "assets", "fries", str(size.height))
     sticks = []
     for row, z in ((0, -0.20 * size.depth), (1, 0.20 * size.depth)):
         for i in range(7):
             share = (i - 3) / 3
-            top = size.height - (0.02 if row else 0.0) * draw.random() - 0.006 * abs(share)
-            top -= 0.012 * draw.random()
+            top = size.height - (0.02 if row else 0.0) * rng.random() - 0.006 * abs(share)
+            top -= 0.012 * rng.random()
             long = top - 0.4 * size.carton
-            stick = box(0.0075, long, 0.0075).turned("y", 40 * draw.random())
+            stick = box(0.0075, long, 0.0075).turned("y", 40 * rng.random())
             lean = stick.at(y=0.5 * long).turned("z", -8 * share)
             sticks.append(lean.at(share * 0.36 * size.foot, 0.4 * size.carton, z))
     heap = together(*sticks)

@@ -6,16 +6,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, from_above
+from rtphys.assets.asset_model import AssetModel, Body, Part, from_above
 from rtphys.assets.geometry import cylinder, lathe
 from rtphys.assets.material import Colour, Finish, matt, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import speckle
 from rtphys.assets.solid import hull, together
 from rtphys.assets.turned import turned_parts
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
-Words = tuple[str, str, str]
 Profile = tuple[tuple[float, float], ...]
 
 # Share of the radius and of the height, foot to stalk.
@@ -33,13 +32,13 @@ def fruit(
     stalk: Colour,
     words: Words,
     grip: float = 0.0,
-) -> Thing:
+) -> AssetModel:
     """A turned fruit; size: radius, height [m], mass [kg]; `grip` [m] if it is to be grasped."""
     radius, height, mass = size
     points = [(radius * r, height * y) for r, y in profile]
     body = lathe([(0, 0), *points, (0, points[-1][1])], 16)
     stem = cylinder(0.0018, 0.009, 6).turned("z", 12).at(y=points[-1][1] + 0.002)
-    return Thing(
+    return AssetModel(
         body=Body(
             (Part(body, _skin(skin, words[0]), "food", 60), Part(stem, matt(stalk), "food")),
             (*turned_parts([(0, 0), *((np.cos(np.pi / 16) * r, y) for r, y in points)]), stem),
@@ -52,7 +51,7 @@ def fruit(
     )
 
 
-def banana(length: float, thick: float, mass: float, words: Words) -> Thing:
+def banana(length: float, thick: float, mass: float, words: Words) -> AssetModel:
     """A curved banana lying on its side."""
     bend = np.deg2rad(np.linspace(-48, 48, 7))
     radius = length / (2 * np.sin(bend[-1]))
@@ -75,7 +74,7 @@ def banana(length: float, thick: float, mass: float, words: Words) -> Thing:
         Part(together(*flesh), plastic((0.96, 0.82, 0.16), 0.4), "food", 50),
         Part(together(*tips), matt((0.42, 0.36, 0.12)), "food", 50),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, tuple(pieces), mass),
         material="food",
         description=phrases(*words, "fruit"),

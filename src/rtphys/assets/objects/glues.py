@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box, cone, lathe, rounded
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic
@@ -28,7 +28,7 @@ class Glue:
     mass: float
 
 
-def glue(size: Glue, body: Colour, cap: Colour, words: tuple[str, ...]) -> Thing:
+def glue(size: Glue, body: Colour, cap: Colour, words: tuple[str, ...]) -> AssetModel:
     """A bottle with a pointed cap, or a stick where the cap is as wide as the body."""
     r, low, top = size.radius, size.shoulder, size.height
     stick = size.cap > 0.9 * r
@@ -49,7 +49,9 @@ def glue(size: Glue, body: Colour, cap: Colour, words: tuple[str, ...]) -> Thing
     return _thing(looks, parts[1:], size.mass, words, ("glue", "office"))
 
 
-def tube(length: float, wide: float, colour: Colour, cap: Colour, words: tuple[str, ...]) -> Thing:
+def tube(
+    length: float, wide: float, colour: Colour, cap: Colour, words: tuple[str, ...]
+) -> AssetModel:
     """A tube: round at the cap (+z), flat at its end."""
     r = 0.5 * wide * 0.72
     places = np.linspace(0, 1, 5)
@@ -90,8 +92,8 @@ def _thing(
     mass: float,
     words: tuple[str, ...],
     kinds: tuple[str, ...],
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, mass),
         material="plastic",
         description=words,

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box, extrude, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
@@ -18,7 +18,7 @@ MASS = 0.20  # [kg] a 7 oz tack hammer: 18 cm is short for a claw hammer
 TOP = 0.0961  # [m] y of the handle's other end, above the head
 
 
-def hammer(grip: Colour, words: tuple[str, ...]) -> Thing:
+def hammer(grip: Colour, words: tuple[str, ...]) -> AssetModel:
     """A claw hammer with a rubber grip."""
     neck = _bar("z", 0.011, 0.034, 8).at(0, HEAD, 0.012)
     # Square: the lying hammer stands on one edge of its face, and on a round one it would topple
@@ -38,7 +38,7 @@ def hammer(grip: Colour, words: tuple[str, ...]) -> Thing:
         Part(shaft, plastic((0.16, 0.16, 0.18), 0.3), "wood"),
         Part(together(handle, butt), plastic(grip, 0.25), "rubber"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(
             looks, (hull([*neck.vertices, *face.vertices]), eye, *claws, shaft, handle, butt), MASS
         ),

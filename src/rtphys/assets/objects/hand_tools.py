@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box, circle, cylinder, extrude, rounded_box
 from rtphys.assets.material import Colour, matt, metal, plastic, tint
 from rtphys.assets.objects import Models
@@ -26,7 +26,9 @@ class Screwdriver:
     mass: float
 
 
-def screwdriver(size: Screwdriver, colour: Colour, cross: bool, words: tuple[str, ...]) -> Thing:
+def screwdriver(
+    size: Screwdriver, colour: Colour, cross: bool, words: tuple[str, ...]
+) -> AssetModel:
     """A six sided handle, on which it lies, and a shaft to +z."""
     r, grip, end = size.radius, size.grip, size.shaft
     outline = [(0, -grip), (0.8 * r, -grip), (r, -0.88 * grip), (r, -0.10 * grip)]
@@ -44,7 +46,7 @@ def screwdriver(size: Screwdriver, colour: Colour, cross: bool, words: tuple[str
     return _thing(looks, (rod(r, -grip, -0.1 * grip, 6), shaft), size.mass, words, "screwdriver")
 
 
-def wrench(length: float, colour: Colour, words: tuple[str, ...]) -> Thing:
+def wrench(length: float, colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """An open spanner, lying flat."""
     t, w = 0.008, 0.020
     bar = box(w, 0.75 * t, length - 0.05).at(y=t / 2)
@@ -62,7 +64,7 @@ def wrench(length: float, colour: Colour, words: tuple[str, ...]) -> Thing:
     return _thing(looks, (bar, root, *cheeks, ring), 0.16, words, "wrench")
 
 
-def mallet(size: tuple[float, float, float], head: Colour, words: tuple[str, ...]) -> Thing:
+def mallet(size: tuple[float, float, float], head: Colour, words: tuple[str, ...]) -> AssetModel:
     """A wooden mallet lying on its head and the handle's end, x y z [m]."""
     x, y, z = size
     wood = matt((0.80, 0.60, 0.38)).with_picture(grain((1.0, 1.0, 1.0), "mallet", 0.2), "y")
@@ -81,7 +83,7 @@ def mallet(size: tuple[float, float, float], head: Colour, words: tuple[str, ...
     return _thing(looks, (block, stem), 0.30, words, "mallet")
 
 
-def drill(colour: Colour, words: tuple[str, ...]) -> Thing:
+def drill(colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """A cordless drill standing on its battery, the bit to +z."""
     battery = rounded_box(0.045, 0.034, 0.095, 0.005, 2).at(0, 0.017, -0.012)
     grip = bevelled([(-0.030, 0.03), (0.010, 0.03), (0.000, 0.12), (-0.046, 0.12)], 0.034, 0.007)
@@ -108,8 +110,8 @@ def _thing(
     mass: float,
     words: tuple[str, ...],
     kind: str,
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, mass),
         material="plastic",
         description=words,

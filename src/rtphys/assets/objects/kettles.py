@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.bottle import with_handle
 from rtphys.assets.geometry import ball, lathe, tube
 from rtphys.assets.material import Colour, metal, plastic
@@ -10,10 +10,9 @@ from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid, hull
 from rtphys.assets.turned import turned_parts
 from rtphys.assets.vessel import Vessel
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 Point = tuple[float, float, float]
-Words = tuple[str, str, str]
 
 
 def kettle(
@@ -22,7 +21,7 @@ def kettle(
     grip: Point,
     colours: tuple[Colour, Colour],
     words: Words,
-) -> Thing:
+) -> AssetModel:
     """A turned belly (radius, y) with a lid, a conical spout and a bail over it.
 
     The bail runs along z; `grip` is its highest point, where the contact point is.
@@ -45,7 +44,7 @@ def kettle(
     reach = 0.80 * wide
     bail = [(0, foot, -reach), (0, grip[1] - 0.012, -0.72 * reach), (0, grip[1], grip[2] - 0.028)]
     bail += [(0, grip[1], grip[2] + 0.028), (0, grip[1] - 0.012, 0.55 * reach), (0, foot, reach)]
-    return Thing(
+    return AssetModel(
         body=with_handle(body, bail, dark),
         material="steel",
         description=phrases(*words, "tea kettle"),
@@ -56,7 +55,7 @@ def kettle(
 
 def watering_can(
     size: Vessel, tip: Point, grip: Point, colours: tuple[Colour, Colour], words: Words
-) -> Thing:
+) -> AssetModel:
     """An open can with a long spout ending in a rose, and a handle behind."""
     can, trim = plastic(colours[0], 0.4), plastic(colours[1], 0.4)
     r, top = size.outer[-1]
@@ -73,7 +72,7 @@ def watering_can(
     )
     behind = [(0, 0.9 * top, -0.95 * r), (0, 0.85 * top, grip[2])]
     behind += [(0, 0.30 * top, grip[2]), (0, 0.2 * top, -0.9 * r)]
-    return Thing(
+    return AssetModel(
         body=with_handle(body, behind, trim),
         material="plastic",
         description=phrases(*words, "watering pot"),

@@ -9,14 +9,13 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact
+from rtphys.assets.asset_model import ArticulatedModel, Body, Joint, Part, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import keys, screen
 from rtphys.assets.solid import together
-from rtphys.assets.upright import upright_joint
-from rtphys.assets.urdf import placed
+from rtphys.assets.urdf import placed, root_joint
 
 GAP = 0.001  # [m] between shut lid and base
 STEP = 0.20  # [rad] the second contact point is the first one, turned this far open
@@ -35,18 +34,20 @@ class Laptop:
     mass: float  # [kg]
 
 
-def laptop(size: Laptop, shell: Colour, glow: Colour, metallic: bool, word: str) -> Machine:
+def laptop(
+    size: Laptop, shell: Colour, glow: Colour, metallic: bool, word: str
+) -> ArticulatedModel:
     """One laptop; `word` is what it is called by its looks."""
     cover = metal(shell, 0.4) if metallic else plastic(shell, 0.4)
     hinge = (0.0, size.base + GAP, -size.depth / 2 + 0.008)
-    return Machine(
+    return ArticulatedModel(
         links={
             "base": Body((), ()),
             "link_0": _base(size, shell, cover),
             "link_1": _lid(size, glow, cover),
         },
         joints=(
-            upright_joint("base", "link_0"),
+            root_joint("base", "link_0"),
             Joint(
                 "lid",
                 "revolute",

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import box, cylinder
 from rtphys.assets.material import Colour, plastic, tint
 from rtphys.assets.objects import Models
@@ -44,7 +44,9 @@ class Mouse:
     mass: float
 
 
-def mouse(size: Mouse, rows: tuple, shell: Colour, accent: Colour, words: tuple[str, ...]) -> Thing:
+def mouse(
+    size: Mouse, rows: tuple, shell: Colour, accent: Colour, words: tuple[str, ...]
+) -> AssetModel:
     """A computer mouse."""
     w, h, length = size.width, size.height, size.length
     rings = np.array([dome(b * w, c * h, a * length, 12, size.power) for a, b, c in rows])
@@ -68,7 +70,7 @@ def mouse(size: Mouse, rows: tuple, shell: Colour, accent: Colour, words: tuple[
         Part(line + sole, plastic((0.05, 0.05, 0.05), 0.3), "plastic"),
     )
     grip = (0, 0.5 * h, 0)
-    return Thing(
+    return AssetModel(
         body=Body(looks, parts, size.mass),
         material="plastic",
         description=words,

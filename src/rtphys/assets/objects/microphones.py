@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box, cylinder, lathe, rounded
 from rtphys.assets.material import Colour, matt, metal, plastic
 from rtphys.assets.objects import Models
@@ -36,7 +36,7 @@ class Microphone:
     mass: float
 
 
-def microphone(size: Microphone, body: Colour, mesh: Colour, words: tuple[str, ...]) -> Thing:
+def microphone(size: Microphone, body: Colour, mesh: Colour, words: tuple[str, ...]) -> AssetModel:
     """A hand-held microphone, its axis leaning a little as it lies."""
     shaft = _shaft(size)
     head, hulls = _crosswise(size) if size.wide else _ball(size)
@@ -55,7 +55,7 @@ def microphone(size: Microphone, body: Colour, mesh: Colour, words: tuple[str, .
     lie = _lying(size)
     points = _points(size)
     tail = functional((0, 0, size.tail), (0, 0, 1), (1, 0, 0))
-    return Thing(
+    return AssetModel(
         body=Body(
             tuple(Part(p.solid.placed(lie), p.finish, p.material, p.crease_deg) for p in looks),
             tuple(h.placed(lie) for h in (shaft, *hulls)),

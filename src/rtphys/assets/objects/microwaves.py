@@ -10,15 +10,14 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact, functional
+from rtphys.assets.asset_model import ArticulatedModel, Body, Joint, Part, contact, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import plain, to_picture
 from rtphys.assets.solid import Solid, together
-from rtphys.assets.upright import upright_joint
-from rtphys.assets.urdf import placed
+from rtphys.assets.urdf import placed, root_joint
 
 WALL = 0.008  # [m]
 GAP = 0.001  # [m] between shut door and body
@@ -42,19 +41,19 @@ class Oven:
     mass: tuple[float, float]  # body, door
 
 
-def microwave(size: Oven, shell: Colour, face: Colour, words: tuple[str, ...]) -> Machine:
+def microwave(size: Oven, shell: Colour, face: Colour, words: tuple[str, ...]) -> ArticulatedModel:
     """A small microwave oven."""
     hinge = (-size.width / 2 + 0.004, 0.0, size.front + GAP)
     wide = size.width - size.panel - 0.004
     inside = (-size.panel / 2, -size.root + WALL + 0.012, size.front - size.depth / 2)
-    return Machine(
+    return ArticulatedModel(
         links={
             "base": Body((), ()),
             "link_0": _box(size, shell, face),
             "link_1": _door(size, wide, face),
         },
         joints=(
-            upright_joint("base", "link_0"),
+            root_joint("base", "link_0"),
             Joint(
                 "door",
                 "revolute",

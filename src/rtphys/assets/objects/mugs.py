@@ -10,14 +10,14 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.bottle import with_handle
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, Picture, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.pictures import bands, stripes
 from rtphys.assets.vessel import Vessel
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 BAR = 0.006  # [m] radius of the handle
 
@@ -56,7 +56,7 @@ class Look:
     picture: Picture | None = None
 
 
-def mug(size: Mug, look: Look, words: tuple[str, str, str]) -> Thing:
+def mug(size: Mug, look: Look, words: Words) -> AssetModel:
     """One mug of melamine, as campers carry: a pinched rim bears stoneware badly."""
     vessel = size.vessel()
     finish = plastic((1, 1, 1) if look.picture is not None else look.outside, 0.7)
@@ -70,7 +70,7 @@ def mug(size: Mug, look: Look, words: tuple[str, str, str]) -> Thing:
     )
     body = Body(looks, tuple(p.at(z=size.shift) for p in vessel.parts()), size.mass)
     y, z = size.hole
-    return Thing(
+    return AssetModel(
         body=with_handle(body, _handle(size, vessel), plastic(look.handle, 0.7)),
         material="plastic",
         description=phrases(*words, "coffee cup"),
@@ -116,7 +116,7 @@ GREY, BROWN, ORANGE = (0.58, 0.60, 0.62), (0.38, 0.22, 0.13), (0.92, 0.46, 0.12)
 SKY, PURPLE = (0.55, 0.76, 0.90), (0.46, 0.30, 0.62)
 
 # Mug: foot, belly, rim, height, shift, grip, hole, mass, widest.
-ROWS: tuple[tuple[Mug, Look, tuple[str, str, str]], ...] = (
+ROWS: tuple[tuple[Mug, Look, Words], ...] = (
     (
         Mug(0.0530, 0.0545, 0.0545, 0.1131, 0.0224, 0.1078, (0.0718, -0.0480), 0.084, 0.1),
         Look(WHITE, WHITE, RED, bands((WHITE, RED, WHITE), (3, 4, 6))),

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import ball, box, cone, cylinder, lathe, rounded, rounded_box, tube
 from rtphys.assets.material import Colour, Finish, Picture, matt, metal, plastic
 from rtphys.assets.objects import Models
@@ -16,7 +16,9 @@ from rtphys.core.seeds import stream
 SIDES = 16
 
 
-def globe(radius: float, height: float, sea: Colour, foot: Finish, words: tuple[str, ...]) -> Thing:
+def globe(
+    radius: float, height: float, sea: Colour, foot: Finish, words: tuple[str, ...]
+) -> AssetModel:
     """A globe in a half ring on a round foot, its axis tilted as the earth's."""
     middle = height - radius - 0.006
     ring_r = radius + 0.006
@@ -43,7 +45,7 @@ def globe(radius: float, height: float, sea: Colour, foot: Finish, words: tuple[
 
 def trophy(
     size: tuple[float, float, float], gold: Finish, plinth: Colour, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A cup with two handles on a plinth; x over the handles, height, radius of the cup [m]."""
     wide, top, r = size
     low = 0.24 * top
@@ -80,7 +82,7 @@ def stem_hull(r: float, top: float) -> Solid:
 
 def sand_clock(
     size: tuple[float, float], wood: Finish, sand: Colour, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """Two glass bulbs between two plates and three posts; radius of the plates, height [m]."""
     r, top = size
     t, half = 0.012, top / 2
@@ -112,8 +114,8 @@ def _thing(
     mass: float,
     words: tuple[str, ...],
     kind: str,
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, mass),
         material="wood",
         description=words,
@@ -123,13 +125,13 @@ def _thing(
 
 def _earth(sea: Colour) -> Picture:
     """Lands as blobs of summed waves, ice at the poles."""
-    draw = stream(0, "assets", "globe")
+    rng = stream(0, "assets", "globe")
     y, x = np.mgrid[0:32, 0:64]
     u, v = 2 * np.pi * x / 64, np.pi * (y + 0.5) / 32
     height = np.zeros((32, 64))
     for k in range(1, 5):
         for n in range(1, 4):
-            a, b = draw.uniform(0, 2 * np.pi, 2)
+            a, b = rng.uniform(0, 2 * np.pi, 2)
             height += np.sin(k * u + a) * np.sin(n * v + b) * np.sin(v) / (k + n)
     picture = np.where((height > 0.22)[..., None], (0.30, 0.58, 0.25), sea)
     picture = np.where((height > 0.60)[..., None], (0.72, 0.62, 0.38), picture)

@@ -3,17 +3,15 @@ in kitchens and bathrooms. Clutter: the first four have no contact points."""
 
 from functools import partial
 
-from rtphys.assets.asset_model import Thing, from_sides
+from rtphys.assets.asset_model import AssetModel, from_sides
 from rtphys.assets.bottle import Bottle, Look, bottle_body
 from rtphys.assets.objects import Models
-from rtphys.assets.words import phrases
-
-Words = tuple[str, str, str]
+from rtphys.assets.words import Words, phrases
 
 
-def bottle(size: Bottle, look: Look, words: Words, kind: str, grip: float = 0.0) -> Thing:
+def bottle(size: Bottle, look: Look, words: Words, kind: str, grip: float = 0.0) -> AssetModel:
     """One bottle or jar; with side grasps at the height `grip` [m] if given."""
-    return Thing(
+    return AssetModel(
         body=bottle_body(size, look),
         material=look.material,
         description=phrases(*words, kind),

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic, tint
@@ -31,7 +31,7 @@ class Sign:
     mass: float
 
 
-def sign(size: Sign, colour: Colour, word: str, words: tuple[str, ...]) -> Thing:
+def sign(size: Sign, colour: Colour, word: str, words: tuple[str, ...]) -> AssetModel:
     """A board on a foot; `word` is printed above the code."""
     foot_w, foot_y, rear = size.foot
     board = _on_board(size, box(size.width, size.length, size.thick), 0.0)
@@ -59,7 +59,7 @@ def sign(size: Sign, colour: Colour, word: str, words: tuple[str, ...]) -> Thing
     )
     up, _ = _axes(size)
     grip = _base(size) + (size.length - 0.010) * up
-    return Thing(
+    return AssetModel(
         body=Body(looks, (board, foot, brace), size.mass),
         material="plastic",
         description=words,

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import circle, cone, cylinder, extrude
 from rtphys.assets.material import Colour, Finish, matt, plastic
 from rtphys.assets.objects import Models
@@ -29,7 +29,7 @@ class Cup:
     mass: float
 
 
-def pen_cup(size: Cup, finish: Finish, words: tuple[str, ...]) -> Thing:
+def pen_cup(size: Cup, finish: Finish, words: tuple[str, ...]) -> AssetModel:
     """A cup and pens that lean against its rim; they are part of it."""
     half, rim = size.width / 2, size.rim
     if size.square:
@@ -47,7 +47,7 @@ def pen_cup(size: Cup, finish: Finish, words: tuple[str, ...]) -> Thing:
     looks = [Part(cup, finish, "plastic", 50)]
     for i, (barrel, tip) in enumerate(pens):
         looks.append(Part(barrel + tip, plastic(INKS[i % 4], 0.5), "wood"))
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), (*parts, *(s for pen in pens for s in pen)), size.mass),
         material="plastic",
         description=words,

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
@@ -31,7 +31,7 @@ class Stand:
     mass: float
 
 
-def stand(size: Stand, body: Colour, metallic: bool, words: tuple[str, ...]) -> Thing:
+def stand(size: Stand, body: Colour, metallic: bool, words: tuple[str, ...]) -> AssetModel:
     """A phone stand for a desk."""
     finish = metal(body, 0.4) if metallic else plastic(body, 0.5)
     fx, fy, fz = size.foot
@@ -53,7 +53,7 @@ def stand(size: Stand, body: Colour, metallic: bool, words: tuple[str, ...]) -> 
     )
     edge = np.array([0, *size.cradle]) + (tall - 0.004) * LEAN - PLATE / 2 * FRONT
     parts = (box(fx, fy, fz).at(y=fy / 2), back, shelf, rim, neck)
-    return Thing(
+    return AssetModel(
         body=Body(looks, parts, size.mass),
         material="rubber",
         description=words,

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, metal, plastic
@@ -36,7 +36,7 @@ class Phone:
 
 def phone(
     size: Phone, case: Colour, glow: tuple[Colour, Colour], lenses: int, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A telephone: frame, lit screen with icons, lenses on the back."""
     w, t, length = size.width, size.thickness, size.length
     slab = rounded_box(w, t, length, 0.35 * t, 2).at(y=t / 2)
@@ -57,7 +57,7 @@ def phone(
     points = [contact((0, t / 2, 0), (0, 1, 0), (0, 0, s * size.camera_up)) for s in (1, -1)]
     foot = functional((0, -BEHIND, length / 2), (0, 0, -1), (0, 1, 0))
     X = size.pose
-    return Thing(
+    return AssetModel(
         body=Body(
             tuple(Part(p.solid.placed(X), p.finish, p.material, p.crease_deg) for p in looks),
             (rounded_box(w, t, length, 0.35 * t, 1).at(y=t / 2).placed(X),),

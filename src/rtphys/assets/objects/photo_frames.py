@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Finish, Picture, matt, metal, plastic
 from rtphys.assets.objects import Models
@@ -18,7 +18,7 @@ SKIES = {"hills": (0.55, 0.78, 0.95), "sunset": (0.96, 0.62, 0.35), "face": (0.7
 
 def photo_frame(
     size: tuple[float, float], border: float, frame: Finish, scene: str, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A frame, the picture in it and a strut behind; width and height of the frame [m]."""
     wide, tall = size
     rim = box(wide, tall, THICK) - box(wide - 2 * border, tall - 2 * border, 3 * THICK)
@@ -37,7 +37,7 @@ def photo_frame(
         Part(_leaning(back, tall).at(y=lift) + strut, matt((0.25, 0.23, 0.21)), "cardboard"),
         Part(_leaning(page.at(z=0.25 * THICK), tall).at(y=lift), photo, "paper"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (board.at(y=lift), strut), 0.18),
         material="wood",
         description=words,

@@ -2,16 +2,16 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Thing, from_above, from_sides, functional
+from rtphys.assets.asset_model import AssetModel, from_above, from_sides, functional
 from rtphys.assets.bottle import Bottle, Look, bottle_body
 from rtphys.assets.objects import Models
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 
-def pill_bottle(size: Bottle, look: Look, top: float, words: tuple[str, str, str]) -> Thing:
+def pill_bottle(size: Bottle, look: Look, top: float, words: Words) -> AssetModel:
     """One jar; `top` is the height [m] of the grasps from above."""
     sides = from_sides(0.0725, (270, 315, 0, 45, 90, 135, 180, 225))
-    return Thing(
+    return AssetModel(
         body=bottle_body(size, look),
         material=look.material,
         description=phrases(*words, "medicine bottle"),

@@ -5,13 +5,13 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import cylinder
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
+from rtphys.assets.rounded_tray import RoundedTray
 from rtphys.assets.solid import Solid, hull, together
-from rtphys.assets.tub import Tub
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 from rtphys.core.seeds import stream
 
 
@@ -27,12 +27,12 @@ class Plant:
 
 
 def potted(
-    pot: Tub, mass: float, plant: Plant, colours: tuple[Colour, Colour], words: tuple[str, str, str]
-) -> Thing:
+    pot: RoundedTray, mass: float, plant: Plant, colours: tuple[Colour, Colour], words: Words
+) -> AssetModel:
     """A pot full of soil with a plant in it."""
     glaze, green = colours
     soil = 0.88 * pot.y
-    filled = Tub(pot.x, pot.y, pot.z, pot.base, 0.004, soil, pot.corner, pot.steps)
+    filled = RoundedTray(pot.x, pot.y, pot.z, pot.base, 0.004, soil, pot.corner, pot.steps)
     earth = filled.liner(0.002)
     leaves = [
         leaf.at(x, soil)
@@ -46,7 +46,7 @@ def potted(
         Part(earth, matt((0.24, 0.16, 0.10)), "food"),
         Part(foliage, matt(green), "food", 10),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (*filled.parts(), crown), mass),
         material="ceramic",
         description=phrases(*words, "potted plant"),
@@ -56,11 +56,11 @@ def potted(
 
 def _leaves(plant: Plant, name: str) -> list[Solid]:
     """From upright in the middle to leaning outside, in golden-angle order."""
-    draw = stream(0, "assets", "plant", name)
+    rng = stream(0, "assets", "plant", name)
     leaves = []
     for i in range(plant.count):
         share = np.sqrt((i + 0.5) / plant.count)
-        long = plant.length * (1 - 0.35 * share) * (0.9 + 0.2 * draw.random())
+        long = plant.length * (1 - 0.35 * share) * (0.9 + 0.2 * rng.random())
         leaf = _leaf(long, plant.width)
         leaves.append(leaf.turned("z", -plant.lean_deg * share).turned("y", 137.5 * i))
     return leaves
@@ -73,10 +73,10 @@ def _leaf(length: float, width: float) -> Solid:
     return hull([(0.0, -0.004, 0.0), (0.0, length, 0.0), *across, *thick])
 
 
-def cactus(pot: Tub, mass: float, height: float, words: tuple[str, str, str]) -> Thing:
+def cactus(pot: RoundedTray, mass: float, height: float, words: Words) -> AssetModel:
     """A ribbed column with two arms in a clay pot."""
     soil = 0.88 * pot.y
-    filled = Tub(pot.x, pot.y, pot.z, pot.base, 0.004, soil, pot.corner, pot.steps)
+    filled = RoundedTray(pot.x, pot.y, pot.z, pot.base, 0.004, soil, pot.corner, pot.steps)
     trunk = _column(0.021, height).at(y=soil)
     arms = [
         _column(0.011, 0.35 * height).at(s * 0.036, soil + (0.40 + 0.12 * s) * height)
@@ -95,7 +95,7 @@ def cactus(pot: Tub, mass: float, height: float, words: tuple[str, str, str]) ->
         Part(together(trunk, *arms, *links), green, "food", 20),
     )
     hulls = (*filled.parts(), *(hull(s.vertices) for s in (trunk, *arms, *links)))
-    return Thing(
+    return AssetModel(
         body=Body(looks, hulls, mass),
         material="ceramic",
         description=phrases(*words, "potted plant"),
@@ -124,26 +124,26 @@ FRESH, DEEP, PALE = (0.36, 0.62, 0.22), (0.16, 0.40, 0.20), (0.55, 0.68, 0.48)
 MODELS: Models = {
     "012_plant-pot": {
         0: partial(
-            potted, Tub(0.105, 0.090, 0.105, 0.72, 0.004, 0.005, 0.0525, 3), 0.45,
+            potted, RoundedTray(0.105, 0.090, 0.105, 0.72, 0.004, 0.005, 0.0525, 3), 0.45,
             Plant((0.0,), 0.095, 0.024, 16, 62), (CLAY, FRESH),
             ("house plant", "green", "a clay pot"),
         ),
         1: partial(
-            potted, Tub(0.182, 0.042, 0.085, 0.88, 0.004, 0.005, 0.010), 0.48,
+            potted, RoundedTray(0.182, 0.042, 0.085, 0.88, 0.004, 0.005, 0.010), 0.48,
             Plant((-0.055, 0.0, 0.055), 0.036, 0.026, 9, 72), (WHITE, PALE),
             ("succulents", "pale green", "a long white pot"),
         ),
         2: partial(
-            potted, Tub(0.120, 0.085, 0.120, 0.80, 0.004, 0.005, 0.012), 0.62,
+            potted, RoundedTray(0.120, 0.085, 0.120, 0.80, 0.004, 0.005, 0.012), 0.62,
             Plant((0.0,), 0.090, 0.034, 14, 75), (BLUE, DEEP),
             ("house plant", "dark green", "a blue pot"),
         ),
         3: partial(
-            cactus, Tub(0.092, 0.080, 0.092, 0.74, 0.004, 0.005, 0.046, 3), 0.40, 0.130,
+            cactus, RoundedTray(0.092, 0.080, 0.092, 0.74, 0.004, 0.005, 0.046, 3), 0.40, 0.130,
             ("cactus", "green", "two arms"),
         ),
         4: partial(
-            potted, Tub(0.182, 0.045, 0.080, 0.92, 0.004, 0.005, 0.006), 0.50,
+            potted, RoundedTray(0.182, 0.045, 0.080, 0.92, 0.004, 0.005, 0.006), 0.50,
             Plant((-0.06, -0.02, 0.02, 0.06), 0.032, 0.018, 7, 60), (YELLOW, FRESH),
             ("herbs", "fresh green", "a long yellow pot"),
         ),

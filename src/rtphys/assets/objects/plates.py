@@ -3,7 +3,7 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, functional
 from rtphys.assets.geometry import cylinder, lathe
 from rtphys.assets.material import Colour, matt, plastic
 from rtphys.assets.objects import Models
@@ -12,7 +12,7 @@ from rtphys.assets.vessel import Vessel, band
 from rtphys.assets.words import phrases
 
 
-def plate(size: Vessel, mass: float, glaze: Colour, rim: Colour, colour: str) -> Thing:
+def plate(size: Vessel, mass: float, glaze: Colour, rim: Colour, colour: str) -> AssetModel:
     """A dinner plate with a coloured rim; the functional point is near its middle."""
     radius, top = size.outer[-1]
     inside = radius - size.wall
@@ -29,7 +29,7 @@ def plate(size: Vessel, mass: float, glaze: Colour, rim: Colour, colour: str) ->
         Part(size.shell(), plastic(glaze, 0.75), "ceramic", 50),
         Part(stripe, plastic(rim, 0.7), "ceramic"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, size.parts(), mass),
         material="ceramic",
         description=phrases("plate", colour, "a coloured rim", "dinner plate"),
@@ -38,7 +38,7 @@ def plate(size: Vessel, mass: float, glaze: Colour, rim: Colour, colour: str) ->
     )
 
 
-def coaster(radius: float, height: float, mass: float) -> Thing:
+def coaster(radius: float, height: float, mass: float) -> AssetModel:
     """A round cork coaster in a darker ring; the functional point is on its underside."""
     cork = matt((1, 1, 1)).with_picture(speckle((0.74, 0.53, 0.33), "coaster", 0.22), "y")
     disc = Vessel(((radius, 0), (radius, height)), 0.006, 0.7 * height)
@@ -46,7 +46,7 @@ def coaster(radius: float, height: float, mass: float) -> Thing:
         Part(cylinder(radius - 0.002, height, 24).at(y=height / 2), cork, "wood"),
         Part(band(disc.outer, 0.0, height), matt((0.40, 0.24, 0.13)), "wood"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (cylinder(radius, height, 24).at(y=height / 2),), mass),
         material="wood",
         description=phrases("coaster", "brown", "a dark edge", "cork mat"),

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Picture, matt, plastic
 from rtphys.assets.objects import Models
@@ -16,7 +16,7 @@ GRIP = 0.0085  # [m] height of the grasps
 
 def cards(
     size: tuple[float, float], along: str, back: Colour, suit: str, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A pack: a printed box, `size` is its short side and thickness [m]."""
     width, thick = size
     angle = 0 if along == "z" else 90
@@ -30,7 +30,7 @@ def cards(
         Part(flap.turned("y", angle), matt((0.95, 0.95, 0.92)), "cardboard"),
     )
     ahead = np.array([0, 0, 1.0]) if along == "z" else np.array([1.0, 0, 0])
-    return Thing(
+    return AssetModel(
         body=Body(looks, (box(width, thick, LENGTH).at(y=thick / 2).turned("y", angle),), 0.098),
         material="cardboard",
         description=words,

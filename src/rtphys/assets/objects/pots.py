@@ -10,15 +10,14 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Array, Body, Joint, Machine, Part, contact
+from rtphys.assets.asset_model import Array, ArticulatedModel, Body, Joint, Part, contact
 from rtphys.assets.geometry import ball, box, cylinder, lathe, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
-from rtphys.assets.upright import upright_joint
-from rtphys.assets.urdf import placed
+from rtphys.assets.urdf import placed, root_joint
 from rtphys.assets.vessel import Vessel, band
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 BAR = (0.014, 0.010, 0.066)  # [m] a handle's outer bar: along the approach, thick, wide
 INSET = 0.010  # [m] from the contact point to the bar's middle
@@ -40,18 +39,16 @@ class Pot:
     belly: float = 1.0  # the foot's share of the radius
 
 
-def pot(
-    size: Pot, shell: Colour, lid: Colour, knob: Colour, words: tuple[str, str, str]
-) -> Machine:
+def pot(size: Pot, shell: Colour, lid: Colour, knob: Colour, words: Words) -> ArticulatedModel:
     """One pot with its lid on."""
-    return Machine(
+    return ArticulatedModel(
         links={
             "base": Body((), ()),
             "link_1": _body(size, shell, knob),
             "link_2": _lid(size, lid, knob),
         },
         joints=(
-            upright_joint("base", "link_1"),
+            root_joint("base", "link_1"),
             Joint(
                 "lid",
                 "prismatic",
@@ -129,7 +126,7 @@ GREEN, GLASS, BROWN = (0.28, 0.46, 0.36), (0.62, 0.70, 0.74), (0.36, 0.22, 0.13)
 YELLOW = (0.93, 0.74, 0.20)
 
 # Pot: root, radius, rim, grip, reach, tilt, travel, mass, belly.
-ROWS: tuple[tuple[Pot, Colour, Colour, Colour, tuple[str, str, str]], ...] = (
+ROWS: tuple[tuple[Pot, Colour, Colour, Colour, Words], ...] = (
     (
         Pot(0.0391, 0.0735, 0.075, 0.0823, 0.1134, 30, 0.0072, 0.70),
         STEEL, STEEL, BLACK, ("kitchen pot", "silver", "slanting handles"),

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, functional
 from rtphys.assets.geometry import ball, cone, cylinder, tube
 from rtphys.assets.material import matt
 from rtphys.assets.objects import Models
@@ -25,7 +25,7 @@ PEG = 0.0055  # [m] radius
 BEND = 0.049  # [m] from the tip along the peg
 
 
-def rack(height: float, foot: float, mass: float) -> Thing:
+def rack(height: float, foot: float, mass: float) -> AssetModel:
     """A turned foot, a post with a knob, two pegs."""
     tip, along = np.array(TIP), np.array(INWARD)
     bend = tip + BEND * along
@@ -41,7 +41,7 @@ def rack(height: float, foot: float, mass: float) -> Thing:
         Part(together(base, post, knob), wood, "wood"),
         Part(together(*pegs), matt((0.45, 0.27, 0.14)), "wood"),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (base, post, knob, *legs), mass),
         material="wood",
         description=phrases("mug rack", "wooden", "two hooks", "mug tree"),

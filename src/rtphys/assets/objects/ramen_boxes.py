@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box, cone, cylinder
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture, plastic
@@ -16,7 +16,7 @@ SIDES = 20
 
 def ramen(
     size: tuple[float, float, float], colour: Colour, accent: Colour, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A cup that widens upward; radii of the foot and the rim, height [m]."""
     low, high, tall = size
     cup = cone(low, high, tall - 0.003, SIDES)
@@ -38,7 +38,7 @@ def ramen(
         cylinder(high + 0.002, 0.006, SIDES).at(y=tall - 0.003),
         box(0.014, 0.002, 0.014).at(high + 0.006, tall - 0.001, 0),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, parts, 0.09),
         material="cardboard",
         description=words,

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, plastic
 from rtphys.assets.objects import Models
@@ -49,7 +49,7 @@ class Remote:
 
 def remote(
     size: Remote, shell: Colour, accent: Colour, columns: int, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A remote control with a printed keypad and a red power button."""
     w, h = size.width, size.height
     rows = ROWS[size.outline]
@@ -72,7 +72,7 @@ def remote(
     along = np.array([1.0, 0, 0]) if size.head == "+x" else np.array([0, 0, 1.0])
     grip = (0, 0.45 * h, 0)
     tip = np.array(ahead) * LENGTH / 2 + [0, 0.4 * h, 0]
-    return Thing(
+    return AssetModel(
         body=Body(looks, tuple(p.turned("y", angle) for p in parts), size.mass),
         material="plastic",
         description=words,

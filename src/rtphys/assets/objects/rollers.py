@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import extrude, lathe, rounded
 from rtphys.assets.material import Finish, matt, plastic
 from rtphys.assets.objects import Models
@@ -33,7 +33,7 @@ class Pin:
     grips: tuple[float, float]  # signed distance of contact points 0 and 1 from the middle
 
 
-def roller(pin: Pin, wood: Finish, ends: Finish, words: tuple[str, ...]) -> Thing:
+def roller(pin: Pin, wood: Finish, ends: Finish, words: tuple[str, ...]) -> AssetModel:
     """A turned body between two handles."""
     half, body = pin.length / 2, pin.body / 2
     barrel = [(0, -body), (pin.radius, -body), (pin.radius, body), (0, body)]
@@ -48,7 +48,7 @@ def roller(pin: Pin, wood: Finish, ends: Finish, words: tuple[str, ...]) -> Thin
         looks.append(Part(_lying(shape, pin), ends, "wood", 45))
     hulls = [_prism(pin.radius, -body, body)]
     hulls += [_prism(pin.handle, *reach) for reach in ((-half, -body), (body, half))]
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), tuple(_lying(h, pin) for h in hulls)),
         material="wood",
         description=words,

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, from_above, from_sides
+from rtphys.assets.asset_model import AssetModel, Body, Part, from_above, from_sides
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, Picture, plastic
 from rtphys.assets.objects import Models
@@ -15,7 +15,7 @@ COLOURS = (WHITE, YELLOW, RED, ORANGE, GREEN, BLUE)
 DOT = 6  # pixels a small square, its dark edge included
 
 
-def cube(edge: float, count: int, mixed: bool, frame: Colour, words: tuple[str, ...]) -> Thing:
+def cube(edge: float, count: int, mixed: bool, frame: Colour, words: tuple[str, ...]) -> AssetModel:
     """A cube of `edge` metres with `count` squares a side, solved or mixed up."""
     core = rounded_box(edge, edge, edge, 0.003, 1).at(y=edge / 2)
     looks = [Part(core, plastic(frame, 0.5), "plastic")]
@@ -32,7 +32,7 @@ def cube(edge: float, count: int, mixed: bool, frame: Colour, words: tuple[str, 
         print_ = _squares(i, count, mixed, frame)
         finish = plastic((1, 1, 1), 0.5).with_picture(print_, projection)
         looks.append(Part(sticker, finish, "plastic"))
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), (box(edge, edge, edge).at(y=middle),), 430.0 * edge**3),
         material="plastic",
         description=words,
@@ -43,11 +43,11 @@ def cube(edge: float, count: int, mixed: bool, frame: Colour, words: tuple[str, 
 
 
 def _squares(side: int, count: int, mixed: bool, frame: Colour) -> Picture:
-    draw = stream(0, "assets", "rubikscube", str(count), str(side))
+    rng = stream(0, "assets", "rubikscube", str(count), str(side))
     canvas = plain(frame, count * DOT, count * DOT)
     for r in range(count):
         for c in range(count):
-            colour = COLOURS[int(draw.integers(6)) if mixed else side]
+            colour = COLOURS[int(rng.integers(6)) if mixed else side]
             canvas[r * DOT + 1 : (r + 1) * DOT - 1, c * DOT + 1 : (c + 1) * DOT - 1] = colour
     return to_picture(canvas)
 

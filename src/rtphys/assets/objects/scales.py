@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Finish, Picture, metal, plastic
@@ -27,7 +27,9 @@ class Scale:
     mass: float
 
 
-def scale(make: Scale, shell: Colour, plate: Finish, number: str, words: tuple[str, ...]) -> Thing:
+def scale(
+    make: Scale, shell: Colour, plate: Finish, number: str, words: tuple[str, ...]
+) -> AssetModel:
     """A scale: housing, platform on a short neck, display with `number`."""
     x, y, z = make.size
     px, pz = make.platform
@@ -48,7 +50,7 @@ def scale(make: Scale, shell: Colour, plate: Finish, number: str, words: tuple[s
         Part(_display(make, shelf), _lit(number), "plastic"),
         Part(together(*feet, neck), plastic((0.08, 0.08, 0.08), 0.1)),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (body, top, neck, *feet), make.mass),
         material="glass" if plate.metallic == 0 else "steel",
         description=words,

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, plastic, tint
 from rtphys.assets.objects import Models
@@ -36,7 +36,7 @@ class Scanner:
     mass: float
 
 
-def scanner(size: Scanner, body: Colour, cover: Colour, words: tuple[str, ...]) -> Thing:
+def scanner(size: Scanner, body: Colour, cover: Colour, words: tuple[str, ...]) -> AssetModel:
     """A hand scanner of three convex pieces: head, back and handle."""
     a = np.radians(size.beam_deg)
     along, out = np.array([np.cos(a), np.sin(a)]), np.array([np.sin(a), -np.cos(a)])  # (z, y)
@@ -61,7 +61,7 @@ def scanner(size: Scanner, body: Colour, cover: Colour, words: tuple[str, ...]) 
     y, z = size.hold
     beam, up = (0, out[1], out[0]), (0, -along[1], -along[0])
     ahead = functional((0, 0.050, 0.0498), (0, 0, 1), (1, 0, 0))
-    return Thing(
+    return AssetModel(
         body=Body(looks, (*pieces, rim, trigger), size.mass),
         material="plastic",
         description=words,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, from_above, from_sides
+from rtphys.assets.asset_model import AssetModel, Body, Part, from_above, from_sides
 from rtphys.assets.geometry import box, cone, lathe, rounded, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, metal, plastic
 from rtphys.assets.objects import Models
@@ -27,7 +27,7 @@ class Seal:
     mass: float
 
 
-def knobbed(size: Seal, wood: Finish, knob: Finish, words: tuple[str, ...]) -> Thing:
+def knobbed(size: Seal, wood: Finish, knob: Finish, words: tuple[str, ...]) -> AssetModel:
     """A block with a turned handle."""
     top, r = size.height, 0.42 * min(size.x, size.z)
     low = size.block * top
@@ -45,7 +45,7 @@ def knobbed(size: Seal, wood: Finish, knob: Finish, words: tuple[str, ...]) -> T
     return _thing(size, (Part(handle, knob, "wood", 50),), wood, (neck, head), words)
 
 
-def carved(size: Seal, stone: Finish, crown: Finish, words: tuple[str, ...]) -> Thing:
+def carved(size: Seal, stone: Finish, crown: Finish, words: tuple[str, ...]) -> AssetModel:
     """A stone whose upper part narrows to a little carved roof."""
     low, top = size.block * size.height, size.height
     neck = box(0.66 * size.x, 0.3 * (top - low), 0.66 * size.z).at(y=low + 0.14 * (top - low))
@@ -57,7 +57,7 @@ def carved(size: Seal, stone: Finish, crown: Finish, words: tuple[str, ...]) -> 
     return _thing(size, (Part(neck + roof, crown, "ceramic"),), stone, (neck, roof), words)
 
 
-def slim(size: Seal, stone: Finish, cap: Finish, words: tuple[str, ...]) -> Thing:
+def slim(size: Seal, stone: Finish, cap: Finish, words: tuple[str, ...]) -> AssetModel:
     """An upright bar with a rounded top."""
     low, top = size.block * size.height, size.height
     bar = rounded_box(0.90 * size.x, top - low + 0.004, 0.90 * size.z, 0.3 * size.z, 2)
@@ -71,7 +71,7 @@ def _thing(
     finish: Finish,
     hulls: tuple[Solid, ...],
     words: tuple[str, ...],
-) -> Thing:
+) -> AssetModel:
     low = size.block * size.height
     block = rounded_box(size.x, low - RUBBER + 0.001, size.z, 0.002, 1)
     block = block.at(y=(low + RUBBER - 0.001) / 2)
@@ -84,7 +84,7 @@ def _thing(
     )
     # The official order of sides: from -x, +z, +x, -z.
     points = from_sides(size.aside, (270, 0, 90, 180)) + from_above((0, size.above, 0))
-    return Thing(
+    return AssetModel(
         body=Body(looks, (block, face, *hulls), size.mass),
         material="rubber",
         description=words,

@@ -2,15 +2,13 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.bottle import Bottle, Look, bottle_body
 from rtphys.assets.objects import Models
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 
-def shampoo(
-    size: Bottle, share: float, look: Look, grip: float, words: tuple[str, str, str]
-) -> Thing:
+def shampoo(size: Bottle, share: float, look: Look, grip: float, words: Words) -> AssetModel:
     """A turned bottle, flattened along z to this share of its width."""
     turned = bottle_body(size, look)
     body = Body(
@@ -21,7 +19,7 @@ def shampoo(
         tuple(s.scaled(1, 1, share) for s in turned.collision),
         size.mass,
     )
-    return Thing(
+    return AssetModel(
         body=body,
         material="plastic",
         description=phrases(*words, "plastic bottle"),

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, matt, plastic, tint
 from rtphys.assets.objects import Models
@@ -62,7 +62,9 @@ class Shoe:
     mass: float
 
 
-def shoe(size: Shoe, upper: Colour, under: Colour, trim: Colour, words: tuple[str, ...]) -> Thing:
+def shoe(
+    size: Shoe, upper: Colour, under: Colour, trim: Colour, words: tuple[str, ...]
+) -> AssetModel:
     """One shoe. `trim` colours the laces and a stripe on each side."""
     rows = HIGH if size.high else LOW
     w, h, length = size.width, size.height, size.length
@@ -79,7 +81,7 @@ def shoe(size: Shoe, upper: Colour, under: Colour, trim: Colour, words: tuple[st
     if size.laces:
         looks.append(Part(_laces(rows, size), plastic(tint(trim, 1.15), 0.3), "fabric"))
     y = (0, 1, 0)
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), (*slabs(rings, STOPS), _waist(rows, size)), size.mass),
         material="rubber",
         description=words,

@@ -8,7 +8,7 @@ from its middle, needs three times that: so handles are thick and heavy, and the
 from dataclasses import dataclass
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact, functional
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
@@ -33,7 +33,7 @@ class Skillet:
     mass: float  # [kg]
 
 
-def skillet(size: Skillet, pan: Colour, coat: Colour, grip: Colour, word: str) -> Thing:
+def skillet(size: Skillet, pan: Colour, coat: Colour, grip: Colour, word: str) -> AssetModel:
     """A pan with a coated inside and a flat handle."""
     vessel = Vessel(((size.foot, 0.0), (size.rim, size.height)), 0.0035, 0.004)
     start = size.centre - vessel.radius(GRIP[1])
@@ -52,7 +52,7 @@ def skillet(size: Skillet, pan: Colour, coat: Colour, grip: Colour, word: str) -
         Part(together(sleeve, *rivets), plastic(grip, 0.2), "aluminium"),
     )
     hulls = (*(p.at(z=size.centre) for p in vessel.parts()), neck, block)
-    return Thing(
+    return AssetModel(
         body=Body(looks, hulls, size.mass),
         material="aluminium",
         description=phrases("skillet", word, "a long handle", "frying pan"),

@@ -2,20 +2,21 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, from_sides
+from rtphys.assets.asset_model import AssetModel, Body, Part, from_sides
 from rtphys.assets.geometry import box, tube
 from rtphys.assets.labels import label
 from rtphys.assets.material import Colour, Finish, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import hull
 from rtphys.assets.turned import disc, ring, turned, turned_parts
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
-Words = tuple[str, str, str]
 Colours = tuple[Colour, Colour, Colour]  # of a label
 
 
-def chips_tub(radius: float, height: float, print_: Colours, style: str, words: Words) -> Thing:
+def chips_tub(
+    radius: float, height: float, print_: Colours, style: str, words: Words
+) -> AssetModel:
     """A tall paper tube with a plastic lid."""
     tubular = [(0, 0), (radius, 0), (radius, height - 0.008), (0, height - 0.008)]
     lid = disc(1.03 * radius, height - 0.012, height)
@@ -30,7 +31,7 @@ def chips_tub(radius: float, height: float, print_: Colours, style: str, words: 
 
 def milk_tea(
     foot: float, rim: float, height: float, grip: float, tea: Colour, words: Words
-) -> Thing:
+) -> AssetModel:
     """A plastic cup of tea with pearls, a flat lid and a thick straw."""
     cup = 0.74 * height
     outline = [(0, 0), (foot, 0), (rim, cup), (0, cup)]
@@ -44,17 +45,17 @@ def milk_tea(
              plastic((0.93, 0.94, 0.94), 0.7)),
         Part(straw, plastic((0.90, 0.35, 0.45), 0.5)),
     )  # fmt: skip
-    thing = _food(
+    model = _food(
         Body(looks, (*turned_parts(outline), lid, hull(straw.vertices)), 0.35),
         "plastic",
         phrases(*words, "bubble tea"),
         "milk tea",
     )
     sides = from_sides(grip, (270, 315, 0, 45, 90, 135, 180, 225))
-    return Thing(thing.body, thing.material, thing.description, sides, (), thing.categories)
+    return AssetModel(model.body, model.material, model.description, sides, (), model.categories)
 
 
-def ramen(foot: float, rim: float, height: float, print_: Colours, words: Words) -> Thing:
+def ramen(foot: float, rim: float, height: float, print_: Colours, words: Words) -> AssetModel:
     """A paper bowl of instant noodles with a foil lid."""
     outline = [(0, 0), (foot, 0), (rim, height - 0.004), (0, height - 0.004)]
     lid = disc(1.04 * rim, height - 0.005, height)
@@ -67,7 +68,7 @@ def ramen(foot: float, rim: float, height: float, print_: Colours, words: Words)
     return _food(Body(looks, hulls, 0.12), "paper", phrases(*words, "instant noodles"), "ramen")
 
 
-def snack_bag(x: float, z: float, thick: float, print_: Colours, words: Words) -> Thing:
+def snack_bag(x: float, z: float, thick: float, print_: Colours, words: Words) -> AssetModel:
     """A pillow pack that lies; sealed ends at +-z, flat underneath."""
     base = [(s * 0.36 * x, 0.0, t * 0.30 * z) for s in (-1, 1) for t in (-1, 1)]
     top = [(s * 0.26 * x, thick, t * 0.22 * z) for s in (-1, 1) for t in (-1, 1)]
@@ -88,8 +89,8 @@ def _paper(colours: Colours, style: str) -> Finish:
     return plastic((1, 1, 1), 0.3).with_picture(label(*colours, style), "cylinder")
 
 
-def _food(body: Body, material: str, words: tuple[str, ...], category: str) -> Thing:
-    return Thing(body, material, words, categories=(category, "food"))
+def _food(body: Body, material: str, words: tuple[str, ...], category: str) -> AssetModel:
+    return AssetModel(body, material, words, categories=(category, "food"))
 
 
 RED, GREEN, BLUE = (0.80, 0.12, 0.10), (0.20, 0.55, 0.25), (0.12, 0.34, 0.72)

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.lettering import dots
 from rtphys.assets.material import Colour, plastic, tint
@@ -18,7 +18,7 @@ from rtphys.assets.swept import oval
 Size = tuple[float, float, float]  # x, y, z [m]
 
 
-def bar(size: Size, colour: Colour, words: tuple[str, ...]) -> Thing:
+def bar(size: Size, colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """A new bar with its name stamped on top."""
     x, y, z = size
     solid = rounded_box(x, y, z, 0.3 * y, 2).at(y=y / 2)
@@ -27,7 +27,7 @@ def bar(size: Size, colour: Colour, words: tuple[str, ...]) -> Thing:
     return _thing(looks, (solid,), 0.45 * y, words)
 
 
-def pebble(size: Size, colour: Colour, words: tuple[str, ...]) -> Thing:
+def pebble(size: Size, colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """An oval bar, flat below."""
     x, y, z = size
     rings = [(0.86, 0.0), (1.0, 0.30 * y), (1.0, 0.55 * y), (0.88, 0.86 * y), (0.66, y)]
@@ -39,7 +39,7 @@ def pebble(size: Size, colour: Colour, words: tuple[str, ...]) -> Thing:
     return _thing(looks, (solid,), 0.45 * y, words)
 
 
-def dished(size: Size, colour: Colour, dish: Colour, words: tuple[str, ...]) -> Thing:
+def dished(size: Size, colour: Colour, dish: Colour, words: tuple[str, ...]) -> AssetModel:
     """A bar stuck on a dish with a rim; what is held is the bar."""
     x, y, z = size
     foot = rounded_box(0.9 * x, 0.35 * y, 0.86 * z, 0.003, 1).at(y=0.175 * y)
@@ -53,7 +53,7 @@ def dished(size: Size, colour: Colour, dish: Colour, words: tuple[str, ...]) -> 
     return _thing(looks, (foot, rim, soap), 0.5 * y, words)
 
 
-def wrapped(size: Size, colour: Colour, paper: Colour, words: tuple[str, ...]) -> Thing:
+def wrapped(size: Size, colour: Colour, paper: Colour, words: tuple[str, ...]) -> AssetModel:
     """A bar with a paper band around its middle."""
     x, y, z = size
     solid = rounded_box(0.985 * x, 0.97 * y, 0.97 * z, 0.22 * y, 2).at(y=0.485 * y)
@@ -88,8 +88,8 @@ def _raised(letters: Solid, colour: Colour) -> Part:
 
 def _thing(
     looks: tuple[Part, ...], parts: tuple[Solid, ...], grip: float, words: tuple[str, ...]
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts),
         material="soap",
         description=words,

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box, cylinder, extrude, rounded_box
 from rtphys.assets.material import Colour, Finish, matt, metal, plastic, tint
 from rtphys.assets.objects import Models
@@ -11,7 +11,7 @@ from rtphys.assets.solid import Solid
 from rtphys.assets.swept import oval
 
 
-def cube(edge: float, colour: Colour, words: tuple[str, ...]) -> Thing:
+def cube(edge: float, colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """A rounded cube with one driver."""
     shell = rounded_box(edge, edge, edge, 0.006, 2).at(y=edge / 2)
     ring = cylinder(0.40 * edge, 0.004, 20).turned("x", 90).at(0, edge / 2, edge / 2 - 0.001)
@@ -25,7 +25,7 @@ def cube(edge: float, colour: Colour, words: tuple[str, ...]) -> Thing:
     return _thing(looks, (shell,), 0.16, words)
 
 
-def puck(size: tuple[float, float, float], colour: Colour, words: tuple[str, ...]) -> Thing:
+def puck(size: tuple[float, float, float], colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """A low oval drum covered with cloth, keys on top."""
     x, y, z = size
     outline = oval(x, z, 0, 24)[:, :2]
@@ -42,7 +42,7 @@ def puck(size: tuple[float, float, float], colour: Colour, words: tuple[str, ...
     return _thing(looks, (drum,), 0.38, words)
 
 
-def tower(size: tuple[float, float, float], colour: Colour, words: tuple[str, ...]) -> Thing:
+def tower(size: tuple[float, float, float], colour: Colour, words: tuple[str, ...]) -> AssetModel:
     """A wide box with two drivers behind a grille."""
     x, y, z = size
     shell = rounded_box(x, y, z, 0.005, 2).at(y=y / 2)
@@ -72,8 +72,8 @@ def _mesh(colour: Colour, projection: str) -> Finish:
 
 def _thing(
     looks: tuple[Part, ...], parts: tuple[Solid, ...], mass: float, words: tuple[str, ...]
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, mass),
         material="plastic",
         description=words,

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Finish, matt, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import hull
 from rtphys.assets.vessel import Vessel
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Spoon:
     mass: float  # [kg]
 
 
-def spoon(size: Spoon, finish: Finish, stuff: str, words: tuple[str, str, str]) -> Thing:
+def spoon(size: Spoon, finish: Finish, stuff: str, words: Words) -> AssetModel:
     """A bowl towards +z; the handle bows up and touches down at its end."""
     wall = 0.10 * size.radius + 0.001
     outline = ((0.45, 0.0), (0.82, 0.45), (1.0, 1.0))
@@ -40,7 +40,7 @@ def spoon(size: Spoon, finish: Finish, stuff: str, words: tuple[str, str, str]) 
     bars = tuple(hull([*a.vertices, *b.vertices]) for a, b in pairwise(slabs))
     looks = (Part(shell + bars[0] + bars[1], finish, stuff, 50),)
     solid = hull(shell.vertices)
-    return Thing(
+    return AssetModel(
         body=Body(looks, (solid, *bars), size.mass),
         material=stuff,
         description=phrases(*words, "cutlery"),

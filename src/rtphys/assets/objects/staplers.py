@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, metal, plastic, tint
 from rtphys.assets.objects import Models
@@ -30,7 +30,7 @@ class Stapler:
     mass: float
 
 
-def stapler(size: Stapler, arm: Colour, base: Colour, words: tuple[str, ...]) -> Thing:
+def stapler(size: Stapler, arm: Colour, base: Colour, words: tuple[str, ...]) -> AssetModel:
     """A desk stapler, arm open as it stands."""
     w, h = size.width, size.height
     foot = bevelled(_scaled([(-0.5, 0), (0.5, 0), (0.49, 0.16), (-0.5, 0.18)], h), w, 0.0015)
@@ -53,7 +53,7 @@ def stapler(size: Stapler, arm: Colour, base: Colour, words: tuple[str, ...]) ->
         Part(pad, plastic(tint(arm, 0.55), 0.1), "rubber"),
     )
     y = (0, 1, 0)
-    return Thing(
+    return AssetModel(
         body=Body(looks, (foot, hinge, top, magazine), size.mass),
         material="plastic",
         description=words,

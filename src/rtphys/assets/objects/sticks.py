@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, matt, metal, plastic
 from rtphys.assets.objects import Models
@@ -12,7 +12,7 @@ from rtphys.assets.solid import Solid, hull, together
 from rtphys.assets.swept import dome, loft, lying, rod, slabs
 
 
-def marker(radius: float, length: float, ink: Colour, words: tuple[str, ...]) -> Thing:
+def marker(radius: float, length: float, ink: Colour, words: tuple[str, ...]) -> AssetModel:
     """A felt pen with its cap on; the clip keeps it from rolling."""
     r, half = radius, length / 2
     barrel = rod(r, -half + 0.008, 0.12 * length, 10)
@@ -31,7 +31,7 @@ def marker(radius: float, length: float, ink: Colour, words: tuple[str, ...]) ->
 
 def paint_brush(
     size: tuple[float, float], hair: Colour, grip: Colour, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A flat brush; width and length [m], the bristles to +z."""
     wide, length = size
     half = length / 2
@@ -58,7 +58,7 @@ def paint_brush(
     return _thing(looks, parts, 0.07, words, "paint brush")
 
 
-def toothbrush(length: float, colour: Colour, hair: Colour, words: tuple[str, ...]) -> Thing:
+def toothbrush(length: float, colour: Colour, hair: Colour, words: tuple[str, ...]) -> AssetModel:
     """A toothbrush on its back, the bristles up at +z."""
     half = length / 2
     places = ((-half, 0.008), (-0.9 * half, 0.013), (-0.3 * half, 0.014), (0.1 * half, 0.010),
@@ -82,8 +82,8 @@ def _thing(
     mass: float,
     words: tuple[str, ...],
     kind: str,
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, mass),
         material="plastic",
         description=words,

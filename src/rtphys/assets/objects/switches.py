@@ -10,14 +10,13 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Joint, Machine, Part, contact
+from rtphys.assets.asset_model import ArticulatedModel, Body, Joint, Part, contact
 from rtphys.assets.geometry import box, rounded_box
 from rtphys.assets.material import Colour, plastic, tint
 from rtphys.assets.objects import Models
 from rtphys.assets.solid import Solid
 from rtphys.assets.swept import bevelled
-from rtphys.assets.upright import upright_joint
-from rtphys.assets.urdf import placed
+from rtphys.assets.urdf import placed, root_joint
 
 INSIDE = 0.005  # [m] how far the hinge lies behind the plate's face
 
@@ -38,20 +37,20 @@ class Switch:
     light: bool  # a lamp in the rocker
 
 
-def switch(size: Switch, plate: Colour, rocker: Colour, words: tuple[str, ...]) -> Machine:
+def switch(size: Switch, plate: Colour, rocker: Colour, words: tuple[str, ...]) -> ArticulatedModel:
     """A wall switch without its wall."""
     hinge = (0.0, 0.0, size.face - INSIDE)
     swing = np.tan(size.upper)
     out = INSIDE - swing * size.press  # z of the rocker's lower face where it is pressed
     point = contact((0, size.press, out), (0, 0, 1), (0, 1, 0))
-    return Machine(
+    return ArticulatedModel(
         links={
             "base": Body((), ()),
             "link_0": _plate(size, plate),
             "link_1": _rocker(size, rocker),
         },
         joints=(
-            upright_joint("base", "link_0"),
+            root_joint("base", "link_0"),
             Joint(
                 "rocker",
                 "revolute",

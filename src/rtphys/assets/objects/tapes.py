@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box, circle, extrude
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, matt, metal, plastic
@@ -19,7 +19,7 @@ SIDES = 20
 
 def roll(
     size: tuple[float, float, float], tape: Colour, core: Colour, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """A roll of sticky tape; outer and inner radius and height [m]."""
     outer, inner, high = size
     liner = inner + 0.003
@@ -44,7 +44,9 @@ def _hoop(outer: float, inner: float, high: float) -> Solid:
     return extrude(circle(outer, SIDES), high) - hole
 
 
-def steel_tape(size: tuple[float, float, float], case: Colour, words: tuple[str, ...]) -> Thing:
+def steel_tape(
+    size: tuple[float, float, float], case: Colour, words: tuple[str, ...]
+) -> AssetModel:
     """A measuring tape with its end out at +z; x, y, z of the case [m]."""
     x, y, z = size
     r = 0.5 * y
@@ -73,8 +75,8 @@ def _thing(
     mass: float,
     words: tuple[str, ...],
     kind: str,
-) -> Thing:
-    return Thing(
+) -> AssetModel:
+    return AssetModel(
         body=Body(looks, parts, mass),
         material="plastic",
         description=words,

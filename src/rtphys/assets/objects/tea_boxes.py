@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Thing, from_above, from_sides, functional
+from rtphys.assets.asset_model import AssetModel, Body, from_above, from_sides, functional
 from rtphys.assets.lettering import write
 from rtphys.assets.material import Colour, Picture
 from rtphys.assets.objects import Models
@@ -14,13 +14,15 @@ from rtphys.assets.pictures import plain, to_picture
 Leaf = tuple[Colour, Colour]  # page and leaf
 
 
-def tea_box(size: Packet, colour: Colour, lid: Colour, leaf: Leaf, words: tuple[str, ...]) -> Thing:
+def tea_box(
+    size: Packet, colour: Colour, lid: Colour, leaf: Leaf, words: tuple[str, ...]
+) -> AssetModel:
     """A packet of tea with a leaf on every side."""
     look = Print(colour, lid, _front(*leaf, "TEA"), _front(*leaf, ""))
     visual, parts = packet(size, look)
     down = functional((0, 0, 0), (0, -1, 0), (0, 0, 1))
     up = functional((0, 0, 0), (0, 1, 0), (0, 0, -1))
-    return Thing(
+    return AssetModel(
         body=Body(visual, parts, size.mass),
         material="cardboard" if size.kind == "carton" else "steel",
         description=words,

@@ -2,16 +2,14 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing, from_sides
+from rtphys.assets.asset_model import AssetModel, Body, Part, from_sides
 from rtphys.assets.material import Colour, metal, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.turned import disc, ring, turned, turned_parts
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 
-def thermos(
-    radius: float, height: float, coat: Colour, lid: Colour, words: tuple[str, str, str]
-) -> Thing:
+def thermos(radius: float, height: float, coat: Colour, lid: Colour, words: Words) -> AssetModel:
     """A cylinder with a steel ring and a cup for a lid."""
     low, cup = 0.70 * height, 0.76 * height
     body = [
@@ -33,7 +31,7 @@ def thermos(
             "steel",
         ),
     )
-    return Thing(
+    return AssetModel(
         body=Body(looks, (*turned_parts(body), *turned_parts(cap)), 0.45),
         material="steel",
         description=phrases(*words, "vacuum flask"),

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, contact
+from rtphys.assets.asset_model import AssetModel, Body, Part, contact
 from rtphys.assets.geometry import box, cylinder
 from rtphys.assets.material import Colour, matt, metal, plastic
 from rtphys.assets.objects import Models
@@ -41,7 +41,9 @@ class Shape:
     roof: tuple[tuple[float, float], ...] = ()  # painted, on the glass
 
 
-def car(size: Car, shape: Shape, paint: Colour, extra: Colour, words: tuple[str, ...]) -> Thing:
+def car(
+    size: Car, shape: Shape, paint: Colour, extra: Colour, words: tuple[str, ...]
+) -> AssetModel:
     """A toy car; `extra` paints all bodywork after the first piece."""
     w, h, length = size.width, size.height, size.length
     scale = np.array([length, h])
@@ -66,7 +68,7 @@ def car(size: Car, shape: Shape, paint: Colour, extra: Colour, words: tuple[str,
         Part(_sum(hubs), HUB, "plastic"),
     ]
     y, z = size.grip
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), (*shells, glass, *roof, *wheels), size.mass),
         material="plastic",
         description=words,

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import box, cylinder, rounded_box
 from rtphys.assets.material import Colour, matt, metal, plastic, tint
 from rtphys.assets.objects import Models
@@ -12,7 +12,7 @@ from rtphys.assets.solid import hull, together
 
 def wallet(
     size: tuple[float, float, float], leather: Colour, strap: bool, words: tuple[str, ...]
-) -> Thing:
+) -> AssetModel:
     """Two halves about a fold at -z; x, y, z [m]."""
     x, y, z = size
     hide = plastic(leather, 0.35).with_picture(speckle((1.0, 1.0, 1.0), words[0], 0.12), "y")
@@ -39,7 +39,7 @@ def wallet(
         stud = cylinder(0.005, 0.002, 10).at(0, y + 0.001, 0.40 * z)
         looks += [Part(band, plastic(tint(leather, 0.7), 0.35), "leather"), Part(stud, metal())]
     whole = hull([*lower.vertices, *upper.vertices])
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), (whole,), 0.13),
         material="leather",
         description=words,

@@ -2,10 +2,10 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Thing, from_sides, functional
+from rtphys.assets.asset_model import AssetModel, from_sides, functional
 from rtphys.assets.bottle import Bottle, Look, bottle_body
 from rtphys.assets.objects import Models
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 FROM_BEHIND = (180, 225, 270, 315, 0, 45, 90, 135)  # official orders of the side grasps
 HIGHER = 0.035  # [m]
@@ -13,19 +13,15 @@ FROM_LEFT = (270, 0, 90, 180, 315, 45, 135, 225)
 
 
 def bottle(
-    size: Bottle,
-    look: Look,
-    grip: float,
-    azimuths: tuple[int, ...],
-    words: tuple[str, str, str],
-) -> Thing:
+    size: Bottle, look: Look, grip: float, azimuths: tuple[int, ...], words: Words
+) -> AssetModel:
     """One bottle; functional points are the foot, down, and the mouth, up.
 
     Beyond the official grasps there is a second ring, for a hand that must stay above the bin's
     rim where the table is low.
     """
     mouth = size.height - 0.006
-    return Thing(
+    return AssetModel(
         body=bottle_body(size, look),
         material=look.material,
         description=phrases(*words, "bottle"),

@@ -2,19 +2,19 @@
 
 from functools import partial
 
-from rtphys.assets.asset_model import Body, Part, Thing
+from rtphys.assets.asset_model import AssetModel, Body, Part
 from rtphys.assets.geometry import cone, cylinder, lathe
 from rtphys.assets.material import Colour, plastic
 from rtphys.assets.objects import Models
 from rtphys.assets.vessel import Vessel
-from rtphys.assets.words import phrases
+from rtphys.assets.words import Words, phrases
 
 GLASS = plastic((0.78, 0.85, 0.88), 0.9)
 
 
 def wineglass(
-    bowl: Vessel, stem: float, foot: float, wine: Colour | None, words: tuple[str, str, str]
-) -> Thing:
+    bowl: Vessel, stem: float, foot: float, wine: Colour | None, words: Words
+) -> AssetModel:
     """A bowl on a stem of this length [m] on a foot of this radius."""
     base = cone(foot, 0.25 * foot, 0.006, 20)
     rod = cylinder(0.0045, stem, 8).at(y=0.004 + 0.5 * stem)
@@ -27,7 +27,7 @@ def wineglass(
         edge = bowl.radius(top) - bowl.wall - 0.0005
         drink = lathe([(0, bowl.floor), *inside, (edge, top), (0, top)], bowl.sides)
         looks.append(Part(drink.at(y=lift), plastic(wine, 0.8), "food"))
-    return Thing(
+    return AssetModel(
         body=Body(tuple(looks), (base, rod, *parts), 0.16),
         material="glass",
         description=phrases(*words, "stemmed glass"),

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rtphys.assets.asset_model import Body, Part, Thing, functional
+from rtphys.assets.asset_model import AssetModel, Body, Part, functional
 from rtphys.assets.geometry import box, circle, extrude, rounded_box
 from rtphys.assets.material import Colour, matt
 from rtphys.assets.objects import Models
@@ -21,11 +21,11 @@ SIDES = 20
 Shape = Callable[[], tuple[Solid, tuple[Solid, ...], float]]  # visual, convex parts, top
 
 
-def block(shape: Shape, colour: Colour, mass: float, words: tuple[str, ...]) -> Thing:
+def block(shape: Shape, colour: Colour, mass: float, words: tuple[str, ...]) -> AssetModel:
     """One painted or plain block of wood."""
     seen, parts, top = shape()
     wood = matt(colour).with_picture(grain((1.0, 1.0, 1.0), words[0], 0.18), "z")
-    return Thing(
+    return AssetModel(
         body=Body((Part(seen, wood, "wood"),), parts, mass),
         material="wood",
         description=words,

@@ -29,7 +29,7 @@ class CameraAngle(Attribute[World, float]):
     mode: str = "rotate"
     direction: Vector = (0.0, 0.0, 1.0)  # unit vector in the camera frame
 
-    def given(self, physics: Physics) -> "CameraAngle":
+    def for_episode(self, physics: Physics) -> "CameraAngle":
         if physics["camera_mode"] is None:
             return self
         return CameraAngle(cast(str, physics["camera_mode"]), physics.vector("camera_direction"))

@@ -30,7 +30,7 @@ class CameraDistance(Attribute[World, float]):
     mode: str = "orbit"
     direction: Vector = (0.0, 1.0, 0.0)  # unit vector in the camera frame
 
-    def given(self, physics: Physics) -> "CameraDistance":
+    def for_episode(self, physics: Physics) -> "CameraDistance":
         if physics["camera_mode"] is None:
             return self
         return CameraDistance(cast(str, physics["camera_mode"]), physics.vector("camera_direction"))

@@ -1,1 +1,1 @@
-"""RoboTwin's policy plug-ins, unmodified: `get_model`, `eval`, `reset_model` against TASK_ENV."""
+"""Runs unmodified RoboTwin policy plug-ins: `get_model`, `eval`, `reset_model`, TASK_ENV."""

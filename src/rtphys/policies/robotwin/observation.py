@@ -1,4 +1,4 @@
-"""An observation as RoboTwin's `get_obs` gives it: nested dicts, plain lists, RGB pictures."""
+"""Observations in the format of RoboTwin's `get_obs`: nested dicts, plain lists, RGB pictures."""
 
 from rtphys.episode import Observation
 from rtphys.sim.camera import SHORT
@@ -7,13 +7,13 @@ Robotwin = dict[str, object]
 
 
 def official(now: Observation, pictures: bool = True) -> Robotwin:
-    """`observation`, `pointcloud`, `joint_action` and `endpose` of one instant.
+    """Convert an observation to RoboTwin's `observation`, `pointcloud`, `joint_action`, `endpose`.
 
     Joint actions are drive targets, grippers 0 closed .. 1 open. End poses are lists, xyz [m] +
-    wxyz in the world frame, because adapters add them up with `+`.
+    wxyz in the world frame: adapters concatenate them with `+`.
 
     Args:
-        pictures: without them `observation` is empty and nothing is drawn.
+        pictures: False leaves `observation` empty and draws nothing.
     """
     views = now.cameras if pictures else {}
     cameras = {SHORT[name]: vars(view).copy() for name, view in views.items()}

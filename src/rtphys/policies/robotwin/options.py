@@ -1,4 +1,4 @@
-"""What a RoboTwin plug-in is told: `usr_args` from its YAML file, the run, and overrides."""
+"""`usr_args` of a RoboTwin plug-in, merged from its YAML file, the run and overrides."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +11,7 @@ ARM_JOINTS = 6  # of each arm of the aloha-agilex
 
 
 def pairs(words: Sequence[str]) -> dict[str, object]:
-    """`--overrides --key value --key value` as a mapping.
+    """Parse the words of RoboTwin's override option, `--key value --key value`, into a mapping.
 
     Values are Python literals, or text. (RoboTwin evaluates them as code; we do not.)
 
@@ -27,18 +27,18 @@ def pairs(words: Sequence[str]) -> dict[str, object]:
 def user_args(
     config: Path | None, run: Mapping[str, object], overrides: Mapping[str, object]
 ) -> dict[str, object]:
-    """What `get_model` receives.
+    """Arguments for `get_model`.
 
     Args:
         config: the plug-in's YAML file.
-        run: what the evaluation decides (`task_name`, `task_config`, `seed`, `instruction_type`,
-            ...); it fills what the file leaves out or leaves null.
-        overrides: win over both.
+        run: values of the evaluation (`task_name`, `task_config`, `seed`, `instruction_type`, ...);
+            used for keys that the file lacks or leaves null.
+        overrides: take precedence over both.
 
     Raises:
         BadFile: the YAML cannot be read.
     """
-    told: dict[str, object] = dict(library.read_yaml(config)) if config else {}
-    told |= {key: value for key, value in run.items() if told.get(key) is None}
-    told |= overrides
-    return {**told, "left_arm_dim": ARM_JOINTS, "right_arm_dim": ARM_JOINTS}
+    args: dict[str, object] = dict(library.read_yaml(config)) if config else {}
+    args |= {key: value for key, value in run.items() if args.get(key) is None}
+    args |= overrides
+    return {**args, "left_arm_dim": ARM_JOINTS, "right_arm_dim": ARM_JOINTS}

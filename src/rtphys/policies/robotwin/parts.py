@@ -1,4 +1,4 @@
-"""What adapters find behind `TASK_ENV.robot` and `TASK_ENV.cameras`."""
+"""Objects behind `TASK_ENV.robot` and `TASK_ENV.cameras`, with RoboTwin's method names."""
 
 from collections.abc import Callable
 
@@ -10,22 +10,22 @@ from rtphys.episode import PolicyEpisode
 from rtphys.sim.camera import SHORT
 from rtphys.sim.recorder import flat
 
-CLOSED, OPEN = 0.2, 0.8  # commanded openings below and above which RoboTwin says so
+CLOSED, OPEN = 0.2, 0.8  # commanded openings that RoboTwin counts as closed (<) and open (>)
 
 
 class WristCamera:
-    """`robot.left_camera`: only its pose is ever asked for."""
+    """`robot.left_camera`; adapters only ask for its pose."""
 
     def __init__(self, pose: Callable[[], Pose]) -> None:
         self._pose = pose
 
     def get_pose(self) -> Pose:
-        """World pose, `p` [m] and `q` wxyz."""
+        """Pose in the world frame, `p` [m] and `q` wxyz."""
         return self._pose()
 
 
 class Robot:
-    """Joint commands and measured poses under RoboTwin's names."""
+    """Joint commands and measured poses, under RoboTwin's names."""
 
     def __init__(self, episode: PolicyEpisode) -> None:
         self._robot = episode.rollout.world.robot
@@ -54,7 +54,7 @@ class Robot:
         return flat(self._robot.right.ee()).tolist()
 
     def get_left_tcp_pose(self) -> list[float]:
-        """Measured tool centre point, xyz [m] + wxyz, world."""
+        """Measured pose of the tool centre point, xyz [m] + wxyz, world."""
         return flat(self._robot.left.tcp()).tolist()
 
     def get_right_tcp_pose(self) -> list[float]:
@@ -78,7 +78,7 @@ class Robot:
 
 
 class Cameras:
-    """Pictures on request. The wrist cameras follow by themselves."""
+    """Pictures on request; wrist cameras follow their links by themselves."""
 
     def __init__(self, episode: PolicyEpisode) -> None:
         self._episode = episode
@@ -88,7 +88,7 @@ class Cameras:
         """Nothing to do: mounted cameras move with their links."""
 
     def update_picture(self) -> None:
-        """Take note of the present instant; it is drawn when somebody looks."""
+        """Observe the present instant; its pictures are drawn when they are requested."""
         self._seen = self._episode.observe()
 
     def get_rgb(self) -> dict[str, dict[str, NDArray[np.uint8]]]:
@@ -96,7 +96,7 @@ class Cameras:
         return {SHORT[name]: {"rgb": view.rgb} for name, view in self._seen.cameras.items()}
 
     def get_config(self) -> dict[str, dict[str, NDArray[np.float32]]]:
-        """Matrices of every camera by official name."""
+        """Matrices of every camera by RoboTwin's name."""
         return {
             SHORT[name]: {key: value for key, value in vars(view).items() if key != "rgb"}
             for name, view in self._seen.cameras.items()

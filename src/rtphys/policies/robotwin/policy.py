@@ -1,4 +1,4 @@
-"""A RoboTwin plug-in as a policy: `robotwin:PATH/deploy_policy.py`."""
+"""Policy that runs a RoboTwin plug-in: `robotwin:PATH/deploy_policy.py`."""
 
 from collections.abc import Mapping
 from contextlib import chdir
@@ -12,17 +12,17 @@ from rtphys.policies.robotwin.options import user_args
 from rtphys.policies.robotwin.plugin import BrokenPlugin, Plugin, load_plugin
 from rtphys.policies.robotwin.task_env import TaskEnv
 
-IDLE_CALLS = 1000  # calls of `eval` in a row that may pass without an action
+IDLE_CALLS = 1000  # consecutive calls of `eval` without an action after which to give up
 
 
 class StuckPlugin(RtphysError):
-    """A plug-in that is called again and again and never acts."""
+    """A plug-in was called `IDLE_CALLS` times without acting."""
 
 
 class RoboTwinPolicy:
-    """Drives `get_model`, `eval` and `reset_model` as RoboTwin's evaluation does.
+    """Calls `get_model`, `eval` and `reset_model` of a plug-in as RoboTwin's evaluation does.
 
-    The plug-in runs in its root folder, because it may name files relative to it.
+    The plug-in runs in its root folder, because its paths may be relative to it.
 
     Raises:
         BrokenPlugin: `get_model` fails.
@@ -37,11 +37,11 @@ class RoboTwinPolicy:
             with chdir(plugin.root):
                 self.model = plugin.get_model(usr_args)
         except Exception as error:
-            told = f"get_model: {type(error).__name__}: {error}"
-            raise BrokenPlugin(f"{plugin.name}: {told}") from error
+            problem = f"get_model: {type(error).__name__}: {error}"
+            raise BrokenPlugin(f"{plugin.name}: {problem}") from error
 
     def play(self, episode: PolicyEpisode) -> None:
-        """Raises whatever the plug-in raises, and `StuckPlugin`."""
+        """Play one episode. Raises `StuckPlugin`, and whatever the plug-in raises."""
         self.env.begin_episode(episode)
         with chdir(self._plugin.root):
             play(self._plugin, self.model, self.env, bool(self._args.get(SKIP)))
@@ -49,17 +49,17 @@ class RoboTwinPolicy:
         self.env.suc += episode.success
 
     def close(self) -> None:
-        """Nothing to let go of: the model goes with the process."""
+        """Nothing to release: the model ends with the process."""
 
 
-SKIP = "skip_get_obs_within_replan"  # a plug-in's wish not to be shown what it will not look at
+SKIP = "skip_get_obs_within_replan"  # a plug-in's option to get no observation it will not use
 
 
 def play(plugin: Plugin, model: object, env: TaskEnv, skip_unwanted: bool = False) -> None:
-    """One episode of an environment that has begun it.
+    """Run a plug-in through the episode that `env` has begun.
 
     Raises:
-        StuckPlugin: the plug-in does not act. Whatever else it raises passes through.
+        StuckPlugin: the plug-in does not act. Its own errors pass through.
     """
     plugin.reset_model(model)
     wanted = getattr(model, "should_request_observation", None) if skip_unwanted else None
@@ -73,8 +73,8 @@ def play(plugin: Plugin, model: object, env: TaskEnv, skip_unwanted: bool = Fals
             raise StuckPlugin(f"{plugin.name}: {IDLE_CALLS} calls of eval without an action")
 
 
-def told(setup: PolicySetup) -> Mapping[str, object]:
-    """What the run decides in `usr_args`."""
+def run_args(setup: PolicySetup) -> Mapping[str, object]:
+    """Values of `usr_args` that the evaluation decides."""
     return {
         "task_name": setup.task,
         "task_config": setup.protocol,
@@ -85,14 +85,14 @@ def told(setup: PolicySetup) -> Mapping[str, object]:
 
 
 def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
-    """`robotwin:PATH/deploy_policy.py[?key=value]`.
+    """Opener of `robotwin:PATH/deploy_policy.py[?key=value]`.
 
     Options override the plug-in's YAML (`deploy_policy.yml` beside it, or `?config=PATH`);
     `?policy_name=a.b.c` is the dotted name under which a launcher would import it.
 
     Raises:
-        BadFile: there is no such plug-in.
-        BrokenPlugin: it cannot be imported, or its model cannot be made.
+        BadFile: no such plug-in.
+        BrokenPlugin: it cannot be imported, or its model cannot be created.
     """
     path, given = options.split(argument, setup.options)
     file = Path(path)
@@ -100,7 +100,7 @@ def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
     beside = file.with_suffix(".yml")
     default = beside if beside.is_file() else None
     config = Path(str(given.pop("config"))) if "config" in given else default
-    run = {**told(setup), "policy_name": plugin.name}
-    # The task is the run's even where the file names one: RoboTwin's launchers override it too.
+    run = {**run_args(setup), "policy_name": plugin.name}
+    # The run's task takes precedence over the file's: RoboTwin's launchers override it too.
     usr_args = user_args(config, run, {"task_name": setup.task, **given})
     return RoboTwinPolicy(plugin, usr_args)

@@ -1,7 +1,7 @@
-"""TASK_ENV as RoboTwin's policy adapters use it.
+"""TASK_ENV, the environment object that RoboTwin's policy adapters use.
 
-The members are the union of what 28 public adapters read, call or set; method names are theirs.
-An object without slots: adapters hang attributes of their own on it.
+Its members are the union of what 28 public adapters read, call or set, under RoboTwin's names.
+It has no __slots__, because adapters set attributes of their own on it.
 """
 
 from copy import deepcopy
@@ -16,14 +16,14 @@ from rtphys.policies.robotwin.parts import Cameras, Robot
 
 
 class TaskEnv:
-    """One object for all episodes of a run; `begin_episode` puts the next one into it.
+    """Environment of all episodes of a run; `begin_episode` starts the next one.
 
     Attributes:
-        take_action_cnt, step_lim: actions so far, and allowed.
-        eval_success: whether the success condition has held.
-        test_num, suc: episodes before this one, and how many of them succeeded.
-        now_obs: what `get_obs` gave last.
-        data_type: what observations hold; without `rgb` nothing is drawn.
+        take_action_cnt, step_lim: number of actions so far, and the limit.
+        eval_success: whether the success condition was true at some instant.
+        test_num, suc: number of episodes before this one, and of successes among them.
+        now_obs: the last result of `get_obs`.
+        data_type: content of observations; without `rgb` nothing is drawn.
     """
 
     robot: Robot
@@ -53,7 +53,7 @@ class TaskEnv:
         return self._episode
 
     def begin_episode(self, episode: PolicyEpisode) -> None:
-        """Make everything speak of this episode."""
+        """Switch all members to this episode."""
         self._episode = episode
         self.task_name, self.seed = episode.task, episode.seed
         self.take_action_cnt, self.step_lim = 0, episode.step_limit
@@ -70,14 +70,14 @@ class TaskEnv:
         self._instruction = str(instruction)
 
     def get_obs(self) -> Robotwin:
-        """The world now (`rtphys.policies.robotwin.observation.official`)."""
+        """Observation of the present instant in RoboTwin's format (`observation.official`)."""
         self._update_render()
         now = official(self.episode.observe(), self.data_type.get("rgb", False))
         self.now_obs = deepcopy(now)
         return now
 
     def take_action(self, action: ArrayLike, action_type: ActionKind = "qpos") -> None:
-        """One action (`PolicyEpisode.act`); ignored after success and past the limit.
+        """Carry out an action (`PolicyEpisode.act`); ignored after success and beyond the limit.
 
         Args:
             action: 14 numbers for "qpos", 16 for "ee" and "delta_ee".
@@ -88,11 +88,11 @@ class TaskEnv:
         self.eval_success = self.episode.act(np.asarray(action, float), action_type)
 
     def check_success(self) -> bool:
-        """Whether the condition has held at some instant so far."""
+        """Whether the success condition was true at some instant so far."""
         return self.episode.success
 
     def close_env(self, clear_cache: bool = False) -> None:
-        """The world goes with the next episode."""
+        """Nothing to do: the next episode replaces the world."""
 
     def _update_render(self) -> None:
-        """Called before each look; adapters replace it to save drawing, which here is lazy."""
+        """Called before each observation; adapters replace it to save drawing (lazy here)."""

@@ -1,4 +1,4 @@
-"""Several actions in a row, as servers answer."""
+"""Checks the chunks of actions that policy servers answer."""
 
 import numpy as np
 
@@ -7,16 +7,16 @@ from rtphys.policies.served.connection import ServerFailed
 
 
 def rows(actions: object, size: int, where: str) -> Array:
-    """(n, size) with n >= 1; a single action may come as (size,).
+    """Actions (n, size), n >= 1, from a server's answer; a single action may come as (size,).
 
     Raises:
-        ServerFailed: something else was answered.
+        ServerFailed: the answer has another shape, or holds no numbers.
     """
     try:
         array = np.atleast_2d(np.array(actions, float))
     except (TypeError, ValueError) as error:
         raise ServerFailed(f"{where}: actions are no numbers: {error}") from error
     if array.ndim != 2 or array.shape[1] != size or len(array) == 0:
-        told = f"answered actions of shape {array.shape}, not (n, {size})"
-        raise ServerFailed(f"{where}: {told}")
+        problem = f"answered actions of shape {array.shape}, not (n, {size})"
+        raise ServerFailed(f"{where}: {problem}")
     return array

@@ -1,4 +1,4 @@
-"""A websocket to a policy server: slow is fine, dead is a typed error."""
+"""Websocket connection to a policy server, with time limits and typed errors."""
 
 import time
 from collections.abc import Mapping
@@ -12,21 +12,21 @@ from rtphys.policies.options import Options, number
 from rtphys.policies.policy import PolicyGone
 from rtphys.policies.served.wire import BadFrame, Encoding
 
-RETRY = 1.0  # [s] between two tries to reach a server that is still loading its weights
+RETRY = 1.0  # [s] between attempts to reach a server that is still loading its weights
 
 
 class ServerFailed(RtphysError):
-    """The server answered with an error of its own: the policy's failure."""
+    """The server reported an error of its own, which counts as the policy's failure."""
 
 
 @dataclass(frozen=True)
 class Endpoint:
-    """Where a server is and how patient to be with it."""
+    """Address of a server, its encoding and its time limits."""
 
     url: str  # ws://host:port
     encoding: Encoding
-    reply_s: float = 600.0  # [s] that one answer may take
-    connect_s: float = 30.0  # [s] during which to knock again
+    reply_s: float = 600.0  # [s] limit for one answer
+    connect_s: float = 30.0  # [s] during which to retry to connect
     headers: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -36,10 +36,16 @@ CONNECTION_OPTIONS = ("reply_s", "connect_s")
 def endpoint(
     where: str, encoding: Encoding, given: Options, headers: Mapping[str, str] | None = None
 ) -> Endpoint:
-    """From `HOST:PORT` or `ws://HOST:PORT` and the options of a spec string.
+    """Endpoint from an address and the options of a policy specification.
+
+    Args:
+        where: `HOST:PORT` or `ws://HOST:PORT`.
+        encoding: of messages.
+        given: options by key; only times are used.
+        headers: of the HTTP handshake.
 
     Raises:
-        BadValue: no address, or a time that is no number.
+        BadValue: the address is missing, or a time is no number.
     """
     if not where:
         raise BadValue("policy", "", "name the server: HOST:PORT")
@@ -53,10 +59,10 @@ def endpoint(
 
 
 class Connection:
-    """One open websocket. Messages are packed with the endpoint's encoding.
+    """An open websocket; messages are packed with the endpoint's encoding.
 
     Raises:
-        PolicyGone: nobody opened within `connect_s`.
+        PolicyGone: no server accepted the connection within `connect_s`.
     """
 
     def __init__(self, endpoint: Endpoint) -> None:
@@ -64,7 +70,7 @@ class Connection:
         self._socket = _open(endpoint)
 
     def send(self, message: object) -> None:
-        """Raises `PolicyGone`, `BadFrame`."""
+        """Send one message. Raises `PolicyGone`, `BadFrame`."""
         packed = self.endpoint.encoding.pack(message)
         try:
             self._socket.send(packed)
@@ -72,18 +78,18 @@ class Connection:
             raise self._lost(error) from error
 
     def receive(self) -> object:
-        """The next message.
+        """Wait for the next message.
 
         Raises:
-            PolicyGone: it closed, or said nothing for `reply_s`.
-            ServerFailed: it sent text, which is its traceback.
-            BadFrame: it sent bytes that are no message.
+            PolicyGone: the server closed the connection, or sent nothing for `reply_s`.
+            ServerFailed: the server sent text, which is its traceback.
+            BadFrame: the server sent bytes that are no message.
         """
         try:
             raw = self._socket.recv(timeout=self.endpoint.reply_s)
         except TimeoutError as error:
-            patience = f"no answer within {self.endpoint.reply_s:g} s"
-            raise PolicyGone(self.endpoint.url, patience) from error
+            problem = f"no answer within {self.endpoint.reply_s:g} s"
+            raise PolicyGone(self.endpoint.url, problem) from error
         except (ConnectionClosed, OSError) as error:
             raise self._lost(error) from error
         if isinstance(raw, str):
@@ -104,13 +110,13 @@ def _open(endpoint: Endpoint) -> ClientConnection:
     deadline = time.monotonic() + endpoint.connect_s
     while True:
         try:
-            # Entered, because newer releases want it; `close` does what leaving would.
+            # `__enter__`, because newer releases require it; `close` replaces `__exit__`.
             return connect(
                 endpoint.url,
                 additional_headers=dict(endpoint.headers),
                 compression=None,
                 max_size=None,
-                # A model that thinks for a minute answers no ping, and would be hung up on.
+                # A model that computes for a minute answers no ping and would be disconnected.
                 ping_interval=None,
                 open_timeout=max(endpoint.connect_s, 1.0),
                 proxy=None,
@@ -119,6 +125,6 @@ def _open(endpoint: Endpoint) -> ClientConnection:
             raise PolicyGone(endpoint.url, f"not a websocket address: {error}") from error
         except (OSError, InvalidHandshake, TimeoutError, EOFError) as error:
             if time.monotonic() + RETRY > deadline:
-                waited = f"nobody opened within {endpoint.connect_s:g} s"
-                raise PolicyGone(endpoint.url, f"{waited}: {error}") from error
+                problem = f"no server answered within {endpoint.connect_s:g} s"
+                raise PolicyGone(endpoint.url, f"{problem}: {error}") from error
             time.sleep(RETRY)

@@ -1,4 +1,4 @@
-"""openpi's policy server: one observation out, a chunk of joint targets back.
+"""Client of openpi's policy server: sends an observation, receives a chunk of joint targets.
 
 The observation is that of openpi's aloha policies: `state` (14,), `images` (3, 240, 320) uint8 RGB
 by `cam_high`, `cam_left_wrist`, `cam_right_wrist`, and `prompt`.
@@ -25,19 +25,19 @@ from rtphys.policies.served.connection import (
 from rtphys.policies.served.wire import OPENPI
 
 CAMERAS = {"head": "cam_high", "left": "cam_left_wrist", "right": "cam_right_wrist"}
-KEY = "OPENPI_API_KEY"  # environment variable; a spec string would end up in every record
+KEY = "OPENPI_API_KEY"  # environment variable; a specification is stored in every result
 
 
 class OpenPi:
-    """A policy behind openpi's websocket (`rtphys.policies.Policy`).
+    """Policy behind openpi's websocket server.
 
     Args:
-        at: where; speaks `wire.OPENPI`.
-        execute: actions of each chunk that are carried out before the next question; 0: all.
+        at: the server, with encoding `wire.OPENPI`.
+        execute: actions of each chunk that are carried out before the next request; 0: all.
 
     Raises:
-        PolicyGone: nobody answers there.
-        ServerFailed: the server fails before it says hello.
+        PolicyGone: no server answers.
+        ServerFailed: the server fails before its greeting.
     """
 
     needs_images = True
@@ -48,20 +48,20 @@ class OpenPi:
 
     def _open(self) -> Connection:
         connection = Connection(self._at)
-        hello = connection.receive()
-        self.metadata = dict(hello) if isinstance(hello, Mapping) else {}
+        greeting = connection.receive()
+        self.metadata = dict(greeting) if isinstance(greeting, Mapping) else {}
         return connection
 
     def play(self, episode: PolicyEpisode) -> None:
-        """Raises `PolicyGone`, `ServerFailed`."""
+        """Play one episode. Raises `PolicyGone`, `ServerFailed`."""
         while not episode.over:
-            for action in self.infer(question(episode.observe(), episode.instruction)):
+            for action in self.infer(request(episode.observe(), episode.instruction)):
                 if episode.act(action):
                     return
 
     def infer(self, observation: Mapping[str, object]) -> Array:
-        """(n, 14) actions. Raises `PolicyGone`, `ServerFailed`."""
-        # The server hangs up after an error of its own, but goes on serving.
+        """Actions (n, 14) for an observation. Raises `PolicyGone`, `ServerFailed`."""
+        # After an error of its own the server closes the connection, but keeps serving.
         self._connection = self._connection or self._open()
         self._connection.send(observation)
         try:
@@ -79,24 +79,24 @@ class OpenPi:
         self._connection = None
 
 
-def question(observation: Observation, instruction: str) -> dict[str, object]:
-    """What the server is asked about one instant."""
+def request(observation: Observation, instruction: str) -> dict[str, object]:
+    """Message to the server about one instant."""
     pictures = observation.images
     return {
         "state": observation.vector.astype(np.float32),
         "images": {
-            theirs: np.ascontiguousarray(pictures[ours].transpose(2, 0, 1))
-            for ours, theirs in CAMERAS.items()
+            name: np.ascontiguousarray(pictures[camera].transpose(2, 0, 1))
+            for camera, name in CAMERAS.items()
         },
         "prompt": instruction,
     }
 
 
 def open_openpi(argument: str, setup: PolicySetup) -> OpenPi:
-    """`openpi:HOST:PORT[?execute=N&reply_s=S&connect_s=S]`; `ws://` may stand before it.
+    """Opener of `openpi:[ws://]HOST:PORT[?execute=N&reply_s=S&connect_s=S]`.
 
     Raises:
-        PolicyGone: nobody answers there.
+        PolicyGone: no server answers.
         BadValue, UnknownName: an option is wrong.
     """
     where, given = options.split(argument, setup.options)

@@ -1,4 +1,4 @@
-"""NumPy arrays inside MessagePack, in the two encodings that policy servers speak."""
+"""MessagePack messages with NumPy arrays, in the two encodings that policy servers use."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -8,27 +8,27 @@ import numpy as np
 
 from rtphys.core.errors import RtphysError
 
-# void, object, complex: openpi refuses all three, XPolicyLab the second; no policy needs any.
+# Kinds void, object, complex: openpi refuses all, XPolicyLab objects; no policy needs any.
 REFUSED = "VOc"
 
 
 class BadFrame(RtphysError):
-    """Bytes that are no message, or a value that no message can hold."""
+    """Bytes are no message, or a message cannot hold a value."""
 
 
 @dataclass(frozen=True)
 class Encoding:
-    """How an array looks on the wire. Decoded arrays own their memory and may be written to."""
+    """Encoding of arrays in a message. Decoded arrays own their memory and are writable."""
 
     name: str
     _encode: Callable[[np.ndarray | np.generic], dict[bytes, object]]
     _decode: Callable[[Mapping[object, object]], object]
 
     def pack(self, message: object) -> bytes:
-        """A message of mappings, sequences, numbers, text and arrays as bytes.
+        """Bytes of a message of mappings, sequences, numbers, text and arrays.
 
         Raises:
-            BadFrame: it holds something else, such as an array of objects.
+            BadFrame: it holds another type, such as an array of objects.
         """
         try:
             packed = msgpack.packb(message, default=self._default)
@@ -38,7 +38,7 @@ class Encoding:
         return packed
 
     def unpack(self, data: bytes) -> object:
-        """Inverse of `pack`; sequences come back as lists.
+        """Inverse of `pack`; sequences become lists.
 
         Raises:
             BadFrame: not MessagePack, or an array whose parts do not fit.
@@ -51,13 +51,13 @@ class Encoding:
 
     def _default(self, value: object) -> dict[bytes, object]:
         if not isinstance(value, np.ndarray | np.generic):
-            raise TypeError(f"a {type(value).__name__} has no place in a message")
+            raise TypeError(f"a message cannot hold a {type(value).__name__}")
         if value.dtype.kind in REFUSED:
             raise TypeError(f"arrays of {value.dtype} are refused")
         return self._encode(value)
 
-    def _hook(self, found: dict[object, object]) -> object:
-        return self._decode(found)
+    def _hook(self, mapping: dict[object, object]) -> object:
+        return self._decode(mapping)
 
 
 def _array(data: object, dtype: object, shape: object) -> np.ndarray:
@@ -80,15 +80,15 @@ def _openpi_encode(value: np.ndarray | np.generic) -> dict[bytes, object]:
     }
 
 
-def _openpi_decode(found: Mapping[object, object]) -> object:
-    if b"__ndarray__" in found:
-        return _array(found.get(b"data"), found.get(b"dtype"), found.get(b"shape"))
-    if b"__npgeneric__" in found:
-        kind = np.dtype(str(found.get(b"dtype")))
+def _openpi_decode(mapping: Mapping[object, object]) -> object:
+    if b"__ndarray__" in mapping:
+        return _array(mapping.get(b"data"), mapping.get(b"dtype"), mapping.get(b"shape"))
+    if b"__npgeneric__" in mapping:
+        kind = np.dtype(str(mapping.get(b"dtype")))
         if kind.kind in REFUSED:
             raise ValueError(f"scalars of {kind} are refused")
-        return kind.type(found.get(b"data"))
-    return found
+        return kind.type(mapping.get(b"data"))
+    return mapping
 
 
 def _plain_encode(value: np.ndarray | np.generic) -> dict[bytes, object]:
@@ -103,16 +103,16 @@ def _plain_encode(value: np.ndarray | np.generic) -> dict[bytes, object]:
     }
 
 
-def _plain_decode(found: Mapping[object, object]) -> object:
-    if b"nd" not in found:
-        return found
-    if found.get(b"kind"):  # structured (V) or pickled (O): the latter would run foreign code
-        raise ValueError(f"arrays of kind {found.get(b'kind')!r} are refused")
-    if found[b"nd"]:
-        return _array(found.get(b"data"), found.get(b"type"), found.get(b"shape"))
-    return _array(found.get(b"data"), found.get(b"type"), [1])[0]
+def _plain_decode(mapping: Mapping[object, object]) -> object:
+    if b"nd" not in mapping:
+        return mapping
+    if mapping.get(b"kind"):  # structured (V) or pickled (O); unpickling would run foreign code
+        raise ValueError(f"arrays of kind {mapping.get(b'kind')!r} are refused")
+    if mapping[b"nd"]:
+        return _array(mapping.get(b"data"), mapping.get(b"type"), mapping.get(b"shape"))
+    return _array(mapping.get(b"data"), mapping.get(b"type"), [1])[0]
 
 
 OPENPI = Encoding("openpi", _openpi_encode, _openpi_decode)
 MSGPACK_NUMPY = Encoding("msgpack-numpy", _plain_encode, _plain_decode)
-"""The format of the package of that name, which XPolicyLab's frames use."""
+"""Encoding of the package msgpack-numpy, used in XPolicyLab's frames."""

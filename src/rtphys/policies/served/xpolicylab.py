@@ -1,7 +1,7 @@
-"""XPolicyLab's policy server: framed requests, each answered by a frame of its own.
+"""Client of XPolicyLab's policy server: a frame per request, a frame per answer.
 
 A frame is a map of `message_type`, `message_id`, `evaluation_id`, `action_case_id`, `trial_id`,
-`repeat_index`, `step`, `sent_at` and `payload`, and nothing else: the server forbids extra keys.
+`repeat_index`, `step`, `sent_at` and `payload`, and nothing else: the server refuses other keys.
 """
 
 from collections.abc import Mapping
@@ -34,22 +34,22 @@ EVALUATION = "rtphys"
 
 
 class XPolicyLab:
-    """A policy behind XPolicyLab's websocket (`rtphys.policies.Policy`).
+    """Policy behind XPolicyLab's websocket server.
 
     Args:
-        at: where; speaks `wire.MSGPACK_NUMPY`.
-        kind: "joint" or "ee", what plain arrays of actions mean; mappings say it themselves.
+        at: the server, with encoding `wire.MSGPACK_NUMPY`.
+        kind: "joint" or "ee", the meaning of actions that are plain arrays; mappings state theirs.
 
     Raises:
-        PolicyGone: nobody answers there.
-        ServerFailed: the server refuses the hello.
+        PolicyGone: no server answers.
+        ServerFailed: the server refuses the greeting.
     """
 
     needs_images = True
 
     def __init__(self, at: Endpoint, kind: str = "joint") -> None:
         if kind not in fmt.KINDS:
-            raise BadValue("action_type", kind, f"it is one of {', '.join(fmt.KINDS)}")
+            raise BadValue("action_type", kind, f"it must be one of {', '.join(fmt.KINDS)}")
         self._at, self._kind = at, kind
         self._numbers = count(1)
         self._trial: dict[str, object] = {"action_case_id": None, "trial_id": None}
@@ -57,34 +57,35 @@ class XPolicyLab:
         self._request("hello", {})
 
     def play(self, episode: PolicyEpisode) -> None:
-        """Raises `PolicyGone`, `ServerFailed`."""
+        """Play one episode. Raises `PolicyGone`, `ServerFailed`."""
         case = f"{episode.task}-{episode.protocol}"
         trial = f"{case}-{episode.seed}"
         self._trial = {"action_case_id": case, "trial_id": trial}
-        told: dict[str, object] = {
+        about: dict[str, object] = {
             "task_name": episode.task,
             "seed": episode.seed,
             "instruction": episode.instruction,
             "action_type": self._kind,
         }
-        self._request("prepare_case", {"action_case_id": case, **told})
-        self._request("reset", {"trial_id": trial, **told})
+        self._request("prepare_case", {"action_case_id": case, **about})
+        self._request("reset", {"trial_id": trial, **about})
         step = 0
         while not episode.over:
-            self._act_out(episode, step)
+            self._play_chunk(episode, step)
             step += 1
         end = {"task_name": episode.task, "seed": episode.seed, "success": episode.success}
-        with suppress(ServerFailed):  # whatever it makes of the news, the episode is decided
+        with suppress(ServerFailed):  # the episode is decided, whatever the server answers
             self._request("trial_end", {"trial_id": trial, **end})
 
-    def _act_out(self, episode: PolicyEpisode, step: int) -> None:
+    def _play_chunk(self, episode: PolicyEpisode, step: int) -> None:
+        """Request a chunk of actions and carry them out."""
         now: Observation = episode.observe()
-        asked = {"observation": fmt.observation(now, episode.instruction)}
-        payload = self._request("infer", asked, step)
+        request = {"observation": fmt.observation(now, episode.instruction)}
+        payload = self._request("infer", request, step)
         if "actions" not in payload:
             raise ServerFailed(f"{self._at.url}: the answer has no 'actions'")
         for answer in fmt.chunk(payload["actions"], self._at.url):
-            # What an answer leaves out stays as it is now, not as it was when the chunk began.
+            # Parts that an answer omits keep their present value, not that at the chunk's start.
             action, kind = fmt.action(answer, self._kind, now, self._at.url)
             if episode.act(action, kind) or episode.over:
                 return
@@ -106,21 +107,21 @@ class XPolicyLab:
                 "payload": payload,
             }
         )
-        while True:  # answers to requests that an earlier error abandoned are not ours
+        while True:  # skip answers to requests that an earlier error has abandoned
             frame = self._connection.receive()
             if not isinstance(frame, Mapping):
-                raise ServerFailed(f"{self._at.url}: sent no frame")
+                raise ServerFailed(f"{self._at.url}: sent a {type(frame).__name__}, not a frame")
             if frame.get("message_id") == number:
                 return self._payload(frame, kind)
 
-    def _payload(self, frame: Mapping[object, object], asked: str) -> Mapping[str, object]:
-        found, payload = frame.get("message_type"), frame.get("payload") or {}
+    def _payload(self, frame: Mapping[object, object], request: str) -> Mapping[str, object]:
+        kind, payload = frame.get("message_type"), frame.get("payload") or {}
         assert isinstance(payload, Mapping)
-        if found == "error":
+        if kind == "error":
             problem = f"{payload.get('code', 'internal')}: {payload.get('message', '')}"
-            raise ServerFailed(f"{self._at.url}: {asked} failed: {problem}")
-        if found != ANSWERS[asked]:
-            raise ServerFailed(f"{self._at.url}: answered {asked} with {found!r}")
+            raise ServerFailed(f"{self._at.url}: {request} failed: {problem}")
+        if kind != ANSWERS[request]:
+            raise ServerFailed(f"{self._at.url}: answered {request} with {kind!r}")
         return payload
 
     def close(self) -> None:
@@ -128,10 +129,10 @@ class XPolicyLab:
 
 
 def open_xpolicylab(argument: str, setup: PolicySetup) -> XPolicyLab:
-    """`xpolicylab:HOST:PORT[?action_type=ee&reply_s=S&connect_s=S]`; `ws://` may stand before it.
+    """Opener of `xpolicylab:[ws://]HOST:PORT[?action_type=ee&reply_s=S&connect_s=S]`.
 
     Raises:
-        PolicyGone: nobody answers there.
+        PolicyGone: no server answers.
         BadValue, UnknownName: an option is wrong.
     """
     where, given = options.split(argument, setup.options)

@@ -1,4 +1,4 @@
-"""XPolicyLab's observations and actions (its data format v1.0), from and to ours."""
+"""Converts observations and actions to and from XPolicyLab's data format v1.0."""
 
 from collections.abc import Mapping, Sequence
 
@@ -17,9 +17,9 @@ CAMERAS = {
     "front": "cam_third_view",
 }
 KINDS: dict[str, ActionKind] = {"joint": "qpos", "qpos": "qpos", "ee": "ee", "endpose": "ee"}
-FREQUENCY = 30  # [Hz] what RoboTwin's client says by default; servers use it as a label
+FREQUENCY = 30  # [Hz] default of RoboTwin's client; servers use it as a label only
 TCP = Pose((0.12, 0.0, 0.0))  # tool centre point in the ee frame
-# Names under which an action may come, the present one first (RoboTwin's client accepts all).
+# Keys that may hold an action, the current one first (RoboTwin's client accepts all).
 ARM_NAMES: dict[ActionKind, tuple[str, ...]] = {
     "qpos": ("{}_arm_joint_state", "{}_arm_joint", "{}_joint_state"),
     "ee": ("{}_ee_pose", "{}_endpose"),
@@ -28,7 +28,7 @@ GRIPPER_NAMES = ("{}_ee_joint_state", "{}_gripper", "{}_gripper_pos")
 
 
 def observation(now: Observation, instruction: str) -> dict[str, object]:
-    """`vision`, `state` and `instruction` of one instant; poses xyz [m] + wxyz, world."""
+    """Observation of one instant in XPolicyLab's format; poses xyz [m] + wxyz, world frame."""
     state: dict[str, object] = {}
     for i, side in enumerate(("left", "right")):
         joints = now.vector[7 * i : 7 * i + 7].astype(np.float32)
@@ -59,36 +59,42 @@ def _camera(view: CameraView) -> dict[str, object]:
 
 
 def chunk(actions: object, where: str) -> list[object]:
-    """One answer as single actions, each a mapping or a row of numbers.
+    """Split an answer into single actions, each a mapping or a row of numbers.
 
     Raises:
-        ServerFailed: there is none in it.
+        ServerFailed: the answer holds no action.
     """
     if isinstance(actions, Mapping):
         return chunk(actions["actions"], where) if "actions" in actions else [actions]
     if isinstance(actions, np.ndarray):
-        found: list[object] = list(np.atleast_2d(actions))
+        rows: list[object] = list(np.atleast_2d(actions))
     elif isinstance(actions, Sequence) and not isinstance(actions, str | bytes):
         single = len(actions) > 0 and isinstance(actions[0], int | float)
-        found = [actions] if single else list(actions)
+        rows = [actions] if single else list(actions)
     else:
-        raise ServerFailed(f"{where}: actions came as {type(actions).__name__}")
-    if not found:
-        raise ServerFailed(f"{where}: answered no action at all")
-    return found
+        raise ServerFailed(f"{where}: answered actions as {type(actions).__name__}")
+    if not rows:
+        raise ServerFailed(f"{where}: answered no action")
+    return rows
 
 
 def action(answer: object, kind: str, now: Observation, where: str) -> tuple[Array, ActionKind]:
-    """One action for `PolicyEpisode.act`; what a mapping leaves out keeps its present value.
+    """Convert an action for `PolicyEpisode.act`; parts that a mapping omits keep their value.
+
+    Args:
+        answer: a mapping of named parts, or a row of numbers.
+        kind: meaning of a row; a mapping may state its own.
+        now: observation whose values fill omitted parts.
+        where: the server, for errors.
 
     Raises:
-        ServerFailed: it is neither a mapping of known parts nor a row of the right length.
+        ServerFailed: neither a mapping of known parts nor a row of the right length.
     """
     named = answer if isinstance(answer, Mapping) else {}
-    told = str(named.get("action_type", kind))
-    if told not in KINDS:
-        raise ServerFailed(f"{where}: action_type {told!r} is none of {', '.join(KINDS)}")
-    ours = KINDS[told]
+    action_type = str(named.get("action_type", kind))
+    if action_type not in KINDS:
+        raise ServerFailed(f"{where}: action_type {action_type!r} is none of {', '.join(KINDS)}")
+    ours = KINDS[action_type]
     try:
         if named:
             parts = [part for side in ("left", "right") for part in _side(named, side, ours, now)]
@@ -114,5 +120,5 @@ def _side(
 
 
 def _first(named: Mapping[str, object], keys: Sequence[str], present: Array) -> Array:
-    found = next((named[key] for key in keys if key in named), present)
-    return np.asarray(found, float).reshape(-1)
+    value = next((named[key] for key in keys if key in named), present)
+    return np.asarray(value, float).reshape(-1)

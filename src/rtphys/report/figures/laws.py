@@ -1,10 +1,6 @@
-"""One figure per attribute: what the law says, what the simulator did, and how far they differ."""
+"""Figure of one attribute's proof: physical law against simulation, and the errors."""
 
 from pathlib import Path
-
-import matplotlib
-
-matplotlib.use("Agg")  # no display needed
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,11 +8,11 @@ from matplotlib.figure import Figure
 
 from rtphys.proofs.proof import Proof, Trial
 
-FLOOR = 1e-6  # error below which a point is drawn at the edge: single precision
+FLOOR = 1e-6  # smallest relative error drawn: single precision
 
 
 def draw_law(proof: Proof, trials: list[Trial], path: Path) -> None:
-    """Write a PNG: the recorded curves (or measured against expected), and every error."""
+    """Write a PNG: recorded curves (or measured against expected values), and all errors."""
     figure = Figure(figsize=(10, 4), layout="constrained")
     left, right = figure.subplots(1, 2)
     traced = [t for t in trials if t.trace is not None]
@@ -33,8 +29,9 @@ def _curves(axes: Axes, traced: list[Trial]) -> None:
     first: dict[str, Trial] = {}
     for trial in traced:
         first.setdefault(trial.setting, trial)
-    alone = {s: t for s, t in first.items() if "," not in s.split("=", 1)[1].split("),")[-1]}
-    for i, (setting, trial) in enumerate((alone or first).items()):
+    # Prefer settings that vary one value only: their names hold a single assignment.
+    single = {s: t for s, t in first.items() if "," not in s.split("=", 1)[1].split("),")[-1]}
+    for i, (setting, trial) in enumerate((single or first).items()):
         trace, colour = trial.trace, f"C{i}"
         assert trace is not None
         step = max(1, len(trace.x) // 40)

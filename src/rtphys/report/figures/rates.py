@@ -1,23 +1,19 @@
-"""Success rates with their intervals, one row a task, one colour a policy."""
+"""Figure of success rates with intervals: one row per task, one colour per policy."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-
-import matplotlib
-
-matplotlib.use("Agg")  # no display needed
 
 from matplotlib.figure import Figure
 
 from rtphys.results.statistics import Rate
 
-ROW = 0.24  # [inch] of a task and column, at least
+ROW = 0.24  # [inch] smallest height of a task's row
 
 Rates = Sequence[tuple[str, Mapping[str, Rate]]]  # label, rate by task
 
 
 def draw_rates(columns: Rates, tasks: Sequence[str], title: str, path: Path) -> None:
-    """Write a PNG; dots are rates, whiskers 95 % intervals."""
+    """Write a PNG; dots are success rates, whiskers their 95 % intervals."""
     height = 1.4 + len(tasks) * max(ROW, 0.09 * len(columns))
     figure = Figure(figsize=(8.0, height), layout="constrained")
     axes = figure.subplots()

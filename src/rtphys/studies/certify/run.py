@@ -15,7 +15,7 @@ from rtphys.setting.setting import Recipe, Setting
 from rtphys.studies.certify.certified_list import CertifiedList, Job
 from rtphys.studies.certify.plan import CertifyPlan
 from rtphys.studies.worker import StudyWorker
-from rtphys.task.spec import Task
+from rtphys.task.spec import Task, load_task
 
 
 def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> list[CertifiedList]:
@@ -26,10 +26,10 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
     it is, `series.halted` says why, and the same call goes on there.
 
     Raises:
-        RtphysError: what `CertifyPlan.check` refuses; a list with another fingerprint; another
+        RtphysError: a list with another fingerprint; another
             run at work in the folder; an error in a worker.
     """
-    tasks, listener = plan.check(), listener or Listener()
+    tasks, listener = [load_task(name) for name in plan.tasks], listener or Listener()
     make_folder(plan.out)
     with FolderLock(plan.out):
         lists = [_open(plan, task, name, pack) for name in plan.protocols for task in tasks]

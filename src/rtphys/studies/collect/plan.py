@@ -7,8 +7,6 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated
 
-from pydantic.dataclasses import dataclass
-
 from rtphys.assets.pack import FALLBACKS, Pack, Progress, chosen_pack
 from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
@@ -21,7 +19,7 @@ from rtphys.core.errors import (
 )
 from rtphys.data.layout import LAYOUTS, Leaf
 from rtphys.doctor import PROBE, check_disk, check_renderer
-from rtphys.setting.option import Option, at_least, one_of
+from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
 from rtphys.setting.protocol import protocols
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
@@ -31,7 +29,6 @@ from rtphys.task.spec import Task, load_task
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
 LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
 RUNNERS = ("local", "ray")
-MOST_WORKERS = 1000  # processes of 0.5 GB; more is a slip of the finger
 
 
 def _cameras() -> tuple[str, ...]:
@@ -50,18 +47,15 @@ class NoRoom(RtphysError):
     """Less disk space than the episodes will need."""
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class TaskPlan:
     """One task dataset: under which setting, how much of it, and what is recorded."""
 
     setting: Setting
-    episodes: Annotated[int, at_least(1), Option("Number of episodes of each task.")] = 10
-    first_seed: Annotated[
-        int, at_least(0), Option("The first seed; attempts go upward from it.", "seed")
-    ] = 0
+    episodes: Annotated[Positive, Option("Number of episodes of each task.")] = 10
+    first_seed: Annotated[Seed, Option("The first seed; attempts go upward from it.", "seed")] = 0
     twin: Annotated[
-        str | None,
-        Option("A second protocol: record each seed under both, keep only pairs."),
+        str | None, Option("A second protocol: record each seed under both, keep only pairs.")
     ] = None
     cameras: Annotated[
         tuple[str, ...],
@@ -70,8 +64,7 @@ class TaskPlan:
     ] = ("head", "left", "right")
     layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
     most_attempts: Annotated[
-        int | None,
-        at_least(1),
+        Positive | None,
         Option("Attempts of each task, those of earlier runs included.", "max_attempts"),
     ] = None
     config: str | None = None  # name of the folder; None: the protocol's
@@ -128,14 +121,12 @@ class TaskPlan:
         return task
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class Run:
     """Where and on what a collection is made. None of it moves a byte of an episode."""
 
     out: Annotated[Path, Option("The dataset's folder.")] = Path("data")
-    workers: Annotated[
-        int | None, at_least(1, MOST_WORKERS), Option("Worker processes; default one a core.")
-    ] = None
+    workers: Workers = None
     runner: Annotated[
         str, one_of("runner", RUNNERS), Option("local, or ray: on a Ray cluster.")
     ] = "local"

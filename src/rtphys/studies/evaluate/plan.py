@@ -5,15 +5,21 @@ from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
-from pydantic.dataclasses import dataclass
-
 from rtphys.campaign.workers.pool import Limits
 from rtphys.core.errors import NoRenderer
 from rtphys.doctor import check_renderer
 from rtphys.policies import PolicySetup, parse_spec
 from rtphys.results.folder import short_name
-from rtphys.setting.option import Option, at_least, entries_of, one_of
-from rtphys.setting.protocol import load_protocol
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Protocols,
+    Seed,
+    Tasks,
+    Workers,
+    checked_dataclass,
+    one_of,
+)
 from rtphys.setting.setting import SPLITS, Setting
 from rtphys.task.spec import Task, load_task
 
@@ -21,22 +27,15 @@ from rtphys.task.spec import Task, load_task
 MOST_MEMORY = 256e9  # [bytes]
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class EvaluatePlan:
     """One run of `evaluate`: a policy on certified instances of tasks under protocols."""
 
     policy: Annotated[str, Option("idle, random, expert, replay:DATASET, ...")]
-    tasks: Annotated[
-        tuple[str, ...],
-        entries_of("tasks"),
-        Option("Tasks or patterns; several with commas.", "task"),
-    ]
-    protocols: Annotated[
-        tuple[str, ...], Option("clean, phys_random; several with commas.", "protocol")
-    ]
+    tasks: Tasks
+    protocols: Protocols
     episodes: Annotated[
-        int | None,
-        at_least(1),
+        Positive | None,
         Option("Number of episodes of each task and protocol; default: all that are certified."),
     ] = None
     out: Annotated[Path | None, Option("Folder of the results; default: eval/<policy>.")] = None
@@ -49,7 +48,7 @@ class EvaluatePlan:
         one_of("texture split", SPLITS),
         Option("Sentences, and pictures on table and wall: seen or unseen."),
     ] = "unseen"
-    seed: Annotated[int, at_least(0), Option("Seed of the policy's own chance.")] = 0
+    seed: Annotated[Seed, Option("Seed of the policy's own chance.")] = 0
     options: Annotated[
         Mapping[str, str], Option("key=value for the policy; repeatable.", "set")
     ] = field(default_factory=dict[str, str])
@@ -59,9 +58,7 @@ class EvaluatePlan:
         bool, Option("Run on lists that have another certification fingerprint.")
     ] = False
     timeout: Annotated[float, Option("Seconds of an episode before it is lost.")] = 1800.0
-    workers: Annotated[int | None, at_least(1), Option("Worker processes; default one a core.")] = (
-        None
-    )
+    workers: Workers = None
 
     @property
     def folder(self) -> Path:
@@ -84,8 +81,6 @@ class EvaluatePlan:
     def check(self) -> list[Task]:
         """The tasks. Raises UnknownName, BadValue, BadFile, NoRenderer before any work is done."""
         parse_spec(self.policy)
-        for name in self.protocols:
-            load_protocol(name)
         tasks = [load_task(name) for name in self.tasks]
         if self.video and (finding := check_renderer()).status == "fail":
             cure = f"; cure: {finding.cure}" if finding.cure else ""

@@ -4,14 +4,26 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from rtphys.core.poses import Pose
-from rtphys.task.alternatives import place_at_first
-from rtphys.task.arm import Aim, Motion, Placing, Robot
-from rtphys.task.draw import Draw
-from rtphys.task.orientation import DOWN, UP_Z
-from rtphys.task.props import Mesh
-from rtphys.task.scene import LEFT, RIGHT, Scene
-from rtphys.task.success import Condition, claim, free_of, held_by, upright
+from rtphys.task import (
+    DOWN,
+    LEFT,
+    RIGHT,
+    UP_Z,
+    Aim,
+    Condition,
+    Draw,
+    Mesh,
+    Motion,
+    Placing,
+    Pose,
+    Robot,
+    Scene,
+    condition,
+    free_of,
+    held_by,
+    place_at_first,
+    upright,
+)
 
 PLACES = {LEFT: (-0.06, -0.105, 1.0), RIGHT: (0.06, -0.105, 1.0)}  # [m] of a bottle's middle
 ABOVE = 0.89  # [m] at the end
@@ -60,7 +72,7 @@ def _offer(robot: Robot, side: str) -> Motion:
 
 def bottles_together() -> Condition:
     """Both near their places and upright in the air, each in its own hand."""
-    found = claim("the bottles are together in front", _together)
+    found = condition("the bottles are together in front", _together)
     for side in (LEFT, RIGHT):
         bottle = f"{side}_bottle"
         found = found & held_by(bottle, side) & free_of(bottle, "table")

@@ -3,10 +3,14 @@
 from collections.abc import Callable, Iterable
 from math import pi
 
-from rtphys.core.poses import Pose
-from rtphys.task.draw import Draw, Spot, clear_of
-from rtphys.task.orientation import UP_Y
-from rtphys.task.props import Mesh
+from rtphys.task import (
+    UP_Y,
+    Draw,
+    Mesh,
+    Pose,
+    Spot,
+    clear_of,
+)
 
 MODELS: dict[str, tuple[int, ...]] = {
     "047_mouse": (0, 1, 2),

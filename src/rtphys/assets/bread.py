@@ -11,7 +11,7 @@ from rtphys.core.seeds import stream
 FACETS = 10  # around a loaf's back
 
 
-def loaf(
+def bread(
     width: float, height: float, length: float, blunt: float = 0.5, flat: float = 0.7
 ) -> Solid:
     """Convex, along z, standing on y = 0.
@@ -38,9 +38,9 @@ def scored(body: Solid, width: float, height: float, length: float, count: int =
 
 def crust(colour: Colour, name: str, contrast: float = 0.10) -> Picture:
     """Baked dough seen from the side: dark on top, pale below, mottled."""
-    draw = stream(0, "assets", "crust", name)
+    rng = stream(0, "assets", "crust", name)
     fall = np.linspace(0.82, 1.12, 16)[:, None] * np.ones((16, 32))
-    fall = fall * (1 + contrast * draw.normal(0, 0.5, (16, 32)))
+    fall = fall * (1 + contrast * rng.normal(0, 0.5, (16, 32)))
     pale = np.array(tint(colour, 1.25))
     depth = np.clip(np.linspace(-0.6, 1.0, 16), 0, 1)[:, None, None]
     return to_picture((1 - depth) * np.array(colour) * fall[..., None] + depth * pale)

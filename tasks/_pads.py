@@ -2,8 +2,12 @@
 
 from collections.abc import Sequence
 
-from rtphys.task.draw import Draw, Spot
-from rtphys.task.props import COLOURS, Box
+from rtphys.task import (
+    COLOURS,
+    Box,
+    Draw,
+    Spot,
+)
 
 
 def coloured_pad(

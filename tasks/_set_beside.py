@@ -1,11 +1,19 @@
 """One thing put directly beside another: what two tasks differ in is the side."""
 
-from rtphys.core.poses import Pose
-from rtphys.task.arm import Aim, Placing, Robot
-from rtphys.task.orientation import IDENTITY
-from rtphys.task.props import TABLE_TOP
-from rtphys.task.scene import LEFT
-from rtphys.task.success import Condition, at_rest, beside, hands_open, on_table
+from rtphys.task import (
+    IDENTITY,
+    LEFT,
+    TABLE_TOP,
+    Aim,
+    Condition,
+    Placing,
+    Pose,
+    Robot,
+    at_rest,
+    beside,
+    hands_open,
+    on_table,
+)
 
 APART = 0.16  # [m] room for open fingers between the two
 _HOW = Placing(pre=0.08, gap=0.004)

@@ -10,7 +10,7 @@ from rtphys.assets.solid import Solid, hull
 
 
 @dataclass(frozen=True)
-class Tub:
+class RoundedTray:
     """Sizes [m]; the outside is a tapering block that stands on y = 0."""
 
     x: float  # at the rim

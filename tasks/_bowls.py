@@ -1,22 +1,41 @@
-"""Bowls to be nested in the middle of the table: what two tasks differ in is how many."""
+"""Bowls that are to be nested in the middle of the table, any number of them."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
-from rtphys.core.errors import Infeasible
-from rtphys.core.poses import Pose
-from rtphys.task.arm import Aim, Arm, Motion, Placing, Robot
-from rtphys.task.draw import Draw, Spot, clear_of, off_centre, reachable
-from rtphys.task.orientation import DOWN, UP_Y
-from rtphys.task.props import TABLE_TOP, Mesh
-from rtphys.task.success import Condition, at_rest, hands_open, near, on_table
+from rtphys.task import (
+    DOWN,
+    TABLE_TOP,
+    UP_Y,
+    Aim,
+    Arm,
+    Condition,
+    Draw,
+    Infeasible,
+    Mesh,
+    Motion,
+    Placing,
+    Pose,
+    Robot,
+    Spot,
+    at_rest,
+    clear_of,
+    hands_open,
+    near,
+    off_centre,
+    on_table,
+    reachable,
+)
+
+from ._by_the_rim import OUTER
 
 CENTRE = (0.0, -0.1)  # [m]
 NEST = 0.035  # [m] between the bowls' feet
 OFF = (0.04, 0.04, 0.02)  # [m] from there
-_OUTER = {"left": (2, 3), "right": (0, 1)}  # the rim on the arm's own side
+LIFT, RETREAT = 0.1, 0.09  # [m] to carry a bowl; up from it once it is released
 _INTO = Placing(mode="free", pre=0.09, gap=0.005, along="point")
 
 
@@ -52,24 +71,24 @@ def nest_bowls(robot: Robot, names: Sequence[str]) -> None:
         arm = robot.nearest(name)
         away = [last.home()] if last and last is not arm else []
         robot.do(_grasp(arm, name, Aim(target, 0, _INTO)), *away)
-        if not robot.tried(lambda arm=arm: robot.do(arm.lift(0.1))):
-            robot.do(arm.retreat(0.1))  # far off, straight up is out of reach
+        if not robot.tried(partial(robot.do, arm.lift(LIFT))):
+            robot.do(arm.retreat(LIFT))  # far off, straight up is out of reach
         robot.do(arm.place(name, target, point=0, how=_INTO))
-        robot.do(arm.lift(0.09))
+        robot.do(arm.lift(RETREAT))
         target, last = Pose(robot.scene.pose(name).p + np.array([0, 0, NEST]), DOWN), arm
 
 
 def _grasp(arm: Arm, name: str, aim: Aim) -> Motion:
-    """By the rim on the arm's own side, or by any where another bowl leaves no room there."""
+    """By the rim on the arm's own side, or anywhere if another bowl leaves no room there."""
     try:
-        return arm.grasp(name, _OUTER[arm.side], pre=0.1, aim=aim)
+        return arm.grasp(name, OUTER[arm.side], aim=aim)
     except Infeasible:
-        return arm.grasp(name, pre=0.1, aim=aim)
+        return arm.grasp(name, aim=aim)
 
 
 def bowls_nested(names: Sequence[str]) -> Condition:
     """Each bowl centred in the one below, the lowest on the table, the last at rest, hands open."""
-    found = on_table(names[0]) & at_rest(names[-1]) & hands_open()
+    nested = on_table(names[0]) & at_rest(names[-1]) & hands_open()
     for below, bowl in pairwise(names):
-        found = near(bowl, below, within=OFF, offset=(0, 0, NEST)) & found
-    return found
+        nested = near(bowl, below, within=OFF, offset=(0, 0, NEST)) & nested
+    return nested
