@@ -8,8 +8,8 @@ import numpy as np
 
 from rtphys.core.seeds import stream
 
-LEAF = "phys_random/click_bell/aloha_agilex"
-HDF5 = f"dataset/{LEAF}/data/episode_0000000.hdf5"
+FOLDER = "phys_random/click_bell/aloha_agilex"
+HDF5 = f"dataset/{FOLDER}/data/episode_0000000.hdf5"
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def json_and_hdf5() -> Iterator[Case]:
         for reader in readers:
             yield Case((*reader, "dataset"), {"dataset/manifest.json": text})
         yield Case(("convert", "dataset", "--out", "out"), {"dataset/manifest.json": text})
-        meta = f"dataset/{LEAF}/phys_meta/episode_0000000.json"
+        meta = f"dataset/{FOLDER}/phys_meta/episode_0000000.json"
         for reader in (("show",), ("report",), ("verify-manifest",)):
             yield Case((*reader, "dataset"), {meta: text})
     signature = b"\x89HDF\r\n\x1a\n"

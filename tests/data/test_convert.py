@@ -22,8 +22,8 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_there_and_back(native: Path, tmp_path: Path) -> None:
     seen: list[tuple[int, int]] = []
-    leaves = convert(native, tmp_path / "old", "legacy", lambda *at: seen.append(at))
-    assert leaves == ["click_bell/phys_random"]
+    names = convert(native, tmp_path / "old", "legacy", lambda *at: seen.append(at))
+    assert names == ["click_bell/phys_random"]
     assert seen == [(1, 3), (2, 3), (3, 3)]
     report = verify(tmp_path / "old")
     assert (report.problems, report.episodes) == ([], 3)
@@ -31,8 +31,8 @@ def test_there_and_back(native: Path, tmp_path: Path) -> None:
     assert content(tmp_path / "new") == content(native)
 
 
-def test_nothing_that_makes_a_leaf_is_lost(tmp_path: Path) -> None:
-    """A leaf beside the plain one: with a name of its own, rules of the look, and a twin."""
+def test_nothing_that_makes_a_task_dataset_is_lost(tmp_path: Path) -> None:
+    """One beside the plain one: with a name of its own, rules of the look, and a twin."""
     plain = synthetic.conditions()
     unseen = replace(plain.setting, split="unseen")
     own = replace(

@@ -53,28 +53,28 @@ def reference(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 def test_tree_is_the_official_one(reference: dict[str, bytes]) -> None:
-    leaf = "phys_random/click_bell/aloha_agilex"
-    assert reference[f"{leaf}/seed.txt"] == b"0 1 3 4 "
-    assert reference[f"{leaf}/seeds.txt"] == b"0\n1\n3\n4\n"
+    folder = "phys_random/click_bell/aloha_agilex"
+    assert reference[f"{folder}/seed.txt"] == b"0 1 3 4 "
+    assert reference[f"{folder}/seeds.txt"] == b"0\n1\n3\n4\n"
     assert list(reference) and set(reference) == {
         "manifest.json",
         *(
-            f"{leaf}/{name}"
+            f"{folder}/{name}"
             for name in ("scene_info.json", "seed.txt", "seeds.txt", "journal.jsonl")
         ),
-        *(f"{leaf}/data/episode_{n:07d}.hdf5" for n in range(4)),
-        *(f"{leaf}/video/episode_{n:07d}.mp4" for n in range(4)),
-        *(f"{leaf}/phys_meta/episode_{n:07d}.json" for n in range(4)),
-        *(f"{leaf}/instruction/episode_{n:07d}.json" for n in range(4)),
+        *(f"{folder}/data/episode_{n:07d}.hdf5" for n in range(4)),
+        *(f"{folder}/video/episode_{n:07d}.mp4" for n in range(4)),
+        *(f"{folder}/phys_meta/episode_{n:07d}.json" for n in range(4)),
+        *(f"{folder}/instruction/episode_{n:07d}.json" for n in range(4)),
     }
 
 
 def test_legacy_tree(tmp_path: Path) -> None:
     collect(tmp_path, 2, what=synthetic.conditions("legacy"))
-    leaf = tmp_path / "click_bell/phys_random"
+    folder = tmp_path / "click_bell/phys_random"
     names = ("data/episode1.hdf5", "video/episode1.mp4", "instructions/episode1.json")
-    assert all((leaf / name).is_file() for name in names)
-    assert b"\\u00e4" in (leaf / names[2]).read_bytes(), "legacy JSON is ASCII"
+    assert all((folder / name).is_file() for name in names)
+    assert b"\\u00e4" in (folder / names[2]).read_bytes(), "legacy JSON is ASCII"
     assert verify(tmp_path).problems == []
 
 
@@ -240,9 +240,9 @@ def test_an_episode_with_a_recovery_is_marked(tmp_path: Path, excluded: bool) ->
         task = dataset.task(what, 2)
         task.record(outcome(task, 0))
         task.record(recovered(task, 1))
-    (leaf,) = Dataset(tmp_path).manifest.leaves.values()
-    assert leaf.recovery is not excluded
-    assert [attempt.recovered for attempt in leaf.attempts] == [False, True]
+    (entry,) = Dataset(tmp_path).task_datasets
+    assert entry.recovery is not excluded
+    assert [attempt.recovered for attempt in entry.attempts] == [False, True]
     problems = [str(problem) for problem in verify(tmp_path).problems]
     assert len(problems) == excluded
     assert all("verdict.recovered" in problem for problem in problems)

@@ -18,15 +18,15 @@ from rtphys.data.hdf5_file import content_digest
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
 
-LEAF = "phys_random/click_bell/aloha_agilex"
+FOLDER = "phys_random/click_bell/aloha_agilex"
 FILES = (
     "manifest.json",
-    f"{LEAF}/journal.jsonl",
-    f"{LEAF}/data/episode_0000000.hdf5",
-    f"{LEAF}/video/episode_0000000.mp4",
-    f"{LEAF}/phys_meta/episode_0000000.json",
-    f"{LEAF}/instruction/episode_0000000.json",
-    f"{LEAF}/scene_info.json",
+    f"{FOLDER}/journal.jsonl",
+    f"{FOLDER}/data/episode_0000000.hdf5",
+    f"{FOLDER}/video/episode_0000000.mp4",
+    f"{FOLDER}/phys_meta/episode_0000000.json",
+    f"{FOLDER}/instruction/episode_0000000.json",
+    f"{FOLDER}/scene_info.json",
 )
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),

@@ -15,11 +15,11 @@ from rtphys.data.files import facts_of
 from rtphys.data.hdf5_native import read_native
 from rtphys.data.journal import Journal, read_journal
 from rtphys.data.json_text import pretty
-from rtphys.data.layout import Leaf
-from rtphys.data.manifest import LeafHistory, manifest_of
+from rtphys.data.layout import TaskDataset
+from rtphys.data.manifest import TaskDatasetHistory, manifest_of
 from rtphys.data.verify import Report, verify
 
-LEAF = "phys_random/click_bell/aloha_agilex"
+FOLDER = "phys_random/click_bell/aloha_agilex"
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_every_flipped_byte_is_reported_naming_the_file(copy: Path, flips: int) 
     "name", ["data/episode_0000001.hdf5", "seed.txt", "video/episode_0000000.mp4"]
 )
 def test_missing_and_cut_files(copy: Path, name: str) -> None:
-    path = copy / LEAF / name
+    path = copy / FOLDER / name
     data = path.read_bytes()
     path.write_bytes(data[:-1])
     assert f"{path}: has {len(data) - 1} bytes, not {len(data)}" in words(verify(copy))
@@ -78,7 +78,7 @@ def test_missing_and_cut_files(copy: Path, name: str) -> None:
 
 
 def test_a_file_nobody_listed(copy: Path) -> None:
-    extra = copy / LEAF / "data" / "episode_0000009.hdf5"
+    extra = copy / FOLDER / "data" / "episode_0000009.hdf5"
     extra.write_bytes(b"")
     assert words(verify(copy)) == f"{extra}: is in no manifest"
 
@@ -88,24 +88,24 @@ def test_without_a_dataset(tmp_path: Path) -> None:
     assert "there is no such folder" in words(verify(tmp_path / "gone"))
 
 
-def forge(out: Path, change: Callable[[Leaf], None]) -> None:
+def forge(out: Path, change: Callable[[TaskDataset], None]) -> None:
     """Changes episode files, then makes journal and manifest agree with the change."""
-    leaf = Leaf(out, "phys_random", "click_bell")
-    change(leaf)
-    entries = [dict(entry) for entry in Journal(leaf.journal).entries()]
-    leaf.journal.unlink()
-    journal = Journal(leaf.journal)
+    place = TaskDataset(out, "phys_random", "click_bell")
+    change(place)
+    entries = [dict(entry) for entry in Journal(place.journal).entries()]
+    place.journal.unlink()
+    journal = Journal(place.journal)
     for entry in entries:
         if "files" in entry:
-            entry["files"] = {n: facts_of(leaf.folder / n).to_json() for n in entry["files"]}
+            entry["files"] = {n: facts_of(place.folder / n).to_json() for n in entry["files"]}
         journal.append(entry, durable=False)
-    history = LeafHistory(leaf, read_journal(leaf.journal).lines)
+    history = TaskDatasetHistory(place, read_journal(place.journal).lines)
     (out / "manifest.json").write_bytes(manifest_of([history]))
 
 
-def edit_meta(change: Callable[[dict], None]) -> Callable[[Leaf], None]:
-    def edit(leaf: Leaf) -> None:
-        path = leaf.episode(1).phys_meta
+def edit_meta(change: Callable[[dict], None]) -> Callable[[TaskDataset], None]:
+    def edit(place: TaskDataset) -> None:
+        path = place.episode(1).phys_meta
         meta = json.loads(path.read_text())
         change(meta)
         path.write_bytes(pretty(meta))
@@ -143,11 +143,11 @@ def test_a_label_that_lies_is_found(copy: Path, change: Callable[[dict], None], 
 def test_wrong_hdf5_content_with_valid_checksums(copy: Path) -> None:
     import h5py
 
-    def scramble(leaf: Leaf) -> None:
-        with h5py.File(leaf.episode(0).hdf5, "r+") as file:
+    def scramble(place: TaskDataset) -> None:
+        with h5py.File(place.episode(0).hdf5, "r+") as file:
             file["action/left_arm_joint_states"][2, 1] += 1
             file["vision/cam_head/colors"][1] = b"\xff\xd8 no picture \xff\xd9"
-        with h5py.File(leaf.episode(2).hdf5, "r+") as file:
+        with h5py.File(place.episode(2).hdf5, "r+") as file:
             file["rtphys/time"][-1] += 0.01
             del file["state/right_ee_poses"]
 
@@ -160,30 +160,32 @@ def test_wrong_hdf5_content_with_valid_checksums(copy: Path) -> None:
 
 
 def test_video_with_too_few_frames(copy: Path) -> None:
-    def swap(leaf: Leaf) -> None:
+    def swap(place: TaskDataset) -> None:
         import synthetic
 
         from rtphys.data.encode import encode_images
 
-        leaf.episode(0).video.write_bytes(encode_images(synthetic.pictures(0, 3)).video)
+        place.episode(0).video.write_bytes(encode_images(synthetic.pictures(0, 3)).video)
 
     forge(copy, swap)
     assert "has 3 frames for 4 recorded ones" in words(verify(copy))
 
 
 def test_forging_nothing_is_sound(copy: Path) -> None:
-    forge(copy, lambda leaf: None)
+    forge(copy, lambda place: None)
     assert verify(copy).sound
 
 
 def test_native_reader_agrees_with_verifier(sound: Path) -> None:
-    with hdf5_file.open_read(Leaf(sound, "phys_random", "click_bell").episode(0).hdf5) as file:
+    with hdf5_file.open_read(
+        TaskDataset(sound, "phys_random", "click_bell").episode(0).hdf5
+    ) as file:
         frames, images, _ = read_native(file)
     assert len(frames) == len(images.jpegs["head_camera"]) == 4
 
 
 def test_dataset_without_journal_is_checked_by_its_manifest(copy: Path) -> None:
-    (copy / LEAF / "journal.jsonl").unlink()
+    (copy / FOLDER / "journal.jsonl").unlink()
     report = verify(copy)
     assert report.sound and "no readable journal" in report.notes[0]
     text = (copy / "manifest.json").read_text()
@@ -209,7 +211,7 @@ def test_what_was_sound_is_remembered_by_digest(copy: Path, tmp_path: Path) -> N
     assert memory.read_text() == before
     forge(copy, edit_meta(lambda m: m["attributes"]["friction"].update(value=0.5)))
     assert "attributes.friction is 0.5" in words(verify(copy, memory=memory))
-    path = copy / LEAF / "data/episode_0000002.hdf5"
+    path = copy / FOLDER / "data/episode_0000002.hdf5"
     path.write_bytes(path.read_bytes()[:-1] + b"!")
     assert str(path) in words(verify(copy, memory=memory)), "a checksum is never remembered"
 

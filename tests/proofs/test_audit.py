@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 from rtphys.cli import physics as command
 from rtphys.data.dataset import Dataset
 from rtphys.data.writer import DatasetWriter, Rejection, stage_episode
-from rtphys.proofs.audit import selections_by_leaf
+from rtphys.proofs.audit import selections_by_task_dataset
 from rtphys.proofs.audit_labels import differences
 from rtphys.proofs.audit_selection import Selection, selections
 
@@ -101,7 +101,7 @@ def slippery_rejected(tmp_path_factory):
 
 
 def test_a_dataset_tells_which_attempts_were_refused(slippery_rejected):
-    (found,) = selections_by_leaf(Dataset(slippery_rejected)).values()
+    (found,) = selections_by_task_dataset(Dataset(slippery_rejected)).values()
     by_key = {one.key: one for one in found}
     assert by_key["friction"].accepted.sum() == 25
     assert by_key["friction"].attempted.min() < 0.5

@@ -3,20 +3,19 @@
 from typing import Annotated
 
 import pytest
-from pydantic.dataclasses import dataclass
-
 from rtphys.core.errors import BadValue, UnknownName
-from rtphys.setting.option import at_least, entries_of, one_of
+from rtphys.setting.option import Tasks, Workers, at_least, checked_dataclass, one_of
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class Plan:
     """One field of each kind."""
 
     count: Annotated[int | None, at_least(1, 9)] = None
     color: Annotated[str | None, one_of("color", ("red", "green"))] = None
     sides: Annotated[tuple[str, ...], one_of("side", lambda: iter(("left", "right")))] = ()
-    tasks: Annotated[tuple[str, ...], entries_of("tasks")] = ("lift_pot",)
+    tasks: Tasks = ("lift_*",)
+    workers: Workers = None
 
 
 def test_what_is_allowed_passes() -> None:
@@ -24,6 +23,7 @@ def test_what_is_allowed_passes() -> None:
     assert (plan.count, plan.color, plan.sides) == (9, "green", ("left", "right"))
     assert plan.tasks == ("stack_blocks_three", "stack_blocks_two", "lift_pot")
     assert (Plan().count, Plan().color) == (None, None)
+    assert Plan().tasks == ("lift_pot",), "a default may be a pattern"
 
 
 @pytest.mark.parametrize(
@@ -33,6 +33,11 @@ def test_a_number_out_of_bounds(count: int, said: str) -> None:
     with pytest.raises(BadValue, match=said) as caught:
         Plan(count)
     assert caught.value.key == "count", "the command line puts its flag there"
+
+
+def test_a_thousand_workers_are_the_most() -> None:
+    with pytest.raises(BadValue, match=r"workers = 1001 .*at most 1000"):
+        Plan(workers=1001)
 
 
 @pytest.mark.parametrize(

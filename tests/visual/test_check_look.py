@@ -7,7 +7,7 @@ import pytest
 
 from rtphys.assets.pack import default_pack
 from rtphys.data.check_look import LookCheck
-from rtphys.data.schema import LeafEntry, PhysMeta, VisualLabel
+from rtphys.data.schema import PhysMeta, TaskDatasetEntry, VisualLabel
 from rtphys.setting.protocol import OFFICIAL
 from rtphys.task.spec import load_task
 from rtphys.visual import draw_look
@@ -15,8 +15,8 @@ from rtphys.visual import draw_look
 SEED = 6  # with pictures on table and wall, and clutter
 
 
-def leaf(**changes: object) -> LeafEntry:
-    """The part of a leaf that a look depends on."""
+def entry(**changes: object) -> TaskDatasetEntry:
+    """The part of a task dataset that a look depends on."""
     told = {
         "task": "click_bell",
         "visual": OFFICIAL.to_json(),
@@ -24,7 +24,7 @@ def leaf(**changes: object) -> LeafEntry:
         "assets": {"digest": default_pack().digest},
         "versions": {"task": load_task("click_bell").digest},
     }
-    return LeafEntry.model_construct(**{**told, **changes})
+    return TaskDatasetEntry.model_construct(**{**told, **changes})
 
 
 def label(changes: Mapping[str, object] | None = None, split: str = "seen") -> PhysMeta:
@@ -35,15 +35,15 @@ def label(changes: Mapping[str, object] | None = None, split: str = "seen") -> P
 
 
 def test_the_true_label_is_sound() -> None:
-    check = LookCheck(leaf())
+    check = LookCheck(entry())
     assert (check.gap, check.problems(label())) == ("", [])
-    unseen = LookCheck(leaf(split="unseen"))
+    unseen = LookCheck(entry(split="unseen"))
     assert unseen.problems(label(split="unseen")) == []
     assert unseen.problems(label()) != []
 
 
 def test_another_picture_or_piece_of_the_same_split_is_found() -> None:
-    check, true = LookCheck(leaf()), label()
+    check, true = LookCheck(entry()), label()
     assert true.visual is not None
     others = [path.stem for path in default_pack().textures("seen")]
     for key in ("table_texture", "wall_texture"):
@@ -61,7 +61,7 @@ def test_another_picture_or_piece_of_the_same_split_is_found() -> None:
 
 
 def test_lights_and_jitter_need_no_pack() -> None:
-    check = LookCheck(leaf(assets={"digest": "0" * 64}))
+    check = LookCheck(entry(assets={"digest": "0" * 64}))
     assert "the asset pack 000000000000 is not on this machine" in check.gap
     assert check.problems(label()) == []
     for changes in ({"flickers": True}, {"camera_turn": [0.0, 0.0, 0.01]}, {"table_height": 0.0}):
@@ -70,11 +70,11 @@ def test_lights_and_jitter_need_no_pack() -> None:
 
 
 def test_another_version_of_the_task_is_told() -> None:
-    check = LookCheck(leaf(versions={"task": "0" * 16}))
+    check = LookCheck(entry(versions={"task": "0" * 16}))
     assert "is another version of the task" in check.gap
-    assert LookCheck(leaf(task="click_bel")).gap != ""
+    assert LookCheck(entry(task="click_bel")).gap != ""
 
 
 @pytest.mark.parametrize("rules", [None, replace(OFFICIAL, clutter=2).to_json()])
 def test_rules_that_are_not_those_of_the_collection(rules: dict | None) -> None:
-    assert LookCheck(leaf(visual=rules)).problems(label()) != []
+    assert LookCheck(entry(visual=rules)).problems(label()) != []

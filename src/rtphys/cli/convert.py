@@ -18,8 +18,8 @@ def convert(
     """Write a dataset again in the other official layout; nothing is lost or re-encoded."""
     with Progress(console=Console(stderr=True), transient=True) as bar:
         row = bar.add_task("converting", total=None)
-        leaves = convert_dataset(
+        written = convert_dataset(
             source, out, to, lambda done, total: bar.update(row, completed=done, total=total)
         )
-    for leaf in leaves:
-        typer.echo(f"{out}/{leaf}")
+    for name in written:
+        typer.echo(f"{out}/{name}")

@@ -89,23 +89,22 @@ def audit(
 ) -> None:
     """Build each episode's world again from its label, and tell where feasibility cut."""
     from rtphys.data.dataset import Dataset
-    from rtphys.proofs.audit import selections_by_leaf
+    from rtphys.proofs.audit import selections_by_task_dataset
 
     data = Dataset(dataset)
     wrong = _audit_labels(data) if labels else 0
-    for leaf, found in selections_by_leaf(data).items():
-        typer.echo(f"\n{leaf}")
+    for name, selections in selections_by_task_dataset(data).items():
+        typer.echo(f"\n{name}")
         typer.echo(f"  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
-        for one in found:
-            counts = f"{one.accepted.sum()} of {len(one.accepted)}"
-            typer.echo(
-                f"  {one.key:24} {counts:>12} {one.distance:6.3f} {one.p:8.2g}  {one.sentence}"
-            )
+        for selection in selections:
+            counts = f"{selection.accepted.sum()} of {len(selection.accepted)}"
+            shift = f"{selection.distance:6.3f} {selection.p:8.2g}"
+            typer.echo(f"  {selection.key:24} {counts:>12} {shift}  {selection.sentence}")
         if out is not None:
             from rtphys.report.figures.selection import draw_selections
 
             out.mkdir(parents=True, exist_ok=True)
-            draw_selections(found, leaf, out / f"{leaf.replace('/', '_')}.png")
+            draw_selections(selections, name, out / f"{name.replace('/', '_')}.png")
     if wrong:
         raise typer.Exit(1)
 

@@ -12,7 +12,7 @@ from rtphys.data.check_tree import Findings
 from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import EpisodePaths
-from rtphys.data.schema import Instructions, LeafEntry, PhysMeta
+from rtphys.data.schema import Instructions, PhysMeta, TaskDatasetEntry
 
 
 class Effort(IntEnum):
@@ -27,7 +27,7 @@ class Effort(IntEnum):
 class EpisodeClaim:
     """What the manifest says of an episode."""
 
-    leaf: LeafEntry
+    entry: TaskDatasetEntry
     number: int
     seed: int | None  # None: newer than the manifest
 
@@ -36,7 +36,7 @@ def check_episode(
     paths: EpisodePaths, claim: EpisodeClaim, findings: Findings, effort: Effort
 ) -> PhysMeta | None:
     """Adds what is wrong to `findings`; returns the label when it is readable."""
-    facts = check_hdf5(paths.hdf5, claim.leaf.layout, decode=effort >= Effort.NORMAL)
+    facts = check_hdf5(paths.hdf5, claim.entry.layout, decode=effort >= Effort.NORMAL)
     for text in facts.problems:
         findings.problem(paths.hdf5, text)
     _check_video(paths.video, facts, findings)
@@ -47,10 +47,10 @@ def check_episode(
     if not isinstance(meta, PhysMeta):
         return None
     _check_meta(meta, paths.phys_meta, claim, findings)
-    if facts.frames is not None and set(meta.cameras) - set(claim.leaf.cameras):
+    if facts.frames is not None and set(meta.cameras) - set(claim.entry.cameras):
         findings.problem(paths.phys_meta, "names cameras that were not recorded")
     if effort is Effort.DEEP and facts.frames is not None and not facts.problems:
-        for text in check_meaning(facts.frames, meta, claim.leaf.embodiment):
+        for text in check_meaning(facts.frames, meta, claim.entry.embodiment):
             findings.problem(paths.hdf5, text)
         for text in check_video(paths.video, len(facts.frames), facts.shapes[VIDEO_CAMERA]):
             findings.problem(paths.video, text)
@@ -79,15 +79,15 @@ def _model(name: str, path: Path, findings: Findings) -> object:
 
 
 def _check_meta(meta: PhysMeta, path: Path, claim: EpisodeClaim, findings: Findings) -> None:
-    leaf = claim.leaf
+    entry = claim.entry
     pairs = {
         "episode": (meta.episode, claim.number),
         "seed": (meta.seed, meta.seed if claim.seed is None else claim.seed),
-        "task": (meta.task, leaf.task),
-        "protocol": (meta.protocol, leaf.protocol or leaf.config),
-        "domain": (meta.domain, leaf.domain),
+        "task": (meta.task, entry.task),
+        "protocol": (meta.protocol, entry.protocol or entry.config),
+        "domain": (meta.domain, entry.domain),
         "verdict.accepted": (meta.verdict.accepted, True),
-        "verdict.recovered": (meta.verdict.recovered, meta.verdict.recovered and leaf.recovery),
+        "verdict.recovered": (meta.verdict.recovered, meta.verdict.recovered and entry.recovery),
     }
     for key, (stored, expected) in pairs.items():
         if stored != expected:

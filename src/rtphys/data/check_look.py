@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from rtphys.assets.pack import Pack, pack_with
 from rtphys.core.errors import Infeasible, RtphysError
-from rtphys.data.schema import LeafEntry, PhysMeta
+from rtphys.data.schema import PhysMeta, TaskDatasetEntry
 from rtphys.setting.protocol import VisualRules
 from rtphys.task.spec import Task, load_task
 from rtphys.visual import draw_look
@@ -14,14 +14,14 @@ FindPack = Callable[[str], Pack | None]  # by digest
 
 
 class LookCheck:
-    """Draws the looks of one leaf's seeds again.
+    """Draws the looks of a task dataset's seeds again.
 
     Which pictures and clutter a seed gives depends on the asset pack and on the task's layout;
     where either is not the one of the collection, the rest is compared and `gap` says so.
     """
 
-    def __init__(self, entry: LeafEntry, find_pack: FindPack = pack_with) -> None:
-        """`find_pack` may remember: leaves that share a pack then read its models once."""
+    def __init__(self, entry: TaskDatasetEntry, find_pack: FindPack = pack_with) -> None:
+        """`find_pack` may remember: task datasets that share a pack then read its models once."""
         self._entry = entry
         self._rules: VisualRules | None = None
         self._refusal = ""
@@ -68,7 +68,7 @@ class LookCheck:
         ]
 
 
-def _scene_of(entry: LeafEntry, find_pack: FindPack) -> tuple[Task, Pack]:
+def _scene_of(entry: TaskDatasetEntry, find_pack: FindPack) -> tuple[Task, Pack]:
     """The task and the pack of the collection.
 
     Raises:

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 
 from rtphys.core.errors import RtphysError
 from rtphys.data.episode import JSON
-from rtphys.data.schema import LeafEntry, PhysMeta
+from rtphys.data.schema import PhysMeta, TaskDatasetEntry
 from rtphys.physics import Domain, Physics, after, attributes
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.values import REDRAWS, Value, plain_value
 
 
 class Redraw:
-    """Draws the physics of one leaf's seeds again, from the manifest alone."""
+    """Draws the physics of a task dataset's seeds again, from the manifest alone."""
 
-    def __init__(self, entry: LeafEntry, domains: Mapping[str, Mapping[str, JSON]]) -> None:
+    def __init__(self, entry: TaskDatasetEntry, domains: Mapping[str, Mapping[str, JSON]]) -> None:
         self.refusal = ""  # why nothing can be drawn
         self.domain: Domain | None = None
         self.only = entry.only
@@ -51,9 +51,9 @@ class Redraw:
 
 
 class PhysicsCheck:
-    """Compares the labels of one leaf with what their seeds give."""
+    """Compares the labels of one task dataset with what their seeds give."""
 
-    def __init__(self, entry: LeafEntry, domains: Mapping[str, Mapping[str, JSON]]) -> None:
+    def __init__(self, entry: TaskDatasetEntry, domains: Mapping[str, Mapping[str, JSON]]) -> None:
         self._redraw = Redraw(entry, domains)
 
     def problems(self, meta: PhysMeta) -> list[str]:

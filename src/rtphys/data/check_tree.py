@@ -5,14 +5,19 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtphys.core.errors import BadFile
-from rtphys.data import files, schema
+from rtphys.data import files
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import START, Line, read_journal
-from rtphys.data.json_text import parse_mapping
-from rtphys.data.layout import JOURNAL, MANIFEST, STAGING, Leaf, episode_number
-from rtphys.data.manifest import LeafHistory, journals_below, leaf_of, manifest_of
-from rtphys.data.schema import LeafEntry, Manifest
+from rtphys.data.layout import JOURNAL, MANIFEST, STAGING, TaskDataset, episode_number
+from rtphys.data.manifest import (
+    TaskDatasetHistory,
+    journals_below,
+    manifest_of,
+    parse_manifest,
+    task_dataset_of,
+)
+from rtphys.data.schema import Manifest, TaskDatasetEntry
 
 
 @dataclass
@@ -40,8 +45,8 @@ class Tree:
 
     out: Path
     manifest: Manifest
-    leaves: dict[str, Leaf] = field(default_factory=dict)
-    episodes: dict[str, int] = field(default_factory=dict)  # leaf -> number, journal included
+    task_datasets: dict[str, TaskDataset] = field(default_factory=dict)
+    episodes: dict[str, int] = field(default_factory=dict)  # by task dataset, journal included
     files: dict[str, ListedFile] = field(default_factory=dict)  # by path below `out`
 
 
@@ -58,29 +63,26 @@ def read_tree(out: Path, findings: Findings) -> Tree:
         cure = " (a collection was stopped early; resume it)" if journals_below(out) else ""
         raise BadFile(out, f"there is no {MANIFEST} here{cure}")
     data = files.read(path)
-    try:
-        manifest = schema.check("manifest", parse_mapping(data, path))
-    except schema.SchemaError as error:
-        raise BadFile(path, "; ".join(error.problems)) from error
-    assert isinstance(manifest, Manifest)
+    manifest = parse_manifest(data, path)
     tree = Tree(out, manifest)
     histories = _histories(out, findings)
-    for name, entry in manifest.leaves.items():
-        tree.leaves[name] = Leaf(out, entry.config, entry.task, entry.embodiment, entry.layout)
-        if tree.leaves[name].name != name:
-            findings.problem(path, f"leaf {name!r} does not lie where its task and config say")
+    for name, entry in manifest.task_datasets.items():
+        tree.task_datasets[name] = entry.below(out)
+        if tree.task_datasets[name].name != name:
+            text = f"task dataset {name!r} does not lie where its task and config say"
+            findings.problem(path, text)
     for name, facts in manifest.files.items():
         listed = FileFacts(facts.size, facts.sha256)
         tree.files[name] = ListedFile(out / name, (listed,))
-    tree.episodes = {name: entry.episodes for name, entry in manifest.leaves.items()}
+    tree.episodes = {name: entry.episodes for name, entry in manifest.task_datasets.items()}
     _compare(tree, data, histories, findings)
     _unlisted(tree, findings)
     _twins(tree, findings)
     return tree
 
 
-def _histories(out: Path, findings: Findings) -> dict[str, LeafHistory]:
-    found: dict[str, LeafHistory] = {}
+def _histories(out: Path, findings: Findings) -> dict[str, TaskDatasetHistory]:
+    found: dict[str, TaskDatasetHistory] = {}
     for path in journals_below(out):
         try:
             contents = read_journal(path)
@@ -90,20 +92,20 @@ def _histories(out: Path, findings: Findings) -> dict[str, LeafHistory]:
         if contents.torn_bytes:
             findings.notes.append(f"{path}: a crash cut its last line short; resuming drops it")
         if contents.lines:
-            leaf = leaf_of(out, contents.lines[0].entry)
-            if leaf.folder != path.parent:
-                findings.problem(path, f"belongs to {leaf.name}")
-            found[leaf.name] = LeafHistory(leaf, contents.lines)
+            place = task_dataset_of(out, contents.lines[0].entry)
+            if place.folder != path.parent:
+                findings.problem(path, f"belongs to {place.name}")
+            found[place.name] = TaskDatasetHistory(place, contents.lines)
     return found
 
 
 def _compare(
-    tree: Tree, data: bytes, histories: Mapping[str, LeafHistory], findings: Findings
+    tree: Tree, data: bytes, histories: Mapping[str, TaskDatasetHistory], findings: Findings
 ) -> None:
     """The manifest must be what the journals say, at some earlier moment if a run was cut off."""
-    past: list[LeafHistory] = []
+    past: list[TaskDatasetHistory] = []
     complete = True
-    for name, entry in tree.manifest.leaves.items():
+    for name, entry in tree.manifest.task_datasets.items():
         history = histories.get(name)
         if history is None:
             complete = False
@@ -114,14 +116,15 @@ def _compare(
             # Either may be the changed one: the journal can have lost whole lines at its end.
             findings.problem(tree.out / MANIFEST, f"does not agree with the journal of {name}")
             if len(history.lines) < entry.journal.entries:
-                findings.problem(history.leaf.journal, "has fewer lines than the manifest counted")
+                journal = history.task_dataset.journal
+                findings.problem(journal, "has fewer lines than the manifest counted")
         else:
             past.append(history.until(entry.journal.entries))
             _extend(tree, history, entry.journal.entries, findings)
     if complete and manifest_of(past) != data:
         text = "differs from what the journals say: it was changed after it was written"
         findings.problem(tree.out / MANIFEST, text)
-    for name in histories.keys() - tree.manifest.leaves.keys():
+    for name in histories.keys() - tree.manifest.task_datasets.keys():
         findings.notes.append(f"{name}: was begun and is not in the manifest yet; resume it")
 
 
@@ -131,12 +134,12 @@ def _check_at(lines: tuple[Line, ...] | list[Line] | object, count: int) -> str:
     return lines[count - 1].check if count else START
 
 
-def _extend(tree: Tree, history: LeafHistory, counted: int, findings: Findings) -> None:
+def _extend(tree: Tree, history: TaskDatasetHistory, counted: int, findings: Findings) -> None:
     """Adds what the journal knows beyond the manifest."""
     total = len(history.lines)
     if total == counted:
         return
-    name = history.leaf.name
+    name = history.task_dataset.name
     findings.notes.append(
         f"{name}: {total - counted} attempts are newer than the manifest; the run was cut off or "
         "still goes on"
@@ -155,7 +158,7 @@ def _facts(value: JSON) -> FileFacts:
     return FileFacts(int(str(value["size"])), str(value["sha256"]))
 
 
-def _alone(tree: Tree, entry: LeafEntry, name: str, findings: Findings) -> None:
+def _alone(tree: Tree, entry: TaskDatasetEntry, name: str, findings: Findings) -> None:
     """Without a journal the manifest must at least agree with itself."""
     path, accepted = tree.out / MANIFEST, [a.seed for a in entry.attempts if a.reason is None]
     if not entry.episodes == len(entry.seeds) == len(accepted) or entry.seeds != accepted:
@@ -163,12 +166,12 @@ def _alone(tree: Tree, entry: LeafEntry, name: str, findings: Findings) -> None:
 
 
 def _twins(tree: Tree, findings: Findings) -> None:
-    """Episode i of a leaf and of its twin are of one seed; a run cut off leaves one ahead."""
-    for name, entry in tree.manifest.leaves.items():
+    """Episode i and that of the twin have one seed; a run that was cut off leaves one ahead."""
+    for name, entry in tree.manifest.task_datasets.items():
         if entry.twin is None:
             continue
-        other = replace(tree.leaves[name], config=entry.twin).name
-        twin = tree.manifest.leaves.get(other)
+        other = replace(tree.task_datasets[name], config=entry.twin).name
+        twin = tree.manifest.task_datasets.get(other)
         if twin is None:
             findings.notes.append(f"{name}: its twin {other} is not here")
         elif any(a != b for a, b in zip(entry.seeds, twin.seeds, strict=False)):
@@ -178,11 +181,11 @@ def _twins(tree: Tree, findings: Findings) -> None:
 
 
 def _unlisted(tree: Tree, findings: Findings) -> None:
-    for name, leaf in tree.leaves.items():
-        if leaf.staging.exists():
+    for name, place in tree.task_datasets.items():
+        if place.staging.exists():
             findings.notes.append(f"{name}: a run was cut off or still goes on ({STAGING})")
-        for path in sorted(leaf.folder.rglob("*")):
-            inside = path.relative_to(leaf.folder)
+        for path in sorted(place.folder.rglob("*")):
+            inside = path.relative_to(place.folder)
             if path.is_dir() or inside.parts[0] in (STAGING, JOURNAL):
                 continue
             if path.relative_to(tree.out).as_posix() in tree.files:

@@ -7,7 +7,7 @@ from pathlib import Path
 from rtphys.core.errors import UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
-from rtphys.data.layout import LAYOUTS, Leaf, embodiment_folder
+from rtphys.data.layout import LAYOUTS, TaskDataset, embodiment_folder
 from rtphys.data.schema import DATASET_VERSION
 from rtphys.setting.setting import Setting
 
@@ -46,11 +46,12 @@ class Conditions:
         first, step = self.stride or (0, 1)
         return (seed - self.first_seed - first) // step
 
-    def leaf(self, out: Path) -> Leaf:
+    def task_dataset(self, out: Path) -> TaskDataset:
         """Where its files lie."""
         setting = self.setting
         config = self.config or setting.protocol
-        return Leaf(out, config, setting.task, embodiment_folder(setting.embodiment), self.layout)
+        folder = embodiment_folder(setting.embodiment)
+        return TaskDataset(out, config, setting.task, folder, self.layout)
 
     def unsharded(self) -> "Conditions":
         """The same for a whole collection."""

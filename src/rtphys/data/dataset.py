@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, jpeg, schema
-from rtphys.data.convert import leaf_at, read_manifest
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import MANIFEST, EpisodePaths
-from rtphys.data.schema import Instructions, LeafEntry, Manifest, PhysMeta
+from rtphys.data.manifest import read_manifest
+from rtphys.data.schema import Instructions, Manifest, PhysMeta, TaskDatasetEntry
 from rtphys.physics import Physics
 from rtphys.physics.values import plain_value
 
@@ -137,10 +137,10 @@ class Pair(NamedTuple):
     twin: Episode
 
 
-def _episodes(path: Path, entry: LeafEntry) -> Iterator[Episode]:
-    leaf = leaf_at(path, entry)
+def _episodes(path: Path, entry: TaskDatasetEntry) -> Iterator[Episode]:
+    place = entry.below(path)
     for number, seed in enumerate(entry.seeds):
-        yield Episode(entry.task, entry.config, number, seed, entry.layout, leaf.episode(number))
+        yield Episode(entry.task, entry.config, number, seed, entry.layout, place.episode(number))
 
 
 class Dataset(Sequence[Episode]):
@@ -151,24 +151,29 @@ class Dataset(Sequence[Episode]):
         given = Path(path)
         self.path = given.parent if given.name == MANIFEST else given
         self.manifest: Manifest = read_manifest(self.path)
-        self.leaves: tuple[LeafEntry, ...] = tuple(self.manifest.leaves.values())
+        self.task_datasets = tuple(self.manifest.task_datasets.values())
         self._episodes = tuple(self._listed())
 
     def _listed(self) -> Iterator[Episode]:
-        for entry in self.leaves:
+        for entry in self.task_datasets:
             yield from _episodes(self.path, entry)
 
     @property
     def tasks(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(leaf.task for leaf in self.leaves))
+        return tuple(dict.fromkeys(entry.task for entry in self.task_datasets))
 
     @property
     def protocols(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(leaf.config for leaf in self.leaves))
+        return tuple(dict.fromkeys(entry.config for entry in self.task_datasets))
 
-    def leaf_of(self, index: int) -> LeafEntry:
+    @property
+    def leaves(self) -> tuple[TaskDatasetEntry, ...]:
+        """Older name of `task_datasets`, and their key in `manifest.json`."""
+        return self.task_datasets
+
+    def task_dataset(self, index: int) -> TaskDatasetEntry:
         """The task dataset that an episode belongs to, by the episode's index."""
-        return [entry for entry in self.leaves for _ in entry.seeds][index]
+        return [entry for entry in self.task_datasets for _ in entry.seeds][index]
 
     def where(self, task: str | None = None, protocol: str | None = None) -> "Dataset":
         """The episodes of one task and/or one protocol, as a dataset of its own.
@@ -184,10 +189,10 @@ class Dataset(Sequence[Episode]):
                 raise UnknownName(kind, name, known, self.path)
         part = object.__new__(Dataset)
         part.path, part.manifest = self.path, self.manifest
-        part.leaves = tuple(
-            leaf
-            for leaf in self.leaves
-            if task in (None, leaf.task) and protocol in (None, leaf.config)
+        part.task_datasets = tuple(
+            entry
+            for entry in self.task_datasets
+            if task in (None, entry.task) and protocol in (None, entry.config)
         )
         part._episodes = tuple(part._listed())
         return part
@@ -199,10 +204,10 @@ class Dataset(Sequence[Episode]):
         layout, so what differs between them is due to the protocol. Works after `where` too:
         `data.where(protocol="phys_random").pairs()`.
         """
-        every = self.manifest.leaves.values()
+        every = self.manifest.task_datasets.values()
         twins = {(e.task, e.embodiment, e.config): e for e in every if e.twin_of is not None}
         found: list[Pair] = []
-        for entry in self.leaves:
+        for entry in self.task_datasets:
             twin = twins.get((entry.task, entry.embodiment, entry.twin or ""))
             if twin is not None:
                 found += map(Pair, _episodes(self.path, entry), _episodes(self.path, twin))

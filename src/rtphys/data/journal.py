@@ -1,4 +1,4 @@
-"""The append-only record of a leaf: one checksummed line per attempt; the truth for resume.
+"""The append-only record of a task dataset: one checksummed line per attempt; the truth for resume.
 
 Each line is `{"check": ..., "entry": ...}`; `check` is the SHA-256 of the previous check and this
 entry, so a changed, lost or moved line breaks the chain. A line that a crash cut short is the only

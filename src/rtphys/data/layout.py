@@ -32,7 +32,7 @@ class EpisodePaths:
 
 
 @dataclass(frozen=True)
-class Leaf:
+class TaskDataset:
     """The folder of one task under one configuration (the protocol's name)."""
 
     out: Path
@@ -43,7 +43,7 @@ class Leaf:
 
     @property
     def name(self) -> str:
-        """Path below `out`, with forward slashes; the leaf's key in the manifest."""
+        """Path below `out`, with forward slashes; its key in the manifest."""
         if self.layout == "legacy":
             return f"{self.task}/{self.config}"
         return f"{self.config}/{self.task}/{embodiment_folder(self.embodiment)}"

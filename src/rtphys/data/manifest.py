@@ -1,16 +1,18 @@
-"""The manifest and the side files of a leaf, as pure functions of the journals."""
+"""The manifest and the side files of a task dataset, as pure functions of the journals."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtphys.core.errors import BadFile
+from rtphys.data import files, schema
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import Line
-from rtphys.data.json_text import pretty
-from rtphys.data.layout import JOURNAL, Leaf
-from rtphys.data.schema import DATASET_VERSION, MANIFEST_VERSION
+from rtphys.data.json_text import parse_mapping, pretty
+from rtphys.data.layout import JOURNAL, MANIFEST, TaskDataset
+from rtphys.data.schema import DATASET_VERSION, MANIFEST_VERSION, Manifest
 
 Entry = Mapping[str, JSON]
 
@@ -21,14 +23,14 @@ OPTIONAL = (
     "twin_of",
     "stride",
     "recovery",
-)  # conditions that most leaves leave out
+)  # conditions that most task datasets do without
 
 
 @dataclass(frozen=True)
-class LeafHistory:
-    """A leaf and its journal up to some line; the first line holds the conditions."""
+class TaskDatasetHistory:
+    """A task dataset and its journal up to some line; the first line holds the conditions."""
 
-    leaf: Leaf
+    task_dataset: TaskDataset
     lines: Sequence[Line]
 
     @property
@@ -43,34 +45,35 @@ class LeafHistory:
     def accepted(self) -> list[Entry]:
         return [entry for entry in self.attempts if entry["verdict"] == "accepted"]
 
-    def until(self, lines: int) -> "LeafHistory":
-        """The same leaf when its journal had that many lines."""
-        return LeafHistory(self.leaf, self.lines[:lines])
+    def until(self, lines: int) -> "TaskDatasetHistory":
+        """The same task dataset when its journal had that many lines."""
+        return TaskDatasetHistory(self.task_dataset, self.lines[:lines])
 
     def side_files(self) -> dict[Path, bytes]:
         """scene_info.json, seed.txt and seeds.txt."""
         seeds = [str(entry["seed"]) for entry in self.accepted]
         scenes = {f"episode_{entry['episode']}": entry["scene_info"] for entry in self.accepted}
-        legacy = self.leaf.layout == "legacy"
+        legacy = self.task_dataset.layout == "legacy"
         return {
-            self.leaf.scene_info: pretty(scenes, ascii_only=legacy, indent=4, sort=False),
-            self.leaf.seed_txt: "".join(f"{seed} " for seed in seeds).encode(),
-            self.leaf.seeds_txt: "".join(f"{seed}\n" for seed in seeds).encode(),
+            self.task_dataset.scene_info: pretty(scenes, ascii_only=legacy, indent=4, sort=False),
+            self.task_dataset.seed_txt: "".join(f"{seed} " for seed in seeds).encode(),
+            self.task_dataset.seeds_txt: "".join(f"{seed}\n" for seed in seeds).encode(),
         }
 
     def files(self) -> dict[str, JSON]:
-        """Every file of the leaf below `out`, with size and SHA-256."""
+        """Every file of the task dataset below `out`, with size and SHA-256."""
         listed: dict[str, JSON] = {}
         for entry in self.accepted:
             stored = entry["files"]
             assert isinstance(stored, Mapping)
-            listed |= {f"{self.leaf.name}/{name}": facts for name, facts in stored.items()}
+            listed |= {f"{self.task_dataset.name}/{name}": facts for name, facts in stored.items()}
         for path, data in self.side_files().items():
-            listed[path.relative_to(self.leaf.out).as_posix()] = FileFacts.of(data).to_json()
+            name = path.relative_to(self.task_dataset.out).as_posix()
+            listed[name] = FileFacts.of(data).to_json()
         return listed
 
     def entry(self) -> dict[str, JSON]:
-        """The leaf's part of the manifest."""
+        """The task dataset's part of the manifest."""
         header, accepted = self.header, self.accepted
         reasons = Counter(str(e["reason"]) for e in self.attempts if e["verdict"] == "rejected")
         copied = ("task", "embodiment", "layout", "first_seed", "only", "overrides")
@@ -102,8 +105,23 @@ def _attempt(entry: Entry) -> dict[str, JSON]:
     return {**kept, "recovered": True} if entry.get("recovered") else kept
 
 
-def manifest_of(histories: Sequence[LeafHistory]) -> bytes:
-    """`manifest.json` of all leaves; the same bytes for the same journals."""
+def read_manifest(out: Path) -> Manifest:
+    """The manifest of a dataset folder. Raises `BadFile`."""
+    return parse_manifest(files.read(out / MANIFEST), out / MANIFEST)
+
+
+def parse_manifest(data: bytes, path: Path) -> Manifest:
+    """The manifest in the content of a file. Raises `BadFile` when it breaks its schema."""
+    try:
+        manifest = schema.check("manifest", parse_mapping(data, path))
+    except schema.SchemaError as error:
+        raise BadFile(path, "; ".join(error.problems)) from error
+    assert isinstance(manifest, Manifest)
+    return manifest
+
+
+def manifest_of(histories: Sequence[TaskDatasetHistory]) -> bytes:
+    """`manifest.json` of all task datasets; the same bytes for the same journals."""
     domains = {str(h.header["domain_digest"]): h.header["domain"] for h in histories}
     listed: dict[str, JSON] = {}
     for history in histories:
@@ -112,16 +130,16 @@ def manifest_of(histories: Sequence[LeafHistory]) -> bytes:
         {
             "schema_version": MANIFEST_VERSION,
             "dataset_version": DATASET_VERSION,
-            "leaves": {history.leaf.name: history.entry() for history in histories},
+            "leaves": {history.task_dataset.name: history.entry() for history in histories},
             "domains": domains,
             "files": listed,
         }
     )
 
 
-def leaf_of(out: Path, header: Entry) -> Leaf:
-    """The leaf that a journal's first line describes."""
-    return Leaf(
+def task_dataset_of(out: Path, header: Entry) -> TaskDataset:
+    """The task dataset that a journal's first line describes."""
+    return TaskDataset(
         out,
         config=str(header.get("config") or header["protocol"]),
         task=str(header["task"]),
@@ -131,6 +149,6 @@ def leaf_of(out: Path, header: Entry) -> Leaf:
 
 
 def journals_below(out: Path) -> list[Path]:
-    """Journal files of both layouts, sorted by leaf."""
+    """Journal files of both layouts, sorted by task dataset."""
     found = [*out.glob(f"*/*/*/{JOURNAL}"), *out.glob(f"*/*/{JOURNAL}")]
     return sorted(found, key=lambda path: path.parent.relative_to(out).as_posix())

@@ -9,18 +9,18 @@ from rtphys.data import files, staging
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import parse_mapping
-from rtphys.data.layout import Leaf
-from rtphys.data.leaf_writer import Rejection
+from rtphys.data.layout import TaskDataset
 from rtphys.data.staging import StagedEpisode
+from rtphys.data.task_writer import Rejection
 
 Entry = Mapping[str, JSON]
 
 
-def restage(leaf: Leaf, entry: Entry, folder: Path) -> StagedEpisode | Rejection:
+def restage(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode | Rejection:
     """What a worker would have handed over.
 
     Args:
-        leaf: where the attempt was committed.
+        source: where the attempt was committed.
         entry: of its journal.
         folder: `TaskWriter.staging(seed)` of the writer that will have it.
 
@@ -31,39 +31,39 @@ def restage(leaf: Leaf, entry: Entry, folder: Path) -> StagedEpisode | Rejection
     seed = entry["seed"]
     assert isinstance(seed, int)
     if entry["verdict"] == "accepted":
-        return _episode(leaf, entry, seed, folder)
+        return _episode(source, entry, seed, folder)
     physics = entry["physics"]
     assert isinstance(physics, Mapping)
     return Rejection(seed, str(entry["reason"]), str(entry["detail"]), physics)
 
 
-def _episode(leaf: Leaf, entry: Entry, seed: int, folder: Path) -> StagedEpisode:
+def _episode(source: TaskDataset, entry: Entry, seed: int, folder: Path) -> StagedEpisode:
     number, frames, scene = entry["episode"], entry["frames"], entry["scene_info"]
     assert isinstance(number, int)
     assert isinstance(frames, int)
     assert isinstance(scene, Mapping)
-    paths = leaf.episode(number)
+    paths = source.episode(number)
     sources = {
         staging.HDF5: paths.hdf5,
         staging.VIDEO: paths.video,
         staging.INSTRUCTION: paths.instruction,
     }
-    meta = parse_mapping(_sound(leaf, entry, paths.phys_meta), paths.phys_meta)
+    meta = parse_mapping(_sound(source, entry, paths.phys_meta), paths.phys_meta)
     del meta["episode"]  # its number changes
     shutil.rmtree(folder, ignore_errors=True)
     files.make_folder(folder)
     facts = {
-        name: files.write_synced(folder / name, _sound(leaf, entry, source))
-        for name, source in sources.items()
+        name: files.write_synced(folder / name, _sound(source, entry, path))
+        for name, path in sources.items()
     }
     return StagedEpisode(seed, folder, frames, facts, meta, scene)
 
 
-def _sound(leaf: Leaf, entry: Entry, path: Path) -> bytes:
+def _sound(source: TaskDataset, entry: Entry, path: Path) -> bytes:
     """A file's content, if it is what the journal says."""
     listed = entry["files"]
     assert isinstance(listed, Mapping)
     data = files.read(path)
-    if FileFacts.of(data).to_json() != listed.get(path.relative_to(leaf.folder).as_posix()):
+    if FileFacts.of(data).to_json() != listed.get(path.relative_to(source.folder).as_posix()):
         raise BadFile(path, "is not what its journal says")
     return data

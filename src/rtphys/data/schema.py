@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
 
 from rtphys.data.json_text import plain, pretty
+from rtphys.data.layout import TaskDataset
 from rtphys.data.schema_collect import Collection, ShardFile
 from rtphys.data.schema_model import (
     Count,
@@ -139,13 +140,13 @@ class AttemptEntry(Model):
 
 
 class JournalState(Model):
-    """How much of the leaf's journal this manifest tells."""
+    """How much of a task dataset's journal this manifest tells."""
 
     entries: Count
     check: Sha256
 
 
-class LeafEntry(Model):
+class TaskDatasetEntry(Model):
     """One task under one configuration."""
 
     task: str
@@ -168,9 +169,10 @@ class LeafEntry(Model):
     recovery: bool = Field(default=True, description="false: episodes with a recovery are left out")
     protocol: str = Field(default="", description="empty: config is the protocol's name")
     twin: str | None = Field(
-        default=None, description="config of the leaf whose episode i is this one's, of equal seed"
+        default=None,
+        description="config of the one whose episode i has the same seed",
     )
-    twin_of: str | None = Field(default=None, description="config of the leaf whose twin this is")
+    twin_of: str | None = Field(default=None, description="config of the one whose twin this is")
     stride: list[Count] | None = Field(
         default=None, description="of a shard: its first attempt after first_seed, and its step"
     )
@@ -178,6 +180,10 @@ class LeafEntry(Model):
     assets: dict[str, str]
     versions: dict[str, str]
     journal: JournalState
+
+    def below(self, out: Path) -> TaskDataset:
+        """Where its files lie when the manifest lies in `out`."""
+        return TaskDataset(out, self.config, self.task, self.embodiment, self.layout)
 
 
 class ResolvedDomain(Model):
@@ -197,7 +203,9 @@ class Manifest(Model):
 
     schema_version: Literal["1.0"] = MANIFEST_VERSION
     dataset_version: str = DATASET_VERSION
-    leaves: dict[str, LeafEntry] = Field(description="by folder below the manifest")
+    task_datasets: dict[str, TaskDatasetEntry] = Field(
+        alias="leaves", description="by folder below the manifest"
+    )
     domains: dict[str, dict[str, JsonValue]] = Field(description="resolved, by digest")
     files: dict[str, FileEntry] = Field(description="by path below the manifest")
 

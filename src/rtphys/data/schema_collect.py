@@ -8,9 +8,9 @@ from rtphys.data.schema_model import Model, Seed
 
 
 class ShardUnit(Model):
-    """A leaf, and its twin, as the whole collection wants it."""
+    """A task dataset, and its twin, as the whole collection wants it."""
 
-    leaf: str
+    leaf: str = Field(description="folder of the task dataset")
     twin: str | None
     episodes: Annotated[int, Field(ge=1)]
     plan: dict[str, JsonValue] = Field(description="what `rtphys collect` was told about it")
@@ -21,7 +21,7 @@ class ShardFile(Model):
 
     index: Annotated[int, Field(ge=1)]
     of: Annotated[int, Field(ge=1)]
-    units: list[ShardUnit] = Field(description="sorted by leaf")
+    units: list[ShardUnit] = Field(description="sorted by task dataset")
 
 
 class CollectionRun(Model):

@@ -115,8 +115,8 @@ def _file_problem(listed: ListedFile) -> str:
 
 
 def _episode_paths(tree: Tree) -> Iterator[EpisodePaths]:
-    for name, leaf in tree.leaves.items():
-        yield from (leaf.episode(number) for number in range(tree.episodes[name]))
+    for name, place in tree.task_datasets.items():
+        yield from (place.episode(number) for number in range(tree.episodes[name]))
 
 
 def _check_episodes(
@@ -127,12 +127,12 @@ def _check_episodes(
     sound: list[str] = []
     release = version("rtphys")
     find_pack = cache(pack_with)  # for this call only: packs come and go
-    for name, entry in tree.manifest.leaves.items():
+    for name, entry in tree.manifest.task_datasets.items():
         physics, look = PhysicsCheck(entry, tree.manifest.domains), LookCheck(entry, find_pack)
         if look.gap:
             findings.notes.append(f"{name}: {look.gap}")
         for number in range(tree.episodes[name]):
-            paths = tree.leaves[name].episode(number)
+            paths = tree.task_datasets[name].episode(number)
             seed = entry.seeds[number] if number < len(entry.seeds) else None
             claim = EpisodeClaim(entry, number, seed)
             key = _key(tree, paths, claim, f"{release} {effort.name} {look.gap}")
@@ -151,7 +151,7 @@ def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> s
     """All that the verdict on an episode depends on."""
     names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
     digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
-    leaf = claim.leaf
-    drawn = (leaf.only, leaf.overrides, leaf.visual, leaf.split, leaf.recovery)
-    asked = (leaf.task, leaf.config, leaf.layout, leaf.cameras, drawn)
-    return Verified.key(looked, digests, claim.number, claim.seed, leaf.domain, asked)
+    entry = claim.entry
+    drawn = (entry.only, entry.overrides, entry.visual, entry.split, entry.recovery)
+    asked = (entry.task, entry.config, entry.layout, entry.cameras, drawn)
+    return Verified.key(looked, digests, claim.number, claim.seed, entry.domain, asked)

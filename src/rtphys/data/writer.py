@@ -1,4 +1,4 @@
-"""A dataset folder open for writing: the lock, the leaves, the manifest."""
+"""A dataset folder open for writing: the lock, the task datasets, the manifest."""
 
 import time
 from contextlib import suppress
@@ -12,11 +12,11 @@ from rtphys.data.files import replace_file
 from rtphys.data.journal import read_journal
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import MANIFEST
-from rtphys.data.leaf_writer import Rejection, TaskWriter
 from rtphys.data.lock import FolderLock
-from rtphys.data.manifest import LeafHistory, journals_below, leaf_of, manifest_of
+from rtphys.data.manifest import TaskDatasetHistory, journals_below, manifest_of, task_dataset_of
 from rtphys.data.schema import MANIFEST_VERSION
 from rtphys.data.staging import StagedEpisode, stage_episode
+from rtphys.data.task_writer import Rejection, TaskWriter
 
 __all__ = ["DatasetWriter", "Rejection", "StagedEpisode", "TaskWriter", "stage_episode"]
 
@@ -67,23 +67,27 @@ class DatasetWriter:
                 raise DatasetMismatch(self.out, [clause])
 
     def task(self, conditions: Conditions, episodes: int) -> TaskWriter:
-        """Opens one leaf, continuing what is there.
+        """Opens one task dataset, continuing what is there.
 
         Raises:
             DatasetMismatch: it was collected under other conditions.
             DatasetExists: it has attempts and `resume` is False.
             BadFile: its journal is damaged, or a listed file is missing.
         """
-        leaf = conditions.leaf(self.out)
-        writer = self._tasks.get(leaf.name) or TaskWriter(leaf, conditions, resume=self.resume)
+        place = conditions.task_dataset(self.out)
+        writer = self._tasks.get(place.name) or TaskWriter(place, conditions, resume=self.resume)
         writer.wanted = episodes
-        self._tasks[leaf.name] = writer
+        self._tasks[place.name] = writer
         return writer
 
-    def histories(self) -> list[LeafHistory]:
-        """All leaves of the folder, also those of earlier runs."""
+    def histories(self) -> list[TaskDatasetHistory]:
+        """All task datasets of the folder, also those of earlier runs."""
         read = [read_journal(path).lines for path in journals_below(self.out)]
-        return [LeafHistory(leaf_of(self.out, lines[0].entry), lines) for lines in read if lines]
+        return [
+            TaskDatasetHistory(task_dataset_of(self.out, lines[0].entry), lines)
+            for lines in read
+            if lines
+        ]
 
     def checkpoint(self) -> None:
         """Writes side files and manifest of what the journals hold. Raises `CannotWrite`."""

@@ -18,12 +18,12 @@ def replayed(dataset: Dataset, count: int) -> list[Problem]:
         One problem for each episode whose states are not the stored ones. Where the asset pack of
         the collection is not on this machine, the pack in use stands in, and the problem says so.
     """
-    digests = {entry.assets.get("digest", "") for entry in dataset.leaves}
+    digests = {entry.assets.get("digest", "") for entry in dataset.task_datasets}
     packs = {digest: pack_with(digest) or default_pack() for digest in digests}
     indices = np.unique(np.linspace(0, len(dataset) - 1, min(count, len(dataset))).astype(int))
     problems: list[Problem] = []
     for index in map(int, indices):
-        episode, digest = dataset[index], dataset.leaf_of(index).assets.get("digest", "")
+        episode, digest = dataset[index], dataset.task_dataset(index).assets.get("digest", "")
         try:
             recipe = Recipe.from_json(episode.meta.recipe)
         except (KeyError, ValueError, BadValue) as error:

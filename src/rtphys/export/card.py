@@ -33,8 +33,8 @@ def write_card(dataset: Dataset, text: CardText) -> list[Path]:
 
 def card(dataset: Dataset, text: CardText) -> str:
     """Text of the README."""
-    leaves = dataset.leaves
-    frames = sum(leaf.frames for leaf in leaves)
+    entries = dataset.task_datasets
+    frames = sum(entry.frames for entry in entries)
     parts = [
         _front_matter(text, frames),
         f"# {text.name}",
@@ -103,17 +103,17 @@ def _front_matter(text: CardText, frames: int) -> str:
 
 def _task_table(dataset: Dataset) -> str:
     rows = ["| task | protocol | episodes | attempts | accepted |", "|---|---|---:|---:|---:|"]
-    for leaf in dataset.leaves:
-        tried = len(leaf.attempts)
-        share = f"{leaf.episodes / tried:.0%}" if tried else "–"
-        rows.append(f"| {leaf.task} | {leaf.config} | {leaf.episodes} | {tried} | {share} |")
+    for entry in dataset.task_datasets:
+        tried = len(entry.attempts)
+        share = f"{entry.episodes / tried:.0%}" if tried else "–"
+        rows.append(f"| {entry.task} | {entry.config} | {entry.episodes} | {tried} | {share} |")
     return "\n".join(rows)
 
 
 def _rejections(dataset: Dataset) -> str:
     total: Counter[str] = Counter()
-    for leaf in dataset.leaves:
-        total.update(leaf.rejections)
+    for entry in dataset.task_datasets:
+        total.update(entry.rejections)
     if not total:
         return ""
     counts = ", ".join(f"{reason} {count}" for reason, count in total.most_common())
@@ -135,8 +135,8 @@ def _physics_table(dataset: Dataset) -> str:
 
 def _provenance(dataset: Dataset) -> str:
     known: dict[str, set[str]] = {}
-    for leaf in dataset.leaves:
-        for name, version in leaf.versions.items():
+    for entry in dataset.task_datasets:
+        for name, version in entry.versions.items():
             known.setdefault(name, set()).add(version)
     versions = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(known.items()))
     form = dataset.manifest.dataset_version

@@ -3,29 +3,28 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from rtphys.data.convert import leaf_at
 from rtphys.data.dataset import Dataset
 from rtphys.data.journal import read_journal
 from rtphys.physics.registry import attributes
 from rtphys.proofs.audit_selection import Selection, selections
 
 
-def selections_by_leaf(dataset: Dataset) -> dict[str, list[Selection]]:
+def selections_by_task_dataset(dataset: Dataset) -> dict[str, list[Selection]]:
     """Task dataset -> selection of each attribute there; "all" is all task datasets together.
 
     Raises:
         BadFile: a journal, the only record of attempts, is missing or damaged.
     """
     units = {key: attribute.unit for key, attribute in attributes().items()}
-    by_leaf: dict[str, list[Selection]] = {}
+    by_task_dataset: dict[str, list[Selection]] = {}
     everything: list[tuple[Mapping[str, object], bool]] = []
-    for name, entry in dataset.manifest.leaves.items():
-        own = list(_attempts(leaf_at(dataset.path, entry).journal))
-        by_leaf[name] = selections(own, units)
+    for name, entry in dataset.manifest.task_datasets.items():
+        own = list(_attempts(entry.below(dataset.path).journal))
+        by_task_dataset[name] = selections(own, units)
         everything += own
-    if len(by_leaf) > 1:
-        by_leaf["all"] = selections(everything, units)
-    return by_leaf
+    if len(by_task_dataset) > 1:
+        by_task_dataset["all"] = selections(everything, units)
+    return by_task_dataset
 
 
 def _attempts(journal: Path) -> Iterator[tuple[Mapping[str, object], bool]]:

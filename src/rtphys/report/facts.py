@@ -7,11 +7,10 @@ import numpy as np
 
 from rtphys.core.errors import BadFile
 from rtphys.data.check_physics import Redraw
-from rtphys.data.convert import leaf_at
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.episode import JSON
 from rtphys.data.journal import read_journal
-from rtphys.data.schema import LeafEntry
+from rtphys.data.schema import TaskDatasetEntry
 from rtphys.physics import attributes
 
 JOINTS = tuple(f"{side} {part}" for side in ("left", "right") for part in (*"123456", "gripper"))
@@ -76,7 +75,7 @@ def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
     """
     facts = Facts(dataset.path.resolve().name)
     shown = axes()
-    order = dataset.leaves
+    order = dataset.task_datasets
     for index, entry in enumerate(order):
         facts.leaves.append(
             {
@@ -89,7 +88,7 @@ def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
         )
         for accepted, values in _tried(dataset, entry):
             facts.attempts.append([index, int(accepted), *(axis.of(values) for axis in shown)])
-    at = {leaf_at(dataset.path, entry).folder: n for n, entry in enumerate(order)}
+    at = {entry.below(dataset.path).folder: n for n, entry in enumerate(order)}
     for done, episode in enumerate(dataset, start=1):
         facts.episodes.append(_episode(episode, at[episode.paths.hdf5.parents[1]], shown))
         if progress:
@@ -97,10 +96,10 @@ def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
     return facts
 
 
-def _tried(dataset: Dataset, entry: LeafEntry) -> list[tuple[bool, Mapping[str, JSON]]]:
+def _tried(dataset: Dataset, entry: TaskDatasetEntry) -> list[tuple[bool, Mapping[str, JSON]]]:
     """(accepted, physics) of every attempt, from the journal or drawn again from the seed."""
     known: dict[int, Mapping[str, JSON]] = {}
-    journal = leaf_at(dataset.path, entry).journal
+    journal = entry.below(dataset.path).journal
     if journal.exists():
         for line in read_journal(journal).lines[1:]:
             seed, physics = line.entry.get("seed"), line.entry.get("physics")

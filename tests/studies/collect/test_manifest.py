@@ -197,5 +197,5 @@ def test_what_no_sweep_is(text: str, error: type[Exception]) -> None:
 
 def test_what_is_held_is_not_swept() -> None:
     held = replace(PLAN, setting=replace(PLAN.setting, overrides={"friction": 0.3}))
-    with pytest.raises(BadValue, match="sweep = 'friction' .*held at a value already"):
+    with pytest.raises(BadValue, match=r"sweep = 'friction' .*held at a value already"):
         swept(held, "friction=0.1,0.2")

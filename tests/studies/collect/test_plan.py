@@ -33,7 +33,7 @@ WRONG = {
     "--task click_bell --split sen": "did you mean 'seen'?",
     "--task click_bell --twin cleen": "did you mean 'clean'?",
     "--task click_bell --twin clean": "it is the protocol itself",
-    "--task click_bell --fallback builtin": "--fallback = 'builtin' is not allowed; it needs --assets",
+    "--task click_bell --fallback builtin": "is not allowed; it needs --assets",
     "--task click_bell --assets / --fallback bultin": "did you mean 'builtin'?",
     "--task click_bell --shader slm": "did you mean 'slim'?",
     "--task click_bell --set frction=1": "did you mean 'friction'?",

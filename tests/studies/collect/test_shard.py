@@ -156,9 +156,9 @@ def test_the_division_is_even_and_whole() -> None:
     for tasks in range(1, 8):
         units = Shard.parse(plans_for(plans()[0], "abcdefg"[:tasks]), Run(shard="1/1")).units
         for of in range(1, 9):
-            work = [(u.leaf, s.stride[0]) for s in _all(units, of) for u in s.own]
+            work = [(u.folder, s.stride[0]) for s in _all(units, of) for u in s.own]
             sharing = Shard(1, of, units).stride[1]
-            assert sorted(work) == [(u.leaf, k) for u in units for k in range(sharing)]
+            assert sorted(work) == [(u.folder, k) for u in units for k in range(sharing)]
             assert all(shard.own for shard in _all(units, of))
 
 

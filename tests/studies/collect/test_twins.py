@@ -121,7 +121,7 @@ def test_half_a_pair_is_no_episode(hard: TaskPlan, tmp_path: Path) -> None:
     assert not summary.complete
     assert verify(out).problems == []
     told = {
-        config: Dataset(out).manifest.leaves[f"{config}/hard/aloha_agilex"].rejections
+        config: Dataset(out).manifest.task_datasets[f"{config}/hard/aloha_agilex"].rejections
         for config in ("phys_random", "phys_random.twin=clean")
     }
     assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"untwinned": 2}}

@@ -11,8 +11,8 @@ from rtphys.data.conditions import Conditions, differences
 from rtphys.data.episode import JSON
 from rtphys.data.faults import DatasetError
 from rtphys.data.journal import read_journal
-from rtphys.data.layout import SHARD, Leaf
-from rtphys.data.manifest import journals_below, leaf_of
+from rtphys.data.layout import SHARD, TaskDataset
+from rtphys.data.manifest import journals_below, task_dataset_of
 from rtphys.data.restage import restage
 from rtphys.data.writer import DatasetWriter
 from rtphys.studies.collect.run import collect
@@ -31,7 +31,7 @@ class ShardJournal:
     """One shard's journal of one task dataset."""
 
     shard: Shard
-    leaf: Leaf
+    task_dataset: TaskDataset
     conditions: Conditions
     header: Entry
     entries: tuple[Entry, ...]  # attempts
@@ -98,7 +98,7 @@ def _copy_unit(unit: Unit, journals: Journals, dataset: DatasetWriter) -> Tally:
             entry = piece.entry(seed)
             if entry is None:
                 break
-            writer.record(restage(piece.leaf, entry, writer.staging(seed)))
+            writer.record(restage(piece.task_dataset, entry, writer.staging(seed)))
             dataset.checkpoint_if_due()
         writer.discard()
         tally = Tally(str(unit.plan["task"]), unit.episodes, writer.episodes, writer.attempts)
@@ -118,7 +118,7 @@ def _results_elsewhere(unit: Unit, journals: Journals):
             entry = piece.entry(seed)
             if entry is None:
                 return None
-            results.append(restage(piece.leaf, entry, folder))
+            results.append(restage(piece.task_dataset, entry, folder))
         return tuple(results)
 
     return known
@@ -158,15 +158,15 @@ def read_shards(parts: Sequence[Path]) -> dict[Path, Shard]:
 def _other_units(one: Shard, other: Shard) -> str:
     if one.units == other.units:
         return ""
-    ours, theirs = ({unit.leaf: unit for unit in shard.units} for shard in (one, other))
-    for leaf in sorted(ours.keys() | theirs.keys()):
-        a, b = ours.get(leaf), theirs.get(leaf)
+    ours, theirs = ({unit.folder: unit for unit in shard.units} for shard in (one, other))
+    for folder in sorted(ours.keys() | theirs.keys()):
+        a, b = ours.get(folder), theirs.get(folder)
         if a is None or b is None:
-            return f"only one of them collects {leaf}"
+            return f"only one of them collects {folder}"
         if a.episodes != b.episodes:
-            return f"{a.episodes} episodes of {leaf} in the one, {b.episodes} in the other"
+            return f"{a.episodes} episodes of {folder} in the one, {b.episodes} in the other"
         if clauses := differences(a.plan, b.plan):
-            return f"{leaf}: {'; '.join(clauses)}"
+            return f"{folder}: {'; '.join(clauses)}"
     return "their twins differ"
 
 
@@ -197,7 +197,9 @@ def _read_journal(part: Path, shard: Shard, journal: Path) -> ShardJournal:
     if (conditions.stride or (0, 1)) != shard.stride:
         raise BadFile(journal, f"is not of {shard}, as {SHARD} says")
     entries = tuple(line.entry for line in lines)
-    return ShardJournal(shard, leaf_of(part, header.entry), conditions, header.entry, entries)
+    return ShardJournal(
+        shard, task_dataset_of(part, header.entry), conditions, header.entry, entries
+    )
 
 
 def _check_finished(piece: ShardJournal, unit: Unit) -> None:
@@ -208,9 +210,9 @@ def _check_finished(piece: ShardJournal, unit: Unit) -> None:
     most = unit.plan.get("most_attempts")
     exhausted = isinstance(most, int) and next_seed >= piece.conditions.first_seed + most
     if accepted < share and not hopeless and not exhausted:
-        counts = f"{accepted} of its {share} episodes of {unit.leaf}"
+        counts = f"{accepted} of its {share} episodes of {unit.folder}"
         raise CannotMerge(
-            f"{piece.leaf.out}: {piece.shard} has {counts}; repeat its command to finish it"
+            f"{piece.task_dataset.out}: {piece.shard} has {counts}; repeat its command to finish it"
         )
 
 
@@ -219,5 +221,5 @@ def _check_alike(others: Sequence[ShardJournal], piece: ShardJournal) -> None:
         return
     headers = [{**one.header, "stride": None} for one in (others[0], piece)]
     if clauses := differences(*headers):
-        places = f"{others[0].leaf.folder} and {piece.leaf.folder}"
+        places = f"{others[0].task_dataset.folder} and {piece.task_dataset.folder}"
         raise CannotMerge(f"{places} were collected differently: {'; '.join(clauses)}")

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from rtphys.assets.pack import FALLBACKS, Pack, Progress, chosen_pack
+from rtphys.assets.pack import FALLBACKS, Pack, chosen_pack
 from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
 from rtphys.core.errors import (
@@ -17,7 +17,7 @@ from rtphys.core.errors import (
     NoRenderer,
     RtphysError,
 )
-from rtphys.data.layout import LAYOUTS, Leaf
+from rtphys.data.layout import LAYOUTS, TaskDataset
 from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
 from rtphys.setting.protocol import protocols
@@ -25,6 +25,9 @@ from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import Task, load_task
+
+if TYPE_CHECKING:
+    from rtphys.assets.build import Progress
 
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
 LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
@@ -81,7 +84,8 @@ class TaskPlan:
     def folder(self) -> str:
         """Path of the task dataset below the dataset's folder."""
         setting = self.setting
-        return Leaf(Path(), self.config or setting.protocol, setting.task, layout=self.layout).name
+        config = self.config or setting.protocol
+        return TaskDataset(Path(), config, setting.task, layout=self.layout).name
 
     @property
     def sides(self) -> "tuple[TaskPlan, ...]":
@@ -164,7 +168,7 @@ class Run:
 
         return connect(self.address, self.workers)
 
-    def pack(self, progress: Progress | None = None) -> Pack:
+    def pack(self, progress: "Progress | None" = None) -> Pack:
         """The asset pack, built if need be."""
         return chosen_pack(self.assets, self.fallback, progress)
 

@@ -13,8 +13,8 @@ from rtphys.campaign.workers.local import LocalPool
 from rtphys.campaign.workers.pool import Lost, WorkerPool
 from rtphys.data.conditions import Conditions
 from rtphys.data.faults import DatasetMismatch
-from rtphys.data.leaf_writer import TaskWriter
 from rtphys.data.staging import StagedEpisode
+from rtphys.data.task_writer import TaskWriter
 from rtphys.data.writer import DatasetWriter
 from rtphys.episode.assemble import versions
 from rtphys.sim.camera import camera_specs
@@ -192,4 +192,4 @@ def _record(writer: TaskWriter, result: Result) -> None:
     elif isinstance(result, StagedEpisode) != writer.accepted(result.seed):
         now = "accepted" if isinstance(result, StagedEpisode) else f"rejected ({result.reason})"
         clause = f"seed {result.seed} is {now} when its twin is made, and was not before"
-        raise DatasetMismatch(writer.leaf.folder, [clause])
+        raise DatasetMismatch(writer.task_dataset.folder, [clause])

@@ -9,7 +9,7 @@ What a shard has to do depends on the command and on i and n alone.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtphys.core.errors import BadFile, BadValue
@@ -32,7 +32,7 @@ OF_RUN = ("assets", "fallback", "shader")
 class Unit:
     """A task dataset, with its twin if it has one, as the whole collection wants it."""
 
-    leaf: str  # its folder below `out`
+    folder: str  # below `out`
     twin: str | None
     episodes: int
     plan: Mapping[str, JSON]  # what else decides it
@@ -63,7 +63,7 @@ class Unit:
     @property
     def folders(self) -> tuple[str, ...]:
         """Folders of the task dataset and of its twin."""
-        return (self.leaf,) if self.twin is None else (self.leaf, self.twin)
+        return (self.folder,) if self.twin is None else (self.folder, self.twin)
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class Shard:
         index, _, of = run.shard.partition("/")
         if not (index.isdecimal() and of.isdecimal() and 1 <= int(index) <= int(of)):
             raise BadValue("shard", run.shard, "write i/n, from 1/n to n/n")
-        units = sorted((Unit.of(plan, run) for plan in plans), key=lambda unit: unit.leaf)
+        units = sorted((Unit.of(plan, run) for plan in plans), key=lambda unit: unit.folder)
         return Shard(int(index), int(of), tuple(units))
 
     def __str__(self) -> str:
@@ -154,4 +154,9 @@ def claim(out: Path, shard: Shard | None) -> None:
         if [unit.folders for unit in stored.units] != [unit.folders for unit in shard.units]:
             raise DatasetMismatch(out, ["it was a shard of other tasks or configurations"])
     if shard is not None and stored != shard:
-        files.replace_file(out / SHARD, pretty(plain(asdict(shard))))
+        units = [
+            {"leaf": u.folder, "twin": u.twin, "episodes": u.episodes, "plan": u.plan}
+            for u in shard.units
+        ]
+        content = {"index": shard.index, "of": shard.of, "units": units}
+        files.replace_file(out / SHARD, pretty(plain(content)))

@@ -87,17 +87,17 @@ def _enforced(fingerprint: Mapping[str, JSON]) -> dict[str, JSON]:
 
 def _of_dataset(folder: Path, task: str, protocol: str, now: Fingerprint) -> InstanceList:
     """Every seed that was tried for a dataset; its manifest has vouched for the ground."""
-    leaves = [leaf for leaf in Dataset(folder).leaves if leaf.task == task]
-    if not leaves:
+    entries = [entry for entry in Dataset(folder).task_datasets if entry.task == task]
+    if not entries:
         raise BadValue("instances", str(folder), f"the dataset has no episodes of {task}")
-    own = [leaf for leaf in leaves if protocol in (leaf.protocol, leaf.config)]
+    own = [entry for entry in entries if protocol in (entry.protocol, entry.config)]
     # Another protocol's seeds will do: the layout of a seed is the same under every one.
-    leaf = (own or leaves)[0]
-    if leaf.only is not None or leaf.overrides:
+    entry = (own or entries)[0]
+    if entry.only is not None or entry.overrides:
         problem = "attributes were picked or held in it, which an evaluation does not know"
         raise BadValue("instances", str(folder), problem)
     slots = tuple(
         Slot(one.seed, (one.reason or "rejected") if one.verdict == "rejected" else "")
-        for one in leaf.attempts
+        for one in entry.attempts
     )
     return InstanceList(task, protocol, now.to_json(), slots)

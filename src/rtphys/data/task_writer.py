@@ -14,7 +14,7 @@ from rtphys.data.faults import CannotWrite, DatasetExists, DatasetMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import Journal
 from rtphys.data.json_text import plain, pretty
-from rtphys.data.layout import EpisodePaths, Leaf, episode_number
+from rtphys.data.layout import EpisodePaths, TaskDataset, episode_number
 from rtphys.data.staging import StagedEpisode
 
 EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
@@ -35,11 +35,11 @@ class Rejection:
 class TaskWriter:
     """Commits the outcomes of one task dataset, in the order of the seeds."""
 
-    def __init__(self, leaf: Leaf, conditions: Conditions, *, resume: bool) -> None:
-        self.leaf = leaf
+    def __init__(self, task_dataset: TaskDataset, conditions: Conditions, *, resume: bool) -> None:
+        self.task_dataset = task_dataset
         self.conditions = conditions
         self.wanted = 0
-        self._journal = Journal(leaf.journal)
+        self._journal = Journal(task_dataset.journal)
         self.episodes = 0
         self.fruitless = 0  # attempts since the last episode
         self._open(resume)
@@ -49,40 +49,41 @@ class TaskWriter:
         stored = self._journal.entries()
         if not stored:
             if self._episode_files(0):  # somebody else's: they must not be taken for leftovers
-                raise DatasetMismatch(self.leaf.folder, ["its episodes have no journal"])
-            files.make_folder(self.leaf.folder)
+                raise DatasetMismatch(self.task_dataset.folder, ["its episodes have no journal"])
+            files.make_folder(self.task_dataset.folder)
             self._journal.append(header, durable=True)
             return
         if found := differences(stored[0], header):
-            raise DatasetMismatch(self.leaf.folder, found)
+            raise DatasetMismatch(self.task_dataset.folder, found)
         verdicts = [entry["verdict"] for entry in stored[1:]]
         self.episodes = verdicts.count("accepted")
         self.fruitless = (["accepted", *verdicts][::-1]).index("accepted")
         if not resume and len(stored) > 1:
-            raise DatasetExists(self.leaf.folder, self.episodes)
+            raise DatasetExists(self.task_dataset.folder, self.episodes)
         self._remove_leftovers()
         for entry in stored[1:]:
             self._check_present(entry)
 
     def _remove_leftovers(self) -> None:
         """Of a killed run: staged attempts, files of a commit that never reached the journal."""
-        shutil.rmtree(self.leaf.staging, ignore_errors=True)
+        shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
         for path in self._episode_files(self.episodes):
             with files.refusals(path):
                 path.unlink()
-        for path in self.leaf.folder.rglob(f".*{files.TEMPORARY}"):
+        for path in self.task_dataset.folder.rglob(f".*{files.TEMPORARY}"):
             path.unlink(missing_ok=True)
 
     def _episode_files(self, first: int) -> list[Path]:
         """Files of episodes with that number or a higher one."""
-        found = [path for name in EPISODE_FOLDERS for path in (self.leaf.folder / name).glob("*")]
+        folders = [self.task_dataset.folder / name for name in EPISODE_FOLDERS]
+        found = [path for folder in folders for path in folder.glob("*")]
         numbered = [(episode_number(path), path) for path in found]
         return [path for number, path in numbered if number is not None and number >= first]
 
     def _check_present(self, entry: Mapping[str, JSON]) -> None:
         stored = entry.get("files")
         for name, facts in (stored if isinstance(stored, Mapping) else {}).items():
-            path = self.leaf.folder / name
+            path = self.task_dataset.folder / name
             size = facts["size"] if isinstance(facts, Mapping) else None
             if not path.is_file() or path.stat().st_size != size:
                 raise BadFile(path, "the journal lists it, but it is missing or has another size")
@@ -108,7 +109,7 @@ class TaskWriter:
 
     def staging(self, seed: int) -> Path:
         """The folder for `stage_episode`, which a worker may be told."""
-        return self.leaf.staged(seed)
+        return self.task_dataset.staged(seed)
 
     def record(self, outcome: StagedEpisode | Rejection) -> None:
         """Commits the outcome of `next_seed`.
@@ -123,7 +124,7 @@ class TaskWriter:
 
     def discard(self) -> None:
         """Removes staged files that nobody will number."""
-        shutil.rmtree(self.leaf.staging, ignore_errors=True)
+        shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
 
     def _commit(self, outcome: StagedEpisode | Rejection) -> None:
         if isinstance(outcome, Rejection):
@@ -141,7 +142,7 @@ class TaskWriter:
             self.fruitless += 1
             return
         number = self.episodes
-        listed = self._place(outcome, self.leaf.episode(number), number)
+        listed = self._place(outcome, self.task_dataset.episode(number), number)
         self._journal.append(
             {
                 "seed": outcome.seed,
@@ -180,7 +181,7 @@ class TaskWriter:
                     target.unlink()
             raise
         return {
-            target.relative_to(self.leaf.folder).as_posix(): facts[name].to_json()
+            target.relative_to(self.task_dataset.folder).as_posix(): facts[name].to_json()
             for name, target in targets.items()
         }
 
