@@ -8,6 +8,7 @@ from rtphys.core.seeds import stream
 from rtphys.data.conditions import Conditions
 from rtphys.data.episode import CameraFrames, Episode, Frames, Images
 from rtphys.physics import after, attributes, load_domain
+from rtphys.setting.setting import Setting
 
 CAMERAS = ("head_camera", "left_camera", "right_camera")
 DOMAIN = load_domain("global")
@@ -108,12 +109,10 @@ def episode(seed: int, frames: int = 8) -> Episode:
 
 def conditions(layout: str = "native", task: str = "click_bell") -> Conditions:
     return Conditions(
-        task=task,
-        protocol="phys_random",
+        Setting(task, "phys_random"),
         first_seed=0,
-        domain_name=DOMAIN.name,
-        domain_digest=DOMAIN.digest,
         domain=DOMAIN.to_json(),
+        visual=None,
         cameras=CAMERAS,
         versions={"rtphys": "0.1.0", "sapien": "3.0.3"},
         assets={"pack": "builtin", "digest": "a" * 64},

@@ -73,7 +73,9 @@ def run_all(
     try:
         _supervise(series, pool, listener, committed)
     except WorkerFailed as failure:
-        raise _explained(failure, log_folder) from failure
+        if not failure.trace:  # a user can cause it
+            raise
+        raise _bug(failure, log_folder) from failure
 
 
 def _supervise(
@@ -114,10 +116,8 @@ def _begin(one: Series[J, R], index: int, pool: WorkerPool[J, R]) -> None:
         one.take(seed, result)
 
 
-def _explained(failure: WorkerFailed, folder: Path | None) -> RtphysError:
-    """A bug's traceback goes to a file; what a user can cause is passed on as it is."""
-    if not failure.trace:
-        return failure
+def _bug(failure: WorkerFailed, folder: Path | None) -> Bug:
+    """The traceback goes to a file."""
     place = ""
     if folder is not None:
         log = folder / ERROR_LOG

@@ -161,26 +161,28 @@ class Series(Generic[J, R]):
         if self.enough:
             return
         self._waiting[seed] = self.study.arrived(seed, result)
-        while not self.over and (first := self._first_waiting()) is not None:
+        while not self.enough and (first := self._first_waiting()) is not None:
             result = self._waiting.pop(first)
-            self.halted = self.study.commit(first, result)
-            if self.halted:
-                break
+            if problem := self.study.commit(first, result):
+                self.halted = problem
+                return
             if self._committed >= self.owed:
                 self.tally.add(self.study.reason(result))
             self._committed += 1
             self._judge()
         if self.enough:
             self._waiting.clear()
+            self.halted = ""  # a seed past the last one needed was lost
 
     def lose(self, seed: int, loss: Lost) -> None:
         """Takes the loss of the workers that had a seed."""
         result = self.study.lost(seed, loss)
-        if isinstance(result, str):
-            self.running.discard(seed)
-            self.halted = self.halted or result
-        else:
+        if not isinstance(result, str):
             self.take(seed, result)
+            return
+        self.running.discard(seed)
+        if not self.enough:
+            self.halted = self.halted or result
 
     def close_if_over(self) -> None:
         """Lets the study finish as soon as nothing more will come."""

@@ -39,11 +39,13 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     Attempts are simulated without pictures, and only successes are drawn. What comes out depends
     on the options alone, not on the number of workers or on interruptions.
     """
+    from rtphys.studies.collect.shard import own_plans
+
     plans = _plans(request, template)
     if request.dry_run:
         from rtphys.cli.collect_forecast import show_plans
 
-        show_plans(plans, run)
+        show_plans(own_plans(plans, run), run)
         return
     if not (request.manifest or request.estimate):
         _collect(plans, run)
@@ -51,7 +53,7 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     from rtphys.cli.collect_forecast import confirm, forecast
 
     with resumable():
-        before = forecast(plans, run)
+        before = forecast(own_plans(plans, run), run)
     if not request.estimate:
         _collect(plans, run)
         confirm(before)

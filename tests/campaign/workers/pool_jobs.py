@@ -1,4 +1,4 @@
-"""What the crews of test_local_runner do; workers import this file."""
+"""What the pools of test_local and test_ray do; workers import this file."""
 
 import os
 import signal

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from pool_jobs import Trouble, broken_setup, dying_setup, setup
 
-from rtphys.campaign.workers.local import Crew
+from rtphys.campaign.workers.local import LocalPool
 from rtphys.campaign.workers.pool import Done, Limits, Lost, WorkerFailed
 
 QUICK = Limits(seconds=20)
@@ -18,12 +18,12 @@ QUICK = Limits(seconds=20)
 def run(jobs: list[Trouble], size: int = 2, limits: Limits = QUICK) -> dict[int, Done | Lost]:
     """Job number -> what came of it."""
     found: dict[int, Done | Lost] = {}
-    with Crew[Trouble, int](setup, size, limits) as crew:
+    with LocalPool[Trouble, int](setup, size, limits) as pool:
         waiting = list(enumerate(jobs))
-        while waiting or crew.busy:
-            while waiting and crew.room:
-                crew.submit(*waiting.pop(0))
-            found |= {int(str(event.name)): event for event in crew.wait()}
+        while waiting or pool.busy:
+            while waiting and pool.room:
+                pool.submit(*waiting.pop(0))
+            found |= {int(str(event.name)): event for event in pool.wait()}
     return found
 
 
@@ -89,33 +89,33 @@ def test_a_refusal_comes_out_as_the_sentence_it_is() -> None:
 def test_a_setup_that_fails_ends_the_run() -> None:
     with (
         pytest.raises(WorkerFailed, match="pack = 'nowhere'"),
-        Crew[Trouble, int](broken_setup, 1, QUICK) as crew,
+        LocalPool[Trouble, int](broken_setup, 1, QUICK) as pool,
     ):
-        crew.submit(0, Trouble())
-        while crew.busy:
-            crew.wait()
+        pool.submit(0, Trouble())
+        while pool.busy:
+            pool.wait()
 
 
 def test_workers_that_die_while_they_start_end_the_run_with_their_last_words() -> None:
     with (
         pytest.raises(WorkerFailed, match=r"while they start: no driver, no cry"),
-        Crew[Trouble, int](dying_setup, 2, QUICK) as crew,
+        LocalPool[Trouble, int](dying_setup, 2, QUICK) as pool,
     ):
-        crew.submit(0, Trouble())
-        while crew.busy:
-            crew.wait()
+        pool.submit(0, Trouble())
+        while pool.busy:
+            pool.wait()
 
 
 ORPHAN = """
 import sys
 sys.path.insert(0, sys.argv[1])
 from pool_jobs import Trouble, setup
-from rtphys.campaign.workers.local import Crew
-with Crew(setup, 1) as crew:
-    crew.submit(0, Trouble("hang"))
-    print(crew._workers[0].process.pid, flush=True)
-    while crew.busy:
-        crew.wait()
+from rtphys.campaign.workers.local import LocalPool
+with LocalPool(setup, 1) as pool:
+    pool.submit(0, Trouble("hang"))
+    print(pool._workers[0].process.pid, flush=True)
+    while pool.busy:
+        pool.wait()
 """
 
 

@@ -4,9 +4,10 @@ import hashlib
 import os
 from pathlib import Path
 
-from rtphys.studies.collect import CollectPlan
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.plan import TaskPlan
 
-PLAN = CollectPlan(("click_bell",), 2, Path(), protocol="phys_random")
+PLAN = TaskPlan(Setting("click_bell", "phys_random"), 2)
 
 
 def content(out: Path) -> dict[str, str]:

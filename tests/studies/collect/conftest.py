@@ -1,25 +1,31 @@
-"""One undisturbed collection for all tests of the folder."""
+"""One undisturbed collection for all tests of the folder, and collections without a robot."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import sharding
+import robotless
 from collecting import PLAN
+from quick_pool import QuickPool
 
-from rtphys.studies.collect import collect
+from rtphys.studies.collect import run as run_module
+from rtphys.studies.collect.plan import Run
+from rtphys.studies.collect.run import collect
 
 
 @pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two episodes by one worker."""
     out = tmp_path_factory.mktemp("undisturbed") / "data"
-    summary = collect(replace(PLAN, out=out))
-    assert summary.complete
+    assert collect([PLAN], Run(out, workers=1)).complete
     return out
 
 
 @pytest.fixture
-def merging_needs_no_robot(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Seeds that no shard reached are tried as the shards' were."""
-    monkeypatch.setattr("rtphys.studies.collect.join.collect", sharding.work)
+def without_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Collections and merges go their usual way, but for what a worker does."""
+    monkeypatch.setattr(run_module, "check", lambda plans, run: [plan.setting for plan in plans])
+    monkeypatch.setattr(run_module, "check_assets", lambda plans, pack: None)
+    monkeypatch.setattr(Run, "pack", lambda self, progress=None: None)
+    monkeypatch.setattr(run_module, "conditions_of", robotless.conditions)
+    monkeypatch.setattr(run_module, "CollectWorker", robotless.QuickCollector)
+    monkeypatch.setattr(run_module, "LocalPool", QuickPool)

@@ -1,6 +1,6 @@
 """Kills collections with SIGKILL at random instants, resumes them, and compares what comes out.
 
-    python tests/collect/killing.py [KILLS]      about 5 CPU-seconds a kill
+    python tests/studies/collect/killing.py [KILLS]      about 5 CPU-seconds a kill
 
 A run is killed again and again, half the time in a worker, until it is complete; so a handful of
 kills costs one dataset.

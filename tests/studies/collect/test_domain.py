@@ -12,7 +12,8 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.verify import verify
 from rtphys.physics import Domain, load_domain
 from rtphys.setting.setting import Setting
-from rtphys.studies.collect import CollectPlan, collect
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.run import collect, conditions_of
 from rtphys.task.spec import load_task
 
 ICY = """\
@@ -43,17 +44,18 @@ def test_a_recipe_draws_from_the_given_domain_and_holds_it_whole(icy: Domain) ->
 
 def test_a_protocol_without_physics_stays_nominal(icy: Domain) -> None:
     assert not Setting("click_bell", "clean", ranges=icy).at(3).setting.domain.rules
-    plan = CollectPlan(("click_bell",), 1, Path("data"), protocol="clean", ranges=icy)
+    plan = TaskPlan(Setting("click_bell", "clean", ranges=icy), 1)
     with pytest.raises(BadValue, match=r"icy.*varies no physics"):
         plan.check()
 
 
 def test_conditions_name_the_domain(icy: Domain) -> None:
-    plan = CollectPlan(("beat_block_hammer",), 1, Path("data"), protocol="phys_random")
+    setting = Setting("beat_block_hammer", "phys_random")
+    plans = [TaskPlan(one) for one in (setting, replace(setting, ranges=icy))]
     task, pack = load_task("beat_block_hammer"), default_pack()
-    own, other = (p.conditions(task, pack) for p in (plan, replace(plan, ranges=icy)))
-    assert (own.domain_name, other.domain_name) == ("beat_block_hammer", "icy")
-    assert other.domain_digest == icy.digest
+    own, other = (conditions_of(plan, task, pack).to_json() for plan in plans)
+    assert (own["domain_name"], other["domain_name"]) == ("beat_block_hammer", "icy")
+    assert other["domain_digest"] == icy.digest
 
 
 @pytest.mark.sim
@@ -62,11 +64,11 @@ def test_episodes_verify_and_another_domain_does_not_continue_them(
     icy: Domain, tmp_path: Path
 ) -> None:
     out = tmp_path / "data"
-    cameras = ("head",)
-    plan = CollectPlan(("click_bell",), 1, out, protocol="phys_random", ranges=icy, cameras=cameras)
-    assert collect(plan).complete
+    setting, run = Setting("click_bell", "phys_random", ranges=icy), Run(out, workers=1)
+    plan = TaskPlan(setting, 1, cameras=("head",))
+    assert collect([plan], run).complete
     assert verify(out).problems == []
     (episode,) = Dataset(out)
     assert 0.3 <= float(str(episode.meta.attributes["friction"].value)) <= 0.4
     with pytest.raises(DatasetMismatch, match="domain"):
-        collect(replace(plan, episodes=2, ranges=None))
+        collect([replace(plan, episodes=2, setting=replace(setting, ranges=None))], run)

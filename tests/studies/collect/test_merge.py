@@ -6,32 +6,35 @@ from pathlib import Path
 
 import pytest
 from collecting import content
-from sharding import EPISODES, MADE, collect, plan, shards
+from robotless import EPISODES, HARD, MADE, collect, plans, shards
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
 from rtphys.data import files
-from rtphys.studies.collect import merge
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.manifest import plans_for
+from rtphys.studies.collect.merge import merge
+from rtphys.studies.collect.plan import TaskPlan
 
-pytestmark = pytest.mark.usefixtures("merging_needs_no_robot")
+pytestmark = pytest.mark.usefixtures("without_robot")
 
 
 @pytest.mark.parametrize(
     ("tasks", "of"), [(1, 2), (1, 3), (2, 2), (2, 3), (2, 4), (3, 2), (2, 1), (3, 4)]
 )
 def test_shards_join_to_what_one_machine_makes(tasks: int, of: int, tmp_path: Path) -> None:
-    whole = plan(tasks)
-    alone = collect((whole,), tmp_path / "alone")
+    whole = plans(tasks)
+    alone = collect(whole, tmp_path / "alone")
     parts = shards(whole, of, tmp_path)
     tallies = merge(parts[::-1], tmp_path / "joined")
-    assert [tally.episodes for tally in tallies] == [EPISODES] * tasks
+    assert [tally.accepted for tally in tallies] == [EPISODES] * tasks
     assert content(tmp_path / "joined") == content(alone)
 
 
 def test_every_seed_is_one_shards(tmp_path: Path) -> None:
     """Also where neither number divides the other."""
     tried: list[tuple[str, int]] = []
-    for part in shards(plan(2), 3, tmp_path):
+    for part in shards(plans(2), 3, tmp_path):
         leaves = json.loads((part / "manifest.json").read_text())["leaves"]
         tried += [(e["task"], a["seed"]) for e in leaves.values() for a in e["attempts"]]
     assert len(set(tried)) == len(tried)
@@ -40,8 +43,8 @@ def test_every_seed_is_one_shards(tmp_path: Path) -> None:
 def test_a_merge_that_was_killed_is_resumed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    alone = collect((plan(),), tmp_path / "alone")
-    parts = shards(plan(), 3, tmp_path)
+    alone = collect(plans(), tmp_path / "alone")
+    parts = shards(plans(), 3, tmp_path)
 
     class Killed(Exception):
         pass
@@ -62,16 +65,16 @@ def test_a_merge_that_was_killed_is_resumed(
 
 
 def test_more_episodes_can_be_asked_of_the_same_shards(tmp_path: Path) -> None:
-    alone = collect((plan(1, 20),), tmp_path / "alone")
-    shards(plan(1, 6), 2, tmp_path)
-    merge(shards(plan(1, 20), 2, tmp_path), tmp_path / "joined")
+    alone = collect(plans(1, 20), tmp_path / "alone")
+    shards(plans(1, 6), 2, tmp_path)
+    merge(shards(plans(1, 20), 2, tmp_path), tmp_path / "joined")
     assert content(tmp_path / "joined") == content(alone)
 
 
 @pytest.mark.parametrize("of", [2, 3, 5])
 def test_little_is_left_to_do_where_they_are_merged(of: int, tmp_path: Path) -> None:
-    whole = plan(1, 40)
-    alone = collect((whole,), tmp_path / "alone")
+    whole = plans(1, 40)
+    alone = collect(whole, tmp_path / "alone")
     parts = shards(whole, of, tmp_path)
     MADE.clear()
     merge(parts, tmp_path / "joined")
@@ -80,15 +83,16 @@ def test_little_is_left_to_do_where_they_are_merged(of: int, tmp_path: Path) -> 
 
 
 def test_a_task_given_up_by_all_is_given_up(tmp_path: Path) -> None:
-    whole = replace(plan(1), most_attempts=10)
-    alone = collect((whole,), tmp_path / "alone")
-    merge(shards(whole, 3, tmp_path), tmp_path / "joined")
+    whole = plans_for(TaskPlan(Setting(), EPISODES, most_attempts=10), [HARD])
+    alone = collect(whole, tmp_path / "alone")
+    (tally,) = merge(shards(whole, 3, tmp_path), tmp_path / "joined")
+    assert tally.stopped == "10 attempts were made, the most that were allowed"
     assert content(tmp_path / "joined") == content(alone)
 
 
 def test_twins_stay_together(tmp_path: Path) -> None:
-    whole = replace(plan(1), twin="phys_random")
-    alone = collect((whole,), tmp_path / "alone")
+    whole = tuple(replace(plan, twin="phys_random") for plan in plans(1))
+    alone = collect(whole, tmp_path / "alone")
     merge(shards(whole, 3, tmp_path), tmp_path / "joined")
     assert content(tmp_path / "joined") == content(alone)
     leaves = json.loads((alone / "manifest.json").read_text())["leaves"]
@@ -97,10 +101,10 @@ def test_twins_stay_together(tmp_path: Path) -> None:
 
 
 def test_the_command_merges(tmp_path: Path) -> None:
-    parts = shards(plan(2), 2, tmp_path)
+    parts = shards(plans(2), 2, tmp_path)
     told = ["merge", *map(str, parts), "--out", str(tmp_path / "joined")]
     done = CliRunner().invoke(app, told)
     assert done.exit_code == 0, done.stderr
     assert "24 episodes of 2 tasks" in done.stdout
     assert "0 attempts made here" in done.stdout
-    assert content(tmp_path / "joined") == content(collect((plan(2),), tmp_path / "alone"))
+    assert content(tmp_path / "joined") == content(collect(plans(2), tmp_path / "alone"))

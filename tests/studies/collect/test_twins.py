@@ -7,16 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from collecting import PLAN, content
-from rtphys.studies.collect.order import Order
 
-from rtphys.campaign.workers.pool import Done
+from rtphys.assets.pack import default_pack
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.journal import read_journal
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
-from rtphys.studies.collect import CollectPlan, Tally, collect
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.run import collect, conditions_of, open_series
 from rtphys.studies.collect.work import rejection
+from rtphys.task.spec import load_task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
@@ -27,7 +29,7 @@ OWN, TWIN = "phys_random/click_bell/aloha_agilex", "phys_random.twin=clean/click
 @pytest.fixture(scope="module")
 def pairs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("pairs") / "data"
-    assert collect(replace(TWINNED, out=out)).complete
+    assert collect([TWINNED], Run(out, workers=1)).complete
     return out
 
 
@@ -54,8 +56,8 @@ def test_its_two_halves_are_what_each_protocol_gives_alone(pairs: Path, undistur
 
 def test_resumed_with_other_workers_it_is_the_same(pairs: Path, tmp_path: Path) -> None:
     out = tmp_path / "data"
-    assert collect(replace(TWINNED, out=out, episodes=1)).complete
-    assert collect(replace(TWINNED, out=out, workers=2)).complete
+    assert collect([replace(TWINNED, episodes=1)], Run(out, workers=1)).complete
+    assert collect([TWINNED], Run(out, workers=2)).complete
     assert content(out) == content(pairs)
 
 
@@ -69,7 +71,7 @@ def test_a_kill_between_the_two_commits_is_mended(
     lines = journal.read_bytes().splitlines(keepends=True)
     journal.write_bytes(b"".join(lines[:-1]))
     (out / "manifest.json").unlink()
-    assert collect(replace(TWINNED, out=out)).complete
+    assert collect([TWINNED], Run(out, workers=1)).complete
     assert content(out) == content(pairs)
 
 
@@ -77,7 +79,7 @@ def test_a_leaf_without_twins_is_not_continued_with_them(undisturbed: Path, tmp_
     out = tmp_path / "data"
     shutil.copytree(undisturbed, out)
     with pytest.raises(DatasetMismatch, match="twin was None, now 'phys_random"):
-        collect(replace(TWINNED, out=out))
+        collect([TWINNED], Run(out, workers=1))
     assert content(out) == content(undisturbed)
 
 
@@ -106,23 +108,24 @@ task = replace(bell, script=script)
 
 
 @pytest.fixture
-def hard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> CollectPlan:
+def hard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> TaskPlan:
     (tmp_path / "own" / "tasks").mkdir(parents=True)
     (tmp_path / "own" / "tasks" / "hard.py").write_text(HARD)
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "own"))
-    return replace(TWINNED, tasks=("hard",), out=tmp_path / "data", most_attempts=2)
+    return replace(TWINNED, setting=Setting("hard", "phys_random"), most_attempts=2)
 
 
-def test_half_a_pair_is_no_episode(hard: CollectPlan) -> None:
-    summary = collect(hard)
+def test_half_a_pair_is_no_episode(hard: TaskPlan, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    summary = collect([hard], Run(out, workers=1))
     assert not summary.complete
-    assert verify(hard.out).problems == []
+    assert verify(out).problems == []
     told = {
-        config: Dataset(hard.out).manifest.task_datasets[f"{config}/hard/aloha_agilex"].rejections
+        config: Dataset(out).manifest.task_datasets[f"{config}/hard/aloha_agilex"].rejections
         for config in ("phys_random", "phys_random.twin=clean")
     }
     assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"untwinned": 2}}
-    journal = hard.out / "phys_random.twin=clean/hard/aloha_agilex/journal.jsonl"
+    journal = out / "phys_random.twin=clean/hard/aloha_agilex/journal.jsonl"
     assert read_journal(journal).lines[1].entry["detail"] == "under phys_random: slipped"
 
 
@@ -132,18 +135,12 @@ def test_an_attempt_that_comes_out_otherwise_is_an_error(pairs: Path, tmp_path: 
     shutil.copytree(pairs, out)
     journal = out / TWIN / "journal.jsonl"
     journal.write_bytes(b"".join(journal.read_bytes().splitlines(keepends=True)[:-1]))
-    own, twin = replace(TWINNED, out=out), replace(TWINNED, out=out).twin_plan
-    assert twin is not None
-    from rtphys.assets.pack import default_pack
-    from rtphys.task.spec import load_task
-
     task, pack = load_task("click_bell"), default_pack()
     with DatasetWriter(out) as data:
-        writers = tuple(data.task(p.conditions(task, pack), 2) for p in (own, twin))
-        order = Order.open(own, task, writers)
-        assert isinstance(order.tally, Tally)
-        assert order.tally.episodes == 1
-        name, job = order.begin()
-        lost = tuple(rejection(one, "worker_crash", "") for one in job.recipes)
+        writers = tuple(data.task(conditions_of(p, task, pack), 2) for p in TWINNED.sides)
+        series = open_series(TWINNED, writers)
+        assert series.tally.accepted == 1
+        seed = series.begin()
+        recipes = series.study.job(seed).recipes
         with pytest.raises(DatasetMismatch, match="was not before"):
-            order.take(name.seed, Done(name, lost))
+            series.take(seed, tuple(rejection(one, "worker_crash", "") for one in recipes))

@@ -59,8 +59,8 @@ class CertifiedList(Study[Job, Slot]):
         self._written: InstanceList | None = None
         header = {**fingerprint, "first_seed": self.plan.first_seed}
         self._journal = RowJournal(self.path, header)
-        self._read(header)
-        self.baselines = _union(plan.wanted_baselines, *self._measured, where=self.path)
+        asked = self._read(header)
+        self.baselines = _union(plan.wanted_baselines, asked, *self._measured, where=self.path)
         self._measurable = measurable(self.baselines, setting.protocol)
         self.series = self._series()
 
@@ -147,21 +147,25 @@ class CertifiedList(Study[Job, Slot]):
         kept = f"{self.path} is not written yet; what is finished is kept beside it"
         return f"seed {seed}: {text}. {kept}"
 
-    def _read(self, header: Mapping[str, JSON]) -> None:
+    def _read(self, header: Mapping[str, JSON]) -> Names:
+        """Takes what is there; returns baselines that were asked for by an earlier version."""
         if self.path.exists():
             self._written = known = read_instances(self.path)
             _compare(self.path, {**known.fingerprint, "first_seed": known.first_seed}, header)
             for slot in known.slots:
                 self._put(slot, _union(known.baselines, where=self.path))
-        stored = dict(self._journal.stored)
-        asked = _names(stored.pop("baselines", []))  # format 1 of the journal told them here
-        _compare(self._journal.path, stored, header)
+        where, stored = self._journal.path, dict(self._journal.stored)
+        # Format 1: the first line, and rows of their own, said what the rows behind them hold.
+        asked = _union(_names(stored.pop("baselines", [])), where=where)
+        _compare(where, stored, header)
         for entry in self._journal.rows:
+            if "seed" not in entry:
+                asked = _union(asked, _names(entry["baselines"]), where=where)
+                continue
             row = dict(entry)
             measured = _names(row.pop("measured", list(asked)))
-            if "seed" in row:
-                slot = Slot(**row)  # type: ignore[arg-type] - its checksums vouch for `commit`
-                self._put(slot, _union(measured, where=self._journal.path))
+            self._put(Slot(**row), _union(measured, where=where))  # type: ignore[arg-type] - its checksums vouch for `commit`
+        return asked
 
     def _put(self, slot: Slot, measured: Names) -> None:
         """What is neither known nor next stays out: the list it belonged to was deleted, or it

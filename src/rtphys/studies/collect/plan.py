@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-from rtphys.assets.pack import FALLBACKS, Pack, Progress, chosen_pack
+from rtphys.assets.pack import FALLBACKS, Pack, chosen_pack
 from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
 from rtphys.core.errors import (
@@ -25,6 +25,9 @@ from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import Task, load_task
+
+if TYPE_CHECKING:
+    from rtphys.assets.build import Progress
 
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
 LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
@@ -149,9 +152,9 @@ class Run:
 
     def __post_init__(self) -> None:
         if self.fallback and self.assets is None:
-            raise BadValue("fallback", self.fallback, "it needs assets, the pack that lacks models")
+            raise BadValue("fallback", self.fallback, "it needs `assets`, which lacks models")
         if self.address is not None and self.runner != "ray":
-            raise BadValue("address", self.address, "it belongs to runner `ray`")
+            raise BadValue("address", self.address, "it belongs to `runner` ray")
 
     def size(self) -> int:
         """Number of workers: as many as were asked for, else one for each CPU.
@@ -165,7 +168,7 @@ class Run:
 
         return connect(self.address, self.workers)
 
-    def pack(self, progress: Progress | None = None) -> Pack:
+    def pack(self, progress: "Progress | None" = None) -> Pack:
         """The asset pack, built if need be."""
         return chosen_pack(self.assets, self.fallback, progress)
 
@@ -196,7 +199,7 @@ def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
         NoRoom, NoRenderer, NoCluster: with the cure.
     """
     if not plans:
-        raise BadValue("task", None, "name at least one task; `rtphys tasks` lists them")
+        raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")
     folders = [plan.folder for plan in plans]
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")

@@ -64,7 +64,7 @@ def collect(
     """
     listener, began = listener or Listener(), time.monotonic()
     shard = Shard.parse(plans, run) if run.shard else None
-    own = list(plans) if shard is None else [unit.task_plan() for unit in shard.own]
+    own = plans if shard is None else shard.plans
     tasks = check(own, run) if own or shard is None else []
     pack = run.pack(listener.building)
     check_assets(own, pack)
@@ -84,9 +84,8 @@ def _writers(
     plan: TaskPlan, task: Task, pack: Pack, shard: Shard | None, dataset: DatasetWriter
 ) -> tuple[TaskWriter, ...]:
     stride = (0, 1) if shard is None else shard.stride
-    episodes = plan.episodes if shard is None else shard.share(plan.episodes)
     return tuple(
-        dataset.task(conditions_of(side, task, pack, stride), episodes) for side in plan.sides
+        dataset.task(conditions_of(side, task, pack, stride), plan.episodes) for side in plan.sides
     )
 
 

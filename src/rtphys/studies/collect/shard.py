@@ -9,7 +9,7 @@ What a shard has to do depends on the command and on i and n alone.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtphys.core.errors import BadFile, BadValue
@@ -116,6 +116,18 @@ class Shard:
     def share(self, episodes: int) -> int:
         """This shard's part of a number of episodes, rounded up."""
         return math.ceil(episodes / self.stride[1])
+
+    @property
+    def plans(self) -> tuple[TaskPlan, ...]:
+        """What this shard makes: its units, with its share of their episodes."""
+        return tuple(
+            replace(unit.task_plan(), episodes=self.share(unit.episodes)) for unit in self.own
+        )
+
+
+def own_plans(plans: Sequence[TaskPlan], run: Run) -> Sequence[TaskPlan]:
+    """What a run makes of a collection: all of it, or its shard. Raises `BadValue`."""
+    return Shard.parse(plans, run).plans if run.shard else plans
 
 
 def read_shard(out: Path) -> Shard | None:

@@ -1,24 +1,27 @@
 """Shards of real tasks, joined."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from collecting import content
 
 from rtphys.data.verify import verify
-from rtphys.studies.collect import CollectPlan, collect, dealt, merge
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.manifest import plans_for
+from rtphys.studies.collect.merge import merge
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.run import collect
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 
-PLAN = CollectPlan(("click_bell", "stamp_seal"), 3, Path(), protocol="phys_random", workers=2)
+PLANS = plans_for(TaskPlan(Setting(protocol="phys_random"), 3), ("click_bell", "stamp_seal"))
 
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Without shards."""
     out = tmp_path_factory.mktemp("alone") / "data"
-    assert collect(replace(PLAN, out=out)).complete
+    assert collect(PLANS, Run(out, workers=2)).complete
     return out
 
 
@@ -27,8 +30,7 @@ def test_shards_of_two_tasks_join_to_the_same_files(alone: Path, tmp_path: Path,
     """Two shards have a task each; three share both, and merging tries what they lack."""
     parts = [tmp_path / str(index) for index in range(1, of + 1)]
     for index, part in enumerate(parts, start=1):
-        for plan in dealt([PLAN], f"{index}/{of}"):
-            assert collect(replace(plan, out=part)).complete
+        assert collect(PLANS, Run(part, workers=2, shard=f"{index}/{of}")).complete
         assert verify(part).sound
     tallies = merge(parts, tmp_path / "joined", workers=2)
     assert all(tally.done for tally in tallies)

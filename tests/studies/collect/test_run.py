@@ -13,9 +13,11 @@ import pytest
 from collecting import PLAN, children, content
 from killing import survive
 
+from rtphys.campaign.engine import Listener
 from rtphys.data.dataset import Dataset
 from rtphys.data.verify import verify
-from rtphys.studies.collect import Listener, collect
+from rtphys.studies.collect.plan import Run
+from rtphys.studies.collect.run import collect
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
@@ -43,7 +45,7 @@ def test_two_workers_one_of_them_killed_give_the_same_files(
     undisturbed: Path, tmp_path: Path
 ) -> None:
     killer = Killer(tick=1)  # later it may be one with nothing left to do, whom nobody misses
-    summary = collect(replace(PLAN, out=tmp_path / "data", workers=2), killer)
+    summary = collect([PLAN], Run(tmp_path / "data", workers=2), killer)
     assert summary.complete
     assert killer.killed
     assert len(killer.deaths) == 1
@@ -52,17 +54,17 @@ def test_two_workers_one_of_them_killed_give_the_same_files(
 
 def test_a_resumed_run_gives_the_same_files(undisturbed: Path, tmp_path: Path) -> None:
     out = tmp_path / "data"
-    assert collect(replace(PLAN, out=out, episodes=1)).complete
+    assert collect([replace(PLAN, episodes=1)], Run(out, workers=1)).complete
     assert len(Dataset(out)) == 1
-    summary = collect(replace(PLAN, out=out, episodes=2, workers=2))
-    assert summary.tallies[0].found_episodes == 1
+    summary = collect([PLAN], Run(out, workers=2))
+    assert summary.tallies[0].found_accepted == 1
     assert content(out) == content(undisturbed)
 
 
 def test_a_complete_dataset_is_left_alone(undisturbed: Path, tmp_path: Path) -> None:
     out = tmp_path / "data"
     shutil.copytree(undisturbed, out)
-    summary = collect(replace(PLAN, out=out))
+    summary = collect([PLAN], Run(out, workers=1))
     assert summary.tallies[0].new_attempts == 0
     assert content(out) == content(undisturbed)
 
@@ -72,7 +74,7 @@ COMMAND = ["--task", "click_bell", "--episodes", "2", "--protocol", "phys_random
 
 @pytest.mark.slow
 def test_killed_runs_end_in_the_same_files(tmp_path: Path) -> None:
-    """`python tests/collect/killing.py 200` does it two hundred times."""
+    """`python tests/studies/collect/killing.py 200` does it two hundred times."""
     count = survive(8, tmp_path, seed=1)
     assert count.kills["supervisor"] > 0 and count.kills["worker"] > 0
 

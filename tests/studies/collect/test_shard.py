@@ -5,8 +5,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
-import sharding
-from sharding import collect, plan, shards
+import robotless
+from robotless import collect, plans, shards
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
@@ -14,43 +14,70 @@ from rtphys.core.errors import BadFile, BadValue
 from rtphys.data.conditions import Conditions
 from rtphys.data.faults import DatasetMismatch
 from rtphys.physics.load import load_domain
-from rtphys.studies.collect import CollectPlan, dealt, merge
-from rtphys.studies.collect.deal import TOLD, plan_of
-from rtphys.studies.collect.pieces import CannotMerge
-from rtphys.studies.collect.shard import Shard, claim, read_shard
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect import run as run_module
+from rtphys.studies.collect.manifest import plans_for
+from rtphys.studies.collect.merge import CannotMerge, merge
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.shard import (
+    OF_PLAN,
+    OF_RUN,
+    OF_SETTING,
+    Shard,
+    Unit,
+    claim,
+    read_shard,
+)
 
-pytestmark = pytest.mark.usefixtures("merging_needs_no_robot")
+pytestmark = pytest.mark.usefixtures("without_robot")
 
 
 # ---- what a shard remembers ----------------------------------------------------------------------
 
-PLACE = {"tasks", "episodes", "out", "twin_of", "workers", "runner", "address", "shard", "resume"}
-"""Fields of a plan that say where and how fast, or that a unit says in other words."""
+ONE_SO_FAR = {"embodiment"}
+SAID_BY_A_UNIT = {"setting", "episodes"}
+ONLY_OF_SIDES = {"twin_of"}
+PLACE = {"out", "workers", "runner", "address", "shard", "resume", "limits"}
+
+
+def names(kind: type) -> set[str]:
+    return {field.name for field in fields(kind)}
 
 
 def test_a_shard_remembers_all_that_decides_what_is_collected() -> None:
-    assert set(TOLD) == {f.name for f in fields(CollectPlan)} - PLACE - {"limits"}
+    assert set(OF_SETTING) == names(Setting) - ONE_SO_FAR
+    assert set(OF_PLAN) == names(TaskPlan) - SAID_BY_A_UNIT - ONLY_OF_SIDES
+    assert set(OF_RUN) == names(Run) - PLACE
 
 
 def test_a_plan_is_remembered_as_it_was(tmp_path: Path) -> None:
-    told = replace(
-        plan(1),
-        out=tmp_path,
+    setting = Setting(
+        "lift_pot",
+        "phys_random",
         only=("friction",),
         overrides={"center_of_mass": (0.0, 0.0, 0.01), "friction": 0.2},
         ranges=load_domain("global"),
-        twin="phys_random",
-        assets=Path("/some/pack"),
-        fallback="builtin",
-        most_attempts=7,
+        split="unseen",
         recovery=False,
     )
-    claim(tmp_path, dealt([told], "1/1")[0].shard)
+    plan = TaskPlan(
+        setting,
+        7,
+        first_seed=3,
+        twin="clean",
+        cameras=("head", "front"),
+        layout="legacy",
+        most_attempts=7,
+        config="mine",
+    )
+    run = Run(tmp_path, assets=Path("/some/pack"), fallback="builtin", shader="rt", shard="1/1")
+    claim(tmp_path, Shard.parse([plan], run))
     stored = read_shard(tmp_path)
     assert stored is not None
-    again = plan_of(stored.units[0], tmp_path, workers=1)
-    for one in fields(CollectPlan):
-        assert getattr(again, one.name) == getattr(told, one.name), one.name
+    (unit,) = stored.units
+    assert unit.task_plan() == plan
+    assert unit.run(tmp_path, 1) == replace(run, workers=1, shard="")
+    assert unit.folders == tuple(side.folder for side in plan.sides)
 
 
 # ---- what is refused -----------------------------------------------------------------------------
@@ -59,14 +86,14 @@ def test_a_plan_is_remembered_as_it_was(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["0/2", "3/2", "2", "a/b", "-1/2", "1/0"])
 def test_a_shard_is_one_of_n(text: str) -> None:
     with pytest.raises(BadValue, match="from 1/n to n/n"):
-        dealt([plan()], text)
+        Shard.parse(plans(), Run(shard=text))
 
 
 def test_shards_that_do_not_belong_together(tmp_path: Path) -> None:
-    one, two, three = shards(plan(2), 3, tmp_path / "a")
-    other = collect(dealt([plan(2, 13)], "3/3"), tmp_path / "b")
-    half = collect(dealt([plan(2)], "1/2"), tmp_path / "c")
-    none = collect((plan(2),), tmp_path / "d")
+    one, two, three = shards(plans(2), 3, tmp_path / "a")
+    other = collect(plans(2, 13), tmp_path / "b", "3/3")
+    half = collect(plans(2), tmp_path / "c", "1/2")
+    none = collect(plans(2), tmp_path / "d")
     again = Path(shutil.copytree(two, tmp_path / "again"))
     wrong = {
         "missing: shard 2/3": [one, three],
@@ -81,22 +108,21 @@ def test_shards_that_do_not_belong_together(tmp_path: Path) -> None:
     assert not (tmp_path / "joined").exists()
 
 
-def test_shards_made_by_different_versions(tmp_path: Path, monkeypatch) -> None:
-    one = collect(dealt([plan(1)], "1/2"), tmp_path / "one")
-    known = sharding.conditions
+def test_shards_made_by_different_versions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = collect(plans(1), tmp_path / "one", "1/2")
 
-    def newer(plan: CollectPlan, task: str) -> Conditions:
-        return replace(known(plan, task), versions={"rtphys": "0.2.0"})
+    def newer(*arguments) -> Conditions:
+        return replace(robotless.conditions(*arguments), versions={"rtphys": "0.2.0"})
 
-    monkeypatch.setattr(sharding, "conditions", newer)
-    two = collect(dealt([plan(1)], "2/2"), tmp_path / "two")
+    monkeypatch.setattr(run_module, "conditions_of", newer)
+    two = collect(plans(1), tmp_path / "two", "2/2")
     with pytest.raises(CannotMerge, match=r"versions.rtphys was '0.1.0', now '0.2.0'"):
         merge([one, two], tmp_path / "joined")
 
 
 def test_an_unfinished_shard(tmp_path: Path) -> None:
-    shards(plan(1, 6), 2, tmp_path)
-    one = collect(dealt([plan(1, 8)], "1/2"), tmp_path / "1-2")
+    shards(plans(1, 6), 2, tmp_path)
+    one = collect(plans(1, 8), tmp_path / "1-2", "1/2")
     two = tmp_path / "2-2"
     path = two / "shard.json"
     path.write_text(path.read_text().replace('"episodes": 6', '"episodes": 8'))
@@ -105,7 +131,7 @@ def test_an_unfinished_shard(tmp_path: Path) -> None:
 
 
 def test_a_damaged_shard(tmp_path: Path) -> None:
-    parts = shards(plan(1), 2, tmp_path)
+    parts = shards(plans(1), 2, tmp_path)
     victim = next(parts[1].rglob("*.hdf5"))
     victim.write_bytes(b"x" * victim.stat().st_size)
     with pytest.raises(BadFile, match="is not what its journal says"):
@@ -113,35 +139,35 @@ def test_a_damaged_shard(tmp_path: Path) -> None:
 
 
 def test_a_shards_folder_is_no_other_shards(tmp_path: Path) -> None:
-    out = collect(dealt([plan()], "1/2"), tmp_path / "out")
+    out = collect(plans(), tmp_path / "out", "1/2")
     with pytest.raises(DatasetMismatch, match="it was shard 1/2, now shard 2/2"):
-        collect(dealt([plan()], "2/2"), out)
+        collect(plans(), out, "2/2")
     with pytest.raises(DatasetMismatch, match="it was shard 1/2, now no shard"):
-        collect((plan(),), out)
+        collect(plans(), out)
     with pytest.raises(DatasetMismatch, match="other tasks"):
-        collect(dealt([plan(3)], "1/2"), out)
-    whole = collect((plan(),), tmp_path / "whole")
+        collect(plans(3), out, "1/2")
+    whole = collect(plans(), tmp_path / "whole")
     with pytest.raises(DatasetMismatch, match="it was no shard, now shard 1/2"):
-        collect(dealt([plan()], "1/2"), whole)
+        collect(plans(), whole, "1/2")
 
 
 def test_the_division_is_even_and_whole() -> None:
     """Every unit is worked on, by as many shards as any other or by one."""
     for tasks in range(1, 8):
-        units = dealt([replace(plan(), tasks=tuple("abcdefg"[:tasks]))], "1/1")[0].shard.units  # type: ignore[union-attr]
+        units = Shard.parse(plans_for(plans()[0], "abcdefg"[:tasks]), Run(shard="1/1")).units
         for of in range(1, 9):
-            work = [(u.leaf, s.stride[0]) for s in _all(units, of) for u in s.own]
+            work = [(u.folder, s.stride[0]) for s in _all(units, of) for u in s.own]
             sharing = Shard(1, of, units).stride[1]
-            assert sorted(work) == [(u.leaf, k) for u in units for k in range(sharing)]
+            assert sorted(work) == [(u.folder, k) for u in units for k in range(sharing)]
             assert all(shard.own for shard in _all(units, of))
 
 
-def _all(units, of: int) -> list[Shard]:
+def _all(units: tuple[Unit, ...], of: int) -> list[Shard]:
     return [Shard(index, of, units) for index in range(1, of + 1)]
 
 
 def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
-    one, _ = shards(plan(1), 2, tmp_path)
+    one, _ = shards(plans(1), 2, tmp_path)
     done = CliRunner().invoke(app, ["merge", str(one), "--out", str(tmp_path / "joined")])
     assert done.exit_code == 2
     assert "missing: shard 2/2" in done.stderr

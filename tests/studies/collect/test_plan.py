@@ -10,13 +10,15 @@ import pytest
 from collecting import PLAN, content
 from typer.testing import CliRunner
 
-import rtphys.studies.collect.plan as plan_module
+from rtphys.campaign.engine import Bug
 from rtphys.cli.main import app
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.verify import verify
 from rtphys.doctor import Finding
-from rtphys.studies.collect import CollectPlan, collect
-from rtphys.studies.collect.run import Bug
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect import plan as plan_module
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.run import collect
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
@@ -31,7 +33,7 @@ WRONG = {
     "--task click_bell --split sen": "did you mean 'seen'?",
     "--task click_bell --twin cleen": "did you mean 'clean'?",
     "--task click_bell --twin clean": "it is the protocol itself",
-    "--task click_bell --fallback builtin": "it needs --assets",
+    "--task click_bell --fallback builtin": "is not allowed; it needs --assets",
     "--task click_bell --assets / --fallback bultin": "did you mean 'builtin'?",
     "--task click_bell --shader slm": "did you mean 'slim'?",
     "--task click_bell --set frction=1": "did you mean 'friction'?",
@@ -44,10 +46,10 @@ WRONG = {
     "--task click_bell --domain no/such.yaml": "no/such.yaml",
     "--task click_bell --episodes 0": "--episodes = 0 is not allowed",
     "--task click_bell --runner rey": "did you mean 'ray'?",
-    "--task click_bell --address 1.2.3.4:6379": "it belongs to `--runner ray`",
+    "--task click_bell --address 1.2.3.4:6379": "it belongs to --runner ray",
     "--task click_bell --shard 0/2": "from 1/n to n/n",
     "--task click_bell --workers 0": "--workers = 0 is not allowed",
-    "--task click_bell --seed -1": "--first-seed = -1 is not allowed",
+    "--task click_bell --seed -1": "--seed = -1 is not allowed",
     "--task click_bell --episodes 100000000": "GB are needed",
 }
 
@@ -88,7 +90,7 @@ def test_a_folder_collected_under_other_conditions_is_refused(
     out = tmp_path / "data"
     shutil.copytree(undisturbed, out)
     with pytest.raises(DatasetMismatch, match="first_seed was 0, now 1"):
-        collect(replace(PLAN, out=out, first_seed=1))
+        collect([replace(PLAN, first_seed=1)], Run(out))
     assert content(out) == content(undisturbed)
 
 
@@ -135,7 +137,7 @@ def test_a_bug_in_a_script_stops_the_run_with_a_traceback_in_a_file(
     make_task("robot.dance()")
     out = tmp_path / "data"
     with pytest.raises(Bug, match=r"hopeless, seed 0: AttributeError: .*dance") as caught:
-        collect(CollectPlan(("hopeless",), 1, out))
+        collect([TaskPlan(Setting("hopeless"), 1)], Run(out))
     log = out / "error.log"
     assert str(log) in str(caught.value)
     assert "robot.dance()" in log.read_text()

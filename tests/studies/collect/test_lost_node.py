@@ -1,6 +1,6 @@
 """A cluster of two nodes, one of which is lost."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +11,10 @@ ray = pytest.importorskip("ray")
 from collecting import PLAN, content, processes  # noqa: E402
 from ray.cluster_utils import Cluster  # noqa: E402
 
-from rtphys.studies.collect import Listener, Tally, collect  # noqa: E402
+from rtphys.campaign.engine import Listener  # noqa: E402
+from rtphys.campaign.series import Tally  # noqa: E402
+from rtphys.studies.collect.plan import Run  # noqa: E402
+from rtphys.studies.collect.run import collect  # noqa: E402
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 
@@ -36,9 +39,9 @@ class Thunder(Listener):
     def __init__(self, cluster: Cluster) -> None:
         self.cluster, self.struck = cluster, False
         self.told: list[str] = []
-        self.tallies: list[Tally] = []
+        self.tallies: Sequence[Tally] = []
 
-    def started(self, tallies: list[Tally]) -> None:
+    def started(self, tallies: Sequence[Tally]) -> None:
         self.tallies = tallies
 
     def ticked(self) -> None:
@@ -54,9 +57,9 @@ class Thunder(Listener):
 
 def test_a_lost_node_loses_nothing_and_doubles_nothing(cluster: Cluster, tmp_path: Path) -> None:
     thunder, out, alone = Thunder(cluster), tmp_path / "data", tmp_path / "alone"
-    plan = replace(PLAN, episodes=6, out=out, runner="ray", address=cluster.address, workers=2)
-    assert collect(plan, thunder).complete
-    assert collect(replace(plan, out=alone, runner="local", address=None)).complete
+    plan, run = replace(PLAN, episodes=6), Run(out, 2, "ray", cluster.address)
+    assert collect([plan], run, thunder).complete
+    assert collect([plan], Run(alone, 2)).complete
     assert thunder.struck
     assert any("lost a worker" in text for text in thunder.told)
     assert content(out) == content(alone)

@@ -1,0 +1,111 @@
+"""Many series on one pool: the same commits whatever the pool does."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+from counting import Numbers, Outcome, outcome, series_of
+from quick_pool import QuickPool
+
+from rtphys.campaign.engine import ERROR_LOG, Bug, Cell, Listener, run_all
+from rtphys.campaign.series import Series, Tally
+from rtphys.campaign.workers.pool import Done, Lost, WorkerFailed
+
+
+def setup() -> Callable[[int], Outcome]:
+    return outcome
+
+
+class LosingPool(QuickPool[int, Outcome]):
+    def loss(self, job: int) -> str:
+        return "worker_hang" if job == 4 else ""
+
+
+class BrokenPool(QuickPool[int, Outcome]):
+    def __init__(self, failure: WorkerFailed) -> None:
+        super().__init__(setup, 1)
+        self.failure = failure
+
+    def wait(self, timeout: float = 1.0) -> list[Done[Outcome] | Lost]:
+        raise self.failure
+
+
+class Ears(Listener):
+    def __init__(self) -> None:
+        self.tallies: Sequence[Tally] = []
+        self.ticks = 0
+
+    def started(self, tallies: Sequence[Tally]) -> None:
+        self.tallies = tallies
+
+    def ticked(self) -> None:
+        self.ticks += 1
+
+
+def made(workers: int, *wanted: int) -> list[Numbers]:
+    studies = [Numbers() for _ in wanted]
+    series = [series_of(study, count) for study, count in zip(studies, wanted, strict=True)]
+    run_all(series, QuickPool[int, Outcome](setup, workers), Listener())
+    return studies
+
+
+@pytest.mark.parametrize("workers", [2, 3, 7])
+def test_commits_do_not_depend_on_the_number_of_workers(workers: int) -> None:
+    one, many = made(1, 5, 0, 9), made(workers, 5, 0, 9)
+    assert [study.commits for study in many] == [study.commits for study in one]
+    assert [len(study.commits) for study in one] == [7, 0, 13]
+    assert [study.closed for study in many] == [1, 1, 1]
+
+
+def test_known_results_spare_their_jobs() -> None:
+    study = Numbers(elsewhere=frozenset(range(0, 99, 2)))
+    run_all([series_of(study, 6)], QuickPool[int, Outcome](setup, 2), Listener())
+    assert study.committed == [*range(8)]
+    assert all(seed % 2 for seed in study.jobs)
+
+
+def test_all_known_needs_no_worker() -> None:
+    study = Numbers(elsewhere=frozenset(range(99)))
+    run_all([series_of(study, 6)], QuickPool[int, Outcome](setup, 1), Listener())
+    assert (study.committed, study.jobs, study.closed) == ([*range(8)], [], 1)
+
+
+def test_a_halted_series_leaves_the_others_alone() -> None:
+    halted, other = Numbers(), Numbers(forgives=True)
+    series = [series_of(halted, 9), series_of(other, 9)]
+    run_all(series, LosingPool(setup, 3), Listener())
+    assert halted.committed == [0, 1, 2, 3]
+    assert series[0].halted == "seed 4: worker_hang" and not series[0].tally.done
+    assert series[1].tally.done and other.commits[4] == Outcome(4, "worker_hang")
+    assert (halted.closed, other.closed) == (1, 1)
+
+
+def test_a_listener_hears_the_tallies_and_every_result() -> None:
+    ears, written = Ears(), []
+    series: list[Series[int, Outcome]] = [series_of(Numbers(), 4), series_of(Numbers(), 2)]
+    pool = QuickPool[int, Outcome](setup, 2)
+    run_all(series, pool, ears, committed=lambda: written.append(ears.ticks))
+    assert [tally.accepted for tally in ears.tallies] == [4, 2]
+    results = sum(len(one.study.jobs) for one in series)  # type: ignore[attr-defined]
+    assert len(written) == results
+    assert ears.ticks >= results
+
+
+def test_a_bug_leaves_its_traceback_in_a_file(tmp_path: Path) -> None:
+    failure = WorkerFailed("numbers, seed 0: KeyError: 'x'", 70, "Traceback: deep down")
+    with pytest.raises(Bug, match=r"seed 0: KeyError: 'x'\. This is a bug .*error.log") as caught:
+        run_all([series_of(Numbers(), 1)], BrokenPool(failure), Listener(), tmp_path)
+    assert caught.value.exit_code == 70
+    assert (tmp_path / ERROR_LOG).read_text() == "Traceback: deep down\n"
+
+
+def test_what_a_user_can_cause_is_passed_on(tmp_path: Path) -> None:
+    failure = WorkerFailed("friction = -1 is not allowed", 2, "")
+    with pytest.raises(WorkerFailed) as caught:
+        run_all([series_of(Numbers(), 1)], BrokenPool(failure), Listener(), tmp_path)
+    assert caught.value is failure
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_job_is_called_by_its_series_and_seed() -> None:
+    assert str(Cell(0, "lift_pot, clean", 7)) == "lift_pot, clean, seed 7"

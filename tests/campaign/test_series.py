@@ -1,0 +1,226 @@
+"""Results in any order, commits in the seeds' order; and when it is enough."""
+
+from collections.abc import Sequence
+from itertools import permutations
+
+import pytest
+from counting import Numbers, Outcome, outcome, series_of
+
+from rtphys.campaign.series import FRUITLESS, LOOKAHEAD, Series, Tally
+from rtphys.campaign.workers.pool import Lost
+
+LOSS = Lost("name", "worker_crash", "was killed by SIGKILL")
+
+
+def begun(series: Series[int, Outcome], workers: int) -> list[int]:
+    """What begins while nothing ends."""
+    seeds = []
+    while series.wants(workers) and len(series.running) < workers:
+        seeds.append(series.begin())
+    return seeds
+
+
+def take_all(series: Series[int, Outcome], seeds: Sequence[int]) -> None:
+    for seed in seeds:
+        series.take(seed, outcome(seed))
+
+
+# ---- order ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("order", [*permutations(range(5))])
+def test_commits_follow_seeds_not_completion(order: tuple[int, ...]) -> None:
+    study = Numbers()
+    series = series_of(study, 3)
+    assert [series.begin() for _ in range(5)] == [0, 1, 2, 3, 4]
+    take_all(series, order)
+    # The third that counts is the last: what was begun to be on the safe side is dropped.
+    assert study.committed == [0, 1, 2, 3]
+    tally = series.tally
+    assert (tally.accepted, tally.attempts, tally.rejections) == (3, 4, {"slipped": 1})
+    assert series.over and tally.done and not series.halted
+
+
+def test_results_are_seen_when_they_arrive() -> None:
+    """Files of another machine must be put away before their turn."""
+    study = Numbers()
+    series = series_of(study, 3)
+    begun(series, 3)
+    take_all(series, (2, 1))
+    assert (study.arrivals, study.committed) == ([2, 1], [])
+    take_all(series, (0,))
+    assert (study.arrivals, study.committed) == ([2, 1, 0], [0, 1, 2])
+
+
+def test_what_comes_after_the_end_is_not_even_looked_at() -> None:
+    study = Numbers()
+    series = series_of(study, 1)
+    begun(series, 1)
+    extra = series.begin()
+    series.take(0, outcome(0))
+    series.close_if_over()
+    series.take(extra, outcome(extra))
+    series.close_if_over()
+    assert (study.arrivals, study.committed, study.closed) == ([0], [0], 1)
+
+
+def test_it_closes_once_and_only_when_it_is_over() -> None:
+    study = Numbers()
+    series = series_of(study, 2)
+    for seed in begun(series, 2):
+        series.close_if_over()
+        assert study.closed == 0
+        series.take(seed, outcome(seed))
+    for _ in range(2):
+        series.close_if_over()
+    assert study.closed == 1
+
+
+# ---- when it is enough ---------------------------------------------------------------------------
+
+
+def test_it_begins_as_many_as_the_missing_results_are_worth() -> None:
+    series = series_of(Numbers(), 3)
+    assert begun(series, 9) == [0, 1, 2]
+    take_all(series, (0, 1))
+    assert begun(series, 9) == [], "a third one is running"
+    series.take(2, Outcome(2, "slipped"))
+    assert begun(series, 9) == [3, 4], "one is missing, and three of four count"
+
+
+def test_it_does_not_run_far_ahead_of_the_slowest() -> None:
+    """What waits for an earlier seed may lie on the disk."""
+    series = series_of(Numbers(), 1000)
+    slowest, *others = begun(series, 2)
+    ahead = list(others)
+    while others:
+        take_all(series, others)
+        others = begun(series, 2)
+        ahead += others
+    assert (slowest, ahead) == (0, [*range(1, LOOKAHEAD * 2)])
+    assert series.running == {0}
+    take_all(series, (slowest,))
+    assert begun(series, 2) == [LOOKAHEAD * 2, LOOKAHEAD * 2 + 1]
+
+
+def test_a_goal_that_is_reached_wants_nothing() -> None:
+    study = Numbers()
+    series = Series(study, Tally("numbers", 2, accepted=2, attempts=5), range(5, 9))
+    assert series.over and not series.wants(4)
+    assert (series.tally.new_accepted, series.tally.new_attempts) == (0, 0)
+
+
+def test_no_seed_left_is_the_end() -> None:
+    study = Numbers()
+    series = series_of(study, 5, range(3))
+    assert begun(series, 9) == [0, 1, 2]
+    take_all(series, (0, 1, 2))
+    assert series.over and not series.tally.done
+    assert series.tally.stopped == "3 attempts were made, the most that were allowed"
+
+
+@pytest.mark.parametrize("there", [0, 150, FRUITLESS])
+def test_a_hopeless_series_is_given_up(there: int) -> None:
+    """Wherever a kill has parted it."""
+    study = Numbers()
+    tally = Tally("numbers", 1, attempts=there, fruitless=there)
+    series = Series(study, tally, range(there, 10**6))
+    while series.wants(1):
+        seed = series.begin()
+        series.take(seed, Outcome(seed, "slipped"))
+    assert tally.attempts == FRUITLESS
+    assert tally.stopped == f"none of the last {FRUITLESS} attempts was accepted"
+    assert study.committed == [*range(there, FRUITLESS)]
+
+
+def test_one_success_gives_new_hope() -> None:
+    series = Series(Numbers(), Tally("numbers", 2, fruitless=FRUITLESS - 1), range(9))
+    series.take(series.begin(), Outcome(0))
+    series.take(series.begin(), Outcome(1, "slipped"))
+    assert (series.tally.fruitless, series.tally.stopped) == (1, "")
+
+
+# ---- owed seeds ----------------------------------------------------------------------------------
+
+
+def test_owed_seeds_are_done_first_and_count_nothing() -> None:
+    study = Numbers()
+    series = series_of(study, 2, (30, 10, 50, 51, 52), owed=2)
+    assert begun(series, 9)[:2] == [30, 10]
+    take_all(series, sorted(series.running, reverse=True))
+    assert study.committed[:2] == [30, 10]
+    while series.wants(1):
+        take_all(series, (series.begin(),))
+    assert study.committed == [30, 10, 50, 51, 52][: len(study.committed)]
+    assert series.tally.attempts == len(study.committed) - 2
+    assert series.tally.accepted == 2
+
+
+@pytest.mark.parametrize("end", [{"accepted": 2}, {"fruitless": FRUITLESS}])
+def test_owed_seeds_are_done_even_where_nothing_else_is_wanted(end: dict) -> None:
+    study = Numbers()
+    series = Series(study, Tally("numbers", 2, **end), (3, 4, 9), owed=2)
+    assert not series.over
+    assert begun(series, 9) == [3, 4]
+    take_all(series, (4, 3))
+    assert study.committed == [3, 4]
+    assert series.over and not series.wants(9)
+
+
+# ---- halts ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rest", [*permutations((0, 1, 3))])
+def test_a_lost_seed_halts_it_and_what_is_before_is_kept(rest: tuple[int, ...]) -> None:
+    """In whatever order the seeds end that were running then."""
+    study = Numbers()
+    series = series_of(study, 9)
+    assert begun(series, 4) == [0, 1, 2, 3]
+    series.lose(2, LOSS)
+    assert not series.wants(4) and not series.over, "others are running"
+    take_all(series, rest)
+    assert study.committed == [0, 1]
+    assert series.over and series.halted == "seed 2: worker_crash"
+    series.close_if_over()
+    assert study.closed == 1
+
+
+@pytest.mark.parametrize("order", [*permutations((0, 1, 2))])
+def test_a_lost_seed_past_the_last_one_needed_does_not_matter(order: tuple[int, ...]) -> None:
+    study = Numbers()
+    series = series_of(study, 2)
+    assert [series.begin() for _ in range(4)] == [0, 1, 2, 3]
+    series.lose(3, LOSS)
+    take_all(series, order)
+    assert study.committed == [0, 1]
+    assert series.over and not series.halted
+
+
+def test_a_seed_that_is_lost_after_the_end_does_not_matter() -> None:
+    series = series_of(Numbers(), 1)
+    seeds = [series.begin() for _ in range(2)]
+    series.take(seeds[0], outcome(0))
+    series.lose(seeds[1], LOSS)
+    assert series.over and not series.halted and not series.running
+
+
+def test_a_study_may_give_a_lost_seed_a_result() -> None:
+    study = Numbers(forgives=True)
+    series = series_of(study, 2)
+    begun(series, 2)
+    take_all(series, (1,))
+    series.lose(0, LOSS)
+    assert study.commits == [Outcome(0, "worker_crash"), Outcome(1)]
+    assert not series.halted and series.wants(2)
+
+
+def test_a_refused_commit_halts_it_and_nothing_follows() -> None:
+    study = Numbers(refused={1: "seed 1 came out otherwise"})
+    series = series_of(study, 9)
+    begun(series, 4)
+    take_all(series, (3, 1, 0))
+    assert series.halted == "seed 1 came out otherwise"
+    assert not series.over, "one is running"
+    take_all(series, (2,))
+    assert series.over and study.committed == [0]
+    assert series.tally.attempts == 1

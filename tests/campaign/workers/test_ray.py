@@ -1,0 +1,60 @@
+"""The same jobs on a real Ray cluster of this machine."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ray = pytest.importorskip("ray")
+
+from pool_jobs import Trouble, setup  # noqa: E402
+
+from rtphys.campaign.workers.pool import Done, Limits, Lost, WorkerFailed  # noqa: E402
+from rtphys.campaign.workers.ray import NoCluster, RayPool, connect  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[None]:
+    """A private cluster of two CPUs; workers must be able to import `pool_jobs`."""
+    before = os.environ.get("PYTHONPATH", "")
+    os.environ["PYTHONPATH"] = os.pathsep.join(
+        [str(Path(__file__).parent), *([before] if before else [])]
+    )
+    connect("local", 2)
+    yield
+    ray.shutdown()
+    os.environ["PYTHONPATH"] = before
+
+
+def run(jobs: list[Trouble], limits: Limits) -> dict[int, Done | Lost]:
+    found: dict[int, Done | Lost] = {}
+    with RayPool[Trouble, int](setup, 2, limits) as pool:
+        waiting = list(enumerate(jobs))
+        while waiting or pool.busy:
+            while waiting and pool.room:
+                pool.submit(*waiting.pop(0))
+            found |= {int(str(event.name)): event for event in pool.wait()}
+    return found
+
+
+@pytest.mark.slow
+def test_crashes_and_hangs_end_as_in_the_local_pool(cluster: None) -> None:
+    found = run([Trouble(), Trouble("abort"), Trouble("hang"), Trouble()], Limits(seconds=3))
+    assert [type(found[n]) for n in range(4)] == [Done, Lost, Lost, Done]
+    assert isinstance(found[1], Lost)
+    assert isinstance(found[2], Lost)
+    assert (found[1].reason, found[2].reason) == ("worker_crash", "worker_hang")
+
+
+@pytest.mark.slow
+def test_a_bug_comes_out_with_its_traceback(cluster: None) -> None:
+    with pytest.raises(WorkerFailed, match="0: TypeError: a cat is no dog") as caught:
+        run([Trouble("bug")], Limits())
+    assert "pool_jobs.py" in caught.value.trace
+
+
+def test_without_a_cluster_the_cure_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ray, "is_initialized", lambda: False)
+    with pytest.raises(NoCluster, match="ray start --head"):
+        connect("127.0.0.1:1")

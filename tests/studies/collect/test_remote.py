@@ -1,0 +1,110 @@
+"""The same datasets on a real Ray cluster of this machine, whoever is killed."""
+
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+ray = pytest.importorskip("ray")
+
+from collecting import content, processes  # noqa: E402
+
+from rtphys.assets.pack import default_pack  # noqa: E402
+from rtphys.campaign.engine import Listener  # noqa: E402
+from rtphys.campaign.series import Tally  # noqa: E402
+from rtphys.campaign.workers.ray import connect  # noqa: E402
+from rtphys.setting.setting import Setting  # noqa: E402
+from rtphys.studies.collect.manifest import plans_for  # noqa: E402
+from rtphys.studies.collect.plan import Run, TaskPlan  # noqa: E402
+from rtphys.studies.collect.remote import OtherMachine, RemoteWorker  # noqa: E402
+from rtphys.studies.collect.run import collect  # noqa: E402
+from rtphys.studies.collect.work import CollectWorker  # noqa: E402
+from rtphys.task.spec import load_task  # noqa: E402
+
+pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
+
+PLANS = plans_for(TaskPlan(Setting(protocol="phys_random"), 2), ("click_bell", "lift_pot"))
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[None]:
+    """A private cluster of two CPUs."""
+    connect("local", 2)
+    yield
+    ray.shutdown()
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The local pool's dataset."""
+    out = tmp_path_factory.mktemp("alone") / "data"
+    assert collect(PLANS, Run(out, 2)).complete
+    return out
+
+
+class Killer(Listener):
+    """Kills -9 one process with `word` in its command line, once an attempt is done."""
+
+    def __init__(self, word: str) -> None:
+        self.word = word
+        self.killed = 0
+        self.told: list[str] = []
+        self.tallies: Sequence[Tally] = []
+
+    def started(self, tallies: Sequence[Tally]) -> None:
+        self.tallies = tallies
+
+    def ticked(self) -> None:
+        begun = any(tally.attempts for tally in self.tallies)
+        if begun and not self.killed and (found := processes(self.word)):
+            self.killed = found[0]
+            os.kill(found[0], signal.SIGKILL)
+
+    def noticed(self, text: str) -> None:
+        self.told.append(text)
+
+
+# ---- datasets ------------------------------------------------------------------------------------
+
+
+def test_the_dataset_is_the_local_pools(cluster: None, alone: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    assert collect(PLANS, Run(out, 2, "ray")).complete
+    assert content(out) == content(alone)
+
+
+@pytest.mark.parametrize("word", ["ray::WorkerActor", "rtphys.campaign.workers.worker"])
+def test_a_killed_worker_loses_nothing_and_doubles_nothing(
+    cluster: None, alone: Path, tmp_path: Path, word: str
+) -> None:
+    killer = Killer(word)
+    out = tmp_path / "data"
+    assert collect(PLANS, Run(out, 2, "ray"), killer).complete
+    assert killer.killed
+    assert killer.told, "somebody is told"
+    assert content(out) == content(alone)
+
+
+def test_one_runner_continues_the_other(cluster: None, alone: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    begun = [replace(plan, episodes=1) for plan in PLANS]
+    assert collect(begun, Run(out, 2)).complete
+    summary = collect(PLANS, Run(out, 2, "ray"))
+    assert [tally.found_accepted for tally in summary.tallies] == [1, 1]
+    assert content(out) == content(alone)
+
+
+# ---- what is refused -----------------------------------------------------------------------------
+
+
+def test_a_node_with_other_assets_or_versions_is_refused() -> None:
+    pack, run = default_pack(), Run(runner="ray")
+    remote = RemoteWorker.of(CollectWorker(pack, "slim"), run, [load_task("click_bell")])
+    with pytest.raises(OtherMachine, match="its assets are"):
+        replace(remote, digest="0" * 64)()
+    older = {"click_bell": {**remote.versions["click_bell"], "sapien": "2.2.0"}}
+    with pytest.raises(OtherMachine, match=r"click_bell: sapien was '2.2.0'"):
+        replace(remote, versions=older)()
