@@ -8,7 +8,7 @@ from rtphys.task import UP_Z, Draw, Mesh, Robot, Task
 from ._baskets import carrying_basket, fill_and_lift, filled_and_lifted
 
 FROM_ABOVE = tuple(range(8, 16))  # contact points of a can
-EMPTY = 0.08  # [kg] of an emptied can: a full one is more than a hand lifts by the arch
+EMPTY_CAN = 0.08  # [kg]: a full one is more than a hand lifts by the arch
 DEPTH = 0.02  # [m] of the TCP above the can's contact point when the hand closes
 
 
@@ -19,7 +19,7 @@ def layout(draw: Draw):
     spot = draw.spot("can", x=x, y=(0.0, 0.1), yaw=(-0.028, -0.028))
     model = draw.choice("can model", 0, 1, 2, 3, 5, 6)
     pose = spot.pose(UP_Z)
-    yield Mesh(name="can", category="071_can", model=model, pose=pose, mass_kg=EMPTY)
+    yield Mesh(name="can", category="071_can", model=model, pose=pose, mass_kg=EMPTY_CAN)
 
 
 def script(robot: Robot) -> None:

@@ -1,6 +1,6 @@
 """One hand takes an object, the other pulls the drawer out, then the object goes into the drawer.
 
-Success: the drawer is well open and the object rests in it, let go. Upstream compares heights and
+Success: the drawer is well open and the object rests in it, released. Upstream compares heights and
 places only, so an object in front of the drawer's point would do.
 """
 

@@ -33,7 +33,7 @@ from ._shaken_bottle import (
 
 YAWS = tuple(0.4 * k for k in range(16))  # [rad] of the upright bottle
 HEIGHTS = (0.88, 0.92)  # [m] of its origin, at the bottom of the shaking
-HIGH = 1.02  # [m] of its middle, where a grasp must allow it to be upright
+HIGH = 1.02  # [m] of its middle: a grasp is taken from which it can be upright there
 UPRIGHT = Placing(mode="free", pre=0.0, gap=0.0, release=False, yaws=YAWS)
 
 
