@@ -76,7 +76,7 @@ def _fill(
     """Each template once, in an order of its own, each with phrases of its own."""
     rng = stream(seed, "language", split)
     order = rng.permutation(len(templates))[:SENTENCES]
-    filled = []
+    filled: list[str] = []
     for i in order:
         words = {letter: said[int(rng.integers(len(said)))] for letter, said in spoken.items()}
         filled.append(_sentence(templates[int(i)].format(**words)))

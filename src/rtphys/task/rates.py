@@ -1,6 +1,8 @@
 """How often the expert succeeds at each task, as measured and kept with the library."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
+from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile
@@ -45,7 +47,5 @@ def rates() -> dict[str, dict[str, Rate]]:
 def _protocols(rows: object) -> dict[str, Rate]:
     if not isinstance(rows, dict):
         raise TypeError(f"{rows!r} is no mapping")
-    found = {}
-    for protocol, counts in rows.items():
-        found[str(protocol)] = Rate(*map(int, counts))
-    return found
+    counts_of = cast(Mapping[object, Sequence[int]], rows)
+    return {str(protocol): Rate(*map(int, counts)) for protocol, counts in counts_of.items()}
