@@ -24,7 +24,6 @@ from rtphys.task import (
     opened,
     reachable,
     touching,
-    yawed,
 )
 
 UPRIGHT_RACK = (-0.22, -0.22, 0.67, 0.67)
@@ -49,7 +48,7 @@ def layout(draw: Draw):
     model = draw.choice("model", *range(10))
     yield Mesh(name="mug", category="039_mug", model=model, pose=spot.pose(UP_Z))
     spot = draw.spot("rack", x=(0.1, 0.3), y=(0.13, 0.17), yaw=(-0.2, 0.2))
-    pose = Pose((spot.x, spot.y, 0.74), yawed(UPRIGHT_RACK, spot.yaw))
+    pose = spot.pose(UPRIGHT_RACK)
     yield Mesh(name="rack", category="040_rack", model=0, pose=pose, fixed=True)
 
 
@@ -63,7 +62,7 @@ def hangings(scene: Scene) -> list[list[Pose]]:
     """Mug poses that lead its hole onto the peg, the mug lying on its side below its handle."""
     peg, X_MH = scene.functional("rack", 0), scene.pose("mug").inverse() @ scene.functional("mug")
     inward = peg.R[:, 2]
-    ways: list[list[Pose]] = []
+    paths: list[list[Pose]] = []
     for lean in LEANS:
         up = np.array([0, 0, 1.0]) - inward[2] * inward
         handle = up / np.linalg.norm(up)
@@ -74,19 +73,19 @@ def hangings(scene: Scene) -> list[list[Pose]]:
             q = Pose.from_matrix(np.column_stack([np.cross(axis, -handle), axis, -handle])).q
             R = Pose((0, 0, 0), q).R
             depths = (-BEFORE, 0.0, DEEP)
-            ways.append([Pose(peg.p + d * inward - R @ X_MH.p, q) for d in depths])
-    return ways
+            paths.append([Pose(peg.p + d * inward - R @ X_MH.p, q) for d in depths])
+    return paths
 
 
-def leaving_room(robot: Robot, arm: Arm, ways: list[list[Pose]]) -> list[list[Pose]]:
-    """Those ways of hanging the mug after which the hand can draw straight back."""
+def leaving_room(robot: Robot, arm: Arm, paths: list[list[Pose]]) -> list[list[Pose]]:
+    """Those paths of the mug onto the peg after which the hand can draw straight back."""
     X_ME = robot.scene.pose("mug").inverse() @ arm.ee()
 
-    def can_leave(way: list[Pose]) -> bool:
-        back = way[-1].moved(-BACK * (way[-1] @ X_ME).R[:, 0])
-        return robot.tried(lambda: arm.carry("mug", [*way, back]))
+    def can_leave(path: list[Pose]) -> bool:
+        back = path[-1].moved(-BACK * (path[-1] @ X_ME).R[:, 0])
+        return robot.tried(lambda: arm.carry("mug", [*path, back]))
 
-    return [way for way in ways if can_leave(way)]
+    return [path for path in paths if can_leave(path)]
 
 
 def lift(robot: Robot, arm: Arm, height: float) -> float:
@@ -121,8 +120,8 @@ def script(robot: Robot) -> None:
     robot.do(left.lift(AWAY))
     robot.do(left.home(), right.grasp("mug", pre=APPROACH))
     check(lift(robot, right, HANG_LIFT))
-    ways = hangings(scene)
-    robot.do(right.carry("mug", *leaving_room(robot, right, ways), *ways, speed=SLOWLY))
+    paths = hangings(scene)
+    robot.do(right.carry("mug", *leaving_room(robot, right, paths), *paths, speed=SLOWLY))
     robot.do(right.open(LOOSE))
     robot.first_feasible(BACKS, lambda back: robot.do(right.retreat(back)))
     robot.do(right.home())

@@ -66,13 +66,16 @@ def lays_out(function: ast.FunctionDef) -> bool:
     return function.name == "layout" or bool(kinds & {"Draw", "Spot"})
 
 
+def wants_a_name(value: object) -> bool:
+    return type(value) in (int, float) and value not in (0, 1, 2)
+
+
 def unnamed(node: ast.AST, inside: bool = False) -> Iterator[str]:
     """Numbers other than 0, 1 and 2 within functions and lambdas: they should have names."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.FunctionDef) and lays_out(child):
             continue
-        number = isinstance(child, ast.Constant) and type(child.value) in (int, float)
-        if inside and number and child.value not in (0, 1, 2):
+        if inside and isinstance(child, ast.Constant) and wants_a_name(child.value):
             yield f"line {child.lineno}: {child.value}"
         yield from unnamed(child, inside or isinstance(child, ast.FunctionDef | ast.Lambda))
 

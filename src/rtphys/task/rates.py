@@ -16,11 +16,11 @@ class Rate:
 
     seeds: int
     accepted: int
-    replayed: int = 0  # accepted episodes whose actions were tried alone
-    alone: int = 0  # and sufficed
+    replayed: int = 0  # accepted episodes whose recorded actions were replayed open-loop
+    alone: int = 0  # of those, the successes
 
     def __add__(self, other: "Rate") -> "Rate":
-        """Of other seeds."""
+        """Counts of both; `other` is of other seeds."""
         mine, theirs = astuple(self), astuple(other)
         return Rate(*(a + b for a, b in zip(mine, theirs, strict=True)))
 

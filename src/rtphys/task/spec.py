@@ -89,7 +89,7 @@ class Task:
 
     @property
     def digest(self) -> str:
-        """Names the version of the task's file and of its sentences (hex, 16)."""
+        """Digest of the task's file and of its sentences, 16 hex digits."""
         source = hashlib.sha256(self.source.read_bytes())
         if (phrases := self.source.with_suffix(".yaml")).is_file():
             source.update(phrases.read_bytes())
