@@ -104,6 +104,7 @@ class PolicyEpisode:
         frame = self.rollout.steps // FRAME_STEPS
         return Observation(
             time=self.rollout.scene.time,
+            embodiment=robot.embodiment,
             vector=np.concatenate([np.append(arm.target, arm.gripper) for arm in robot.arms]),
             endposes={arm.side: flat(arm.ee()) for arm in robot.arms},
             measured=np.concatenate([np.append(qpos[a.index], a.opening()) for a in robot.arms]),

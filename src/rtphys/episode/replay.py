@@ -14,7 +14,7 @@ from rtphys.task.spec import Task
 
 
 def actions_of(recording: Recording) -> Array:
-    """(T - 1, 14) absolute targets: the commands in force one frame later."""
+    """Absolute targets (T - 1, N) in the recording's layout: what is in force one frame later."""
     return np.array([row.arms for row in recording.rows[1:]])
 
 

@@ -16,7 +16,7 @@ from rtphys.task.props import TABLE_TOP
 if TYPE_CHECKING:
     from rtphys.expert.robot import ExpertRobot
 
-Posture = tuple[float, ...]  # (6,) [rad]
+Posture = tuple[float, ...]  # (n,) [rad]
 Placed = tuple[Pose, Pose, Posture]  # hand poses before and at a placement, the first's posture
 LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
 ROOM = 0.01  # [m] round a load that is brought into something: servos lag, and loads sag
@@ -59,10 +59,10 @@ class ExpertArm:
     ) -> Motion:
         point = self.robot.scene.contact(prop, contact)
         if straight_down:
-            back = Pose(point.p + np.array([0, 0, 0.12 + gap]), STRAIGHT_DOWN)
+            back = Pose(point.p + np.array([0, 0, self.robot.hand.tcp + gap]), STRAIGHT_DOWN)
             return self._motion(f"hover {prop}", Reach((back,)))
         # Unlike a grasp, a hover must not be shifted away from thin things: nothing is held.
-        ways = candidates([(contact, point)], self.side, -np.inf)
+        ways = candidates([(contact, point)], self.side, -np.inf, self.robot.hand)
         self.robot.refresh()
         poses = tuple(way.backed_off(gap) for way in ways)
         return self._motion(f"hover {prop}", Reach(poses))
@@ -80,7 +80,7 @@ class ExpertArm:
         points += self._around(prop, points)
         first = None
         tried = 0
-        for way in candidates(points, self.side, TABLE_TOP):
+        for way in candidates(points, self.side, TABLE_TOP, self.robot.hand):
             before, at = (way.backed_off(d) for d in depths)
             q = self.robot.grasp_posture(self.side, prop, before, at)
             if q is None:

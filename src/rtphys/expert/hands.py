@@ -5,10 +5,11 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.expert.pace import hold_margin, pace_of
-from rtphys.expert.planner import SIDES, DualArmPlanner
+from rtphys.expert.planner import DualArmPlanner
 from rtphys.plan.online import gripper_ramp
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.rollout import Rollout
@@ -63,7 +64,8 @@ class Hands:
             if not self.presses(side, grip.holds):
                 raise Infeasible("grasp_missed", f"{grip.holds} is not between the fingers")
             self._take(side, grip.holds)
-        self.planner.fingers[side] = float(np.clip(arm.gap() / 2, 0.0, 0.0475))
+        travel = self.planner.hand.finger_travel
+        self.planner.fingers[side] = float(np.clip(arm.gap() / 2, 0.0, travel))
 
     def _wait_for_grip(self, side: str) -> None:
         index = self.world.robot.arm(side).finger_index

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.core.errors import Infeasible
-from rtphys.expert.planner import SIDES
 
 if TYPE_CHECKING:
     from rtphys.expert.robot import ExpertRobot

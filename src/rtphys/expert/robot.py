@@ -5,12 +5,13 @@ from contextlib import contextmanager, nullcontext
 
 import numpy as np
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Hand
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose
 from rtphys.expert.arm import ExpertArm
 from rtphys.expert.hands import Hands
-from rtphys.expert.planner import SIDES, ArmGoal, DualArmPlanner
+from rtphys.expert.planner import ArmGoal, DualArmPlanner
 from rtphys.expert.recovery import PLANNING, retake
 from rtphys.expert.surroundings import obstacles_of
 from rtphys.plan.path import Trajectory
@@ -91,7 +92,7 @@ class ExpertRobot:
     # ---- questions of the verbs ------------------------------------------------------------------
 
     def commanded(self, side: str) -> Array:
-        """Commanded posture (6,)."""
+        """Commanded posture (n,) [rad]."""
         return self.world.robot.arm(side).target
 
     def commanded_ee(self, side: str) -> Pose:
@@ -243,7 +244,7 @@ class ExpertRobot:
     ) -> set[str]:
         arms = {side: self.world.robot.arm(side) for side in SIDES}
         openings = {side: ramp.tolist() for side, ramp in ramps.items()}
-        paths = {side: _path_of(trajectory, side) for side in SIDES if side in self._moving}
+        paths = {side: self._path_of(trajectory, side) for side in SIDES if side in self._moving}
         length = max(
             [len(trajectory) if trajectory is not None else 0]
             + [len(r) for r in ramps.values()]
@@ -270,6 +271,13 @@ class ExpertRobot:
             arm.stop()
         return stopped
 
+    def _path_of(
+        self, trajectory: Trajectory, side: str
+    ) -> tuple[list[list[float]], list[list[float]]]:
+        """Positions and velocities of one arm, a row a step, as plain floats."""
+        columns = self.planner.columns[side]
+        return trajectory.q[:, columns].tolist(), trajectory.qd[:, columns].tolist()
+
     def _settle(self) -> None:
         """Wait until both arms are where they were told to be."""
         for _ in range(SETTLE_STEPS):
@@ -277,10 +285,3 @@ class ExpertRobot:
             if max(errors) < SETTLED:
                 return
             self.rollout.tick()
-
-
-def _path_of(trajectory: Trajectory, side: str) -> tuple[list[list[float]], list[list[float]]]:
-    """Positions and velocities of one arm, a row a step, as plain floats."""
-    first = 6 * SIDES.index(side)
-    part = slice(first, first + 6)
-    return trajectory.q[:, part].tolist(), trajectory.qd[:, part].tolist()

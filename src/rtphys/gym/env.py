@@ -28,7 +28,7 @@ MOST_SEEDS = 100  # tried in a row before a task under a protocol counts as impo
 
 
 class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
-    """Actions are absolute joint targets (14,).
+    """Actions are absolute joint targets and openings, in the robot's `ActionLayout`.
 
     Reward is 1 at the instant of success, which ends the episode, and 0 otherwise; the task's
     limit of actions truncates it. `info` always tells the physics; observations only on request.
@@ -119,7 +119,7 @@ class TaskEnv(gymnasium.Env[Seen, NDArray[np.float32]]):
         """One action; what lies outside the limits is clipped.
 
         Raises:
-            BadValue: not 14 finite numbers.
+            BadValue: an action of the wrong length, or with numbers that are not finite.
             gymnasium.error.ResetNeeded: before the first `reset`.
         """
         episode = self._running()

@@ -19,7 +19,7 @@ class Walk:
 
     Args:
         seed: episode seed; the walk has a stream of its own.
-        limits: (2, 6, 2) [rad] of the left and right arm's joints.
+        limits: (2, n, 2) [rad] of the left and right arm's joints.
     """
 
     def __init__(self, seed: int, limits: Array) -> None:
@@ -27,11 +27,11 @@ class Walk:
         gripper = np.array([[0.0, 1.0]])
         low_high = np.concatenate([limits[0], gripper, limits[1], gripper])
         self._low, self._high = low_high.T
-        self._scale = np.array(([ARM_STEP] * 6 + [GRIP_STEP]) * 2)
+        self._scale = np.array(([ARM_STEP] * len(limits[0]) + [GRIP_STEP]) * 2)
         self._step = self._rng.normal(size=len(self._scale)) * self._scale
 
     def after(self, command: Array) -> Array:
-        """The command (14,) that follows another."""
+        """The command that follows another, in the robot's `ActionLayout`."""
         fresh = self._rng.normal(size=len(self._scale)) * self._scale
         self._step = DRIFT * self._step + np.sqrt(1 - DRIFT**2) * fresh
         target = command + self._step
