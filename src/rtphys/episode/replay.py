@@ -10,6 +10,7 @@ from rtphys.episode.generate import start
 from rtphys.episode.instance import prepare, settle
 from rtphys.setting.recipe import Recipe
 from rtphys.sim.recorder import Recording
+from rtphys.sim.rollout import RolloutOptions
 from rtphys.task.spec import Task
 
 
@@ -26,9 +27,7 @@ def replay(recipe: Recipe, task: Task, pack: Pack, actions: Array) -> bool:
     try:
         instance = prepare(recipe, task, pack)
         settle(instance)
-        rollout = start(instance)
-        rollout.max_steps = 10**9  # actions are what is limited here, not steps
-        rollout.records = False
+        rollout = start(instance, RolloutOptions(record=False))
         control = PolicyControl(rollout)
         return any(control.act(action) for action in actions[: task.step_limit])
     except Infeasible:

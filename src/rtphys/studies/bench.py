@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import BadValue
-from rtphys.core.timing import Laps
+from rtphys.core.timing import PhaseTimer
 from rtphys.data.staging import stage_episode
 from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
@@ -55,26 +55,26 @@ class Spent:
 
     phases: tuple[str, ...]
     count: int = 0
-    laps: Laps = field(default_factory=Laps)
+    timer: PhaseTimer = field(default_factory=PhaseTimer)
     cpu_total: float = 0.0  # [s]
     wall_total: float = 0.0  # [s]
 
     @contextmanager
-    def once(self) -> Iterator[Laps]:
-        """Within: the work is done once, and counts its phases on the laps given."""
+    def once(self) -> Iterator[PhaseTimer]:
+        """Within: the work is done once, with its phases counted by the timer given."""
         began = time.process_time(), time.perf_counter()
-        yield self.laps
+        yield self.timer
         self.cpu_total += time.process_time() - began[0]
         self.wall_total += time.perf_counter() - began[1]
         self.count += 1
 
     def cpu_s(self) -> dict[str, float]:
         """CPU-seconds of one repetition, by phase; they add up to "sum"."""
-        return self._mean(self.laps.cpu_s, self.cpu_total)
+        return self._mean(self.timer.cpu_s, self.cpu_total)
 
     def wall_s(self) -> dict[str, float]:
         """Wall-seconds likewise. What ran beside another phase counts nothing."""
-        return self._mean(self.laps.wall_s, self.wall_total)
+        return self._mean(self.timer.wall_s, self.wall_total)
 
     def _mean(self, spent: Mapping[str, float], total: float) -> dict[str, float]:
         n = max(self.count, 1)
@@ -160,12 +160,12 @@ class _Job:
         cost = Cost(self.task.name, protocol)
         self._warm_up(protocol)
         for seed in range(self.plan.first_seed, self.plan.first_seed + self.plan.episodes):
-            with cost.attempts.once() as laps:
-                tried = attempt(Recipe(self.task.name, seed, protocol), self.task, self.pack, laps)
+            with cost.attempts.once() as timer:
+                tried = attempt(Recipe(self.task.name, seed, protocol), self.task, self.pack, timer)
             cost.accepted += tried.accepted
             if tried.accepted and self.plan.pictures:
-                with cost.pictures.once() as laps:
-                    cost.images += self._draw(tried, laps)
+                with cost.pictures.once() as timer:
+                    cost.images += self._draw(tried, timer)
         return cost
 
     def _warm_up(self, protocol: str) -> None:
@@ -174,13 +174,13 @@ class _Job:
         if self.plan.pictures and tried.recording is not None:
             photograph(tried.recipe, self.task, self.pack, tried.recording, CAMERAS)
 
-    def _draw(self, tried: Attempt, laps: Laps) -> int:
+    def _draw(self, tried: Attempt, timer: PhaseTimer) -> int:
         """Number of images that a dataset would hold of it."""
         assert tried.recording is not None
-        with laps.phase("build"):
+        with timer.phase("build"):
             taken = photograph(tried.recipe, self.task, self.pack, tried.recording, CAMERAS)
             episode = assemble(tried, taken, self.pack)
-        return stage_episode(self.folder, episode, laps=laps).frames * len(CAMERAS)
+        return stage_episode(self.folder, episode, timer=timer).frames * len(CAMERAS)
 
 
 def means(costs: Sequence[Cost]) -> dict[str, dict[str, float]]:
