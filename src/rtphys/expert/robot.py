@@ -1,7 +1,8 @@
 """The robot that scripts command (`rtphys.task.arm.Robot`): plans steps and carries them out."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from rtphys.expert.surroundings import obstacles_of
 from rtphys.plan.path import Trajectory
 from rtphys.sim.recorder import RECOVER
 from rtphys.sim.rollout import Rollout
-from rtphys.task.arm import Arm, Follow, Grip, Home, Line, Motion, Reach, Shift, Step, Wait
+from rtphys.task.arm import Arm, Follow, Grip, Home, Line, Motion, Reach, Shift, Step, T, Wait
 
 SETTLED = 0.003  # [rad] largest tracking error before the fingers act
 SETTLE_STEPS = 60
@@ -85,6 +86,12 @@ class ExpertRobot:
                 raise
             return False
         return True
+
+    def first_feasible(self, options: Iterable[T], act: Callable[[T], object]) -> T | None:
+        for option in options:
+            if self.tried(partial(act, option)):
+                return option
+        return None
 
     def retake(self, action: Callable[[], None]) -> None:
         retake(self, action)

@@ -5,13 +5,15 @@ A verb returns a `Motion`; nothing moves until `robot.do(...)`. Motions of both 
 task files see nothing else.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from rtphys.assets.embodiment import Hand
 from rtphys.core.poses import Pose
 from rtphys.task.scene import Scene
+
+T = TypeVar("T")  # an option of `Robot.first_feasible`
 
 
 @dataclass(frozen=True)
@@ -277,6 +279,17 @@ class Robot(Protocol):
 
     def tried(self, action: Callable[[], object]) -> bool:
         """Run `action`; False when it was infeasible by planning (nothing has moved then)."""
+        ...
+
+    def first_feasible(self, options: Iterable[T], act: Callable[[T], object]) -> T | None:
+        """Run `act` on one option after the other until one can be planned (see `tried`).
+
+        Returns:
+            That option; None when none can be planned, and nothing has moved.
+
+        Raises:
+            Infeasible: an option failed on the way; the rest are not asked.
+        """
         ...
 
     def retake(self, action: Callable[[], None]) -> None:

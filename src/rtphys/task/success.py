@@ -149,6 +149,16 @@ def held_by(prop: str, *sides: str) -> Condition:
     )
 
 
+def in_hand(scene: Scene, prop: str, *sides: str) -> bool:
+    """Whether a gripper of the named sides (none named: either) presses on the prop now."""
+    return any(scene.touching(f"{side}_gripper", prop) for side in sides or (LEFT, RIGHT))
+
+
+def in_either_hand(prop: str) -> Condition:
+    """A gripper presses on the prop, now."""
+    return Condition(f"the {prop} is in a hand", lambda s: in_hand(s, prop))
+
+
 def at_rest(*props: str, slower_than: float = 0.05) -> Condition:
     """Linear speed of each prop below a bound [m/s]."""
     return Condition(
