@@ -4,11 +4,11 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 
 from pool_jobs import Trouble, do
+from rtphys.studies.certify.work import Job
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.workers.pool import Done, Limits, Lost, Workers
 from rtphys.results.instances import FIRST_SEED, Slot
-from rtphys.studies.certify.work import Job
 
 LOST = FIRST_SEED + 4  # the seed whose worker gets into trouble, when clean
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from rtphys.studies.certify.ledger import CertifiedOtherwise
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import Pack, default_pack
@@ -19,7 +20,6 @@ from rtphys.results.instance_file import instance_file, read_instances
 from rtphys.results.instances import FIRST_SEED, Slot
 from rtphys.setting.setting import Setting
 from rtphys.studies.certify import CertifyPlan, Order, certify
-from rtphys.studies.certify.ledger import CertifiedOtherwise
 from rtphys.task.spec import load_task
 
 GROUND = {"domain": {"name": "nominal", "digest": "0"}, "look": "", "assets": "", "versions": {}}
