@@ -282,14 +282,7 @@ class Robot(Protocol):
         ...
 
     def first_feasible(self, options: Iterable[T], act: Callable[[T], object]) -> T | None:
-        """Run `act` on one option after the other until one can be planned (see `tried`).
-
-        Returns:
-            That option; None when none can be planned, and nothing has moved.
-
-        Raises:
-            Infeasible: an option failed on the way; the rest are not asked.
-        """
+        """Run `act` on each option until one can be planned (see `tried`); that one, or None."""
         ...
 
     def retake(self, action: Callable[[], None]) -> None:
