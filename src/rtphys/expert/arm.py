@@ -15,6 +15,7 @@ from rtphys.task.props import TABLE_TOP
 
 Posture = tuple[float, ...]  # (n,) [rad]
 LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
+STAY = 0.12  # [s] at the end of a push: recorded actions are 0.06 s apart
 ROOM = 0.01  # [m] round a load that is brought into something: servos lag, and loads sag
 TURNED = 0.35  # [rad] of a load in its hand that keeps it from being placed as it was meant to be
 HANGING = 0.05  # [m] by which it may then hang lower
@@ -165,7 +166,7 @@ class ExpertArm:
         if how.until:
             last = at.p - before.p
             lean = LEAN * last / max(float(np.linalg.norm(last)), 1e-9)
-            steps += [Shift((float(lean[0]), float(lean[1]), float(lean[2]))), Wait(0.12)]
+            steps += [Shift((float(lean[0]), float(lean[1]), float(lean[2]))), Wait(STAY)]
         if how.release:
             steps.append(Grip(1.0, releases=prop))
         return self._motion(f"place {prop}", *steps)
@@ -237,7 +238,7 @@ class ExpertArm:
             # Recorded actions are 60 ms apart: without leaning in and staying, the deepest
             # moment would fall between two of them.
             Shift((push, 0.0, 0.0), tool=True),
-            Wait(0.12),
+            Wait(STAY),
         )
         return self._motion(f"press {prop}", *steps)
 
