@@ -107,7 +107,7 @@ def link(
         typer.echo("using the builtin pack")
         return
     if folder is None:
-        raise BadValue("DIR", None, "name the folder to link, or give --remove")
+        raise BadValue("folder", None, "name the folder to link, or give `remove`")
     pack = Pack(folder.resolve(), _fallback(fallback))
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"root": str(pack.root), "fallback": pack.fallback is not None})

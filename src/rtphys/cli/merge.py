@@ -22,7 +22,7 @@ def merge(
     shards shared a task seed by seed, a few seeds are tried here: those that none of them came to.
     """
     if any(part.resolve() == out.resolve() for part in parts):
-        raise BadValue("--out", str(out), "it is one of the shards; name another folder")
+        raise BadValue("out", str(out), "it is one of the shards; name another folder")
     from rtphys.cli.collect_progress import Lines, Live
     from rtphys.studies.collect import merge as join
 

@@ -124,12 +124,12 @@ def _audit_labels(data: "Dataset") -> int:
 
 def worst(trials: "list[Trial]") -> "list[Trial]":
     """Of each setting, the trial that came nearest to failing."""
-    found: dict[str, Trial] = {}
+    worst_of: dict[str, Trial] = {}
     for trial in trials:
-        known = found.get(trial.setting)
+        known = worst_of.get(trial.setting)
         if known is None or trial.error / trial.tolerance > known.error / known.tolerance:
-            found[trial.setting] = trial
-    return list(found.values())
+            worst_of[trial.setting] = trial
+    return list(worst_of.values())
 
 
 def _tell(key: str, law: str, trials: "list[Trial]") -> None:

@@ -1,4 +1,4 @@
-"""How far a long command is: a bar on a terminal, a line now and then elsewhere."""
+"""Progress of a long command: a bar on a terminal, elsewhere a line every few seconds."""
 
 import sys
 import time
@@ -9,21 +9,21 @@ import typer
 
 LINE_EVERY = 10.0  # [s] between plain lines
 
-Told = Callable[[int, int, str], None]  # how many are done, of how many, and a few words
+Report = Callable[[int, int, str], None]  # how many are done, of how many, and a few words
 
 
 @contextmanager
-def progress_bar() -> Iterator[Told]:
-    """Gives a function to tell how far it is."""
+def progress_bar() -> Iterator[Report]:
+    """Yields the function that reports progress."""
     if sys.stderr.isatty():
-        with _bar() as told:
-            yield told
+        with _bar() as report:
+            yield report
     else:
         yield _lines()
 
 
 @contextmanager
-def _bar() -> Iterator[Told]:
+def _bar() -> Iterator[Report]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -31,19 +31,19 @@ def _bar() -> Iterator[Told]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as shown:
         row = shown.add_task("starting", total=None)
 
-        def told(done: int, total: int, words: str) -> None:
+        def report(done: int, total: int, words: str) -> None:
             shown.update(row, completed=done, total=total, description=words)
 
-        yield told
+        yield report
 
 
-def _lines() -> Told:
+def _lines() -> Report:
     last = time.monotonic()
 
-    def told(done: int, total: int, words: str) -> None:
+    def report(done: int, total: int, words: str) -> None:
         nonlocal last
         if time.monotonic() - last >= LINE_EVERY:
             last = time.monotonic()
             typer.echo(f"{done} of {total} done, {words}", err=True)
 
-    return told
+    return report

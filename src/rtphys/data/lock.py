@@ -14,8 +14,8 @@ from rtphys.data.layout import LOCK
 class FolderLock:
     """Held from construction to `release`. The kernel frees it when its owner is killed.
 
-    The owner's process id stands in the file for the message alone: a number could be reused, a
-    kernel lock cannot lie.
+    The file names the owner's process for the error message alone: a process id may be reused, a
+    lock of the kernel is reliable.
     """
 
     def __init__(self, out: Path) -> None:

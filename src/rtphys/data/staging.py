@@ -66,8 +66,8 @@ def stage_episode(
         _checked("scene_info", episode.scene_info),
         _checked("instruction", episode.instructions),
     )
-    if found := episode.frames.problems():  # before hours of rendering, not after
-        raise BadEpisode(found)
+    if problems := episode.frames.problems():  # before hours of rendering, not after
+        raise BadEpisode(problems)
     clock = laps or Laps()
     with clock.phase("render"):  # pictures are drawn as they are consumed
         images = encode_images(episode.images)
@@ -77,7 +77,7 @@ def stage_episode(
 
 
 def stage_encoded(folder: Path, episode: EncodedEpisode, layout: str) -> StagedEpisode:
-    """The rest of `stage_episode`, which see."""
+    """As `stage_episode`, for pictures that are encoded already."""
     _check_images(episode)
     if folder.exists():
         shutil.rmtree(folder)
@@ -127,6 +127,6 @@ def _seen(episode: EncodedEpisode) -> list[str]:
 
 def _reopen(path: Path, frames: int) -> None:
     with open_read(path) as file:
-        found = len(read_record(file))
-    if found != frames:
-        raise BadEpisode([f"{path} holds {found} frames after writing {frames}"])
+        count = len(read_record(file))
+    if count != frames:
+        raise BadEpisode([f"{path} holds {count} frames after writing {frames}"])

@@ -27,16 +27,31 @@ class Rejection:
     seed: int
     reason: str
     detail: str = ""  # deterministic text: it enters the journal
-    physics: Mapping[str, object] = field(
-        default_factory=dict
-    )  # attribute -> value, for the report
+    physics: Mapping[str, object] = field(default_factory=dict)  # attribute -> value, for reports
+
+    @staticmethod
+    def of(entry: Mapping[str, JSON]) -> "Rejection":
+        """Inverse of `entry`."""
+        physics = entry.get("physics")
+        known = physics if isinstance(physics, Mapping) else {}
+        return Rejection(int(str(entry["seed"])), str(entry["reason"]), str(entry["detail"]), known)
+
+    def entry(self) -> dict[str, JSON]:
+        """An entry for the journal. Raises `BadValue` where JSON cannot hold it."""
+        return {
+            "seed": self.seed,
+            "verdict": "rejected",
+            "reason": self.reason,
+            "detail": self.detail,
+            "physics": plain(self.physics, "physics"),
+        }
 
 
 class TaskWriter:
     """Outcomes arrive in any order; files, numbers and journal follow the seeds.
 
-    An outcome waits until all earlier seeds are known. Whatever lies beyond the episode that fills
-    the order is dropped, so the dataset does not depend on the number of workers.
+    An outcome waits until all earlier seeds are known. Outcomes beyond the last episode that is
+    wanted are dropped, so the dataset does not depend on the number of workers.
     """
 
     def __init__(self, task_dataset: TaskDataset, conditions: Conditions, *, resume: bool) -> None:
@@ -57,8 +72,8 @@ class TaskWriter:
             files.make_folder(self.task_dataset.folder)
             self._journal.append(header, durable=True)
             return
-        if found := differences(stored[0], header):
-            raise DatasetMismatch(self.task_dataset.folder, found)
+        if changes := differences(stored[0], header):
+            raise DatasetMismatch(self.task_dataset.folder, changes)
         self.episodes = sum(entry["verdict"] == "accepted" for entry in stored[1:])
         if not resume and len(stored) > 1:
             raise DatasetExists(self.task_dataset.folder, self.episodes)
@@ -67,7 +82,7 @@ class TaskWriter:
             self._check_present(entry)
 
     def _remove_leftovers(self) -> None:
-        """Of a killed run: staged attempts, files of a commit that never reached the journal."""
+        """Removes what a killed run left: staged attempts, files that the journal does not list."""
         shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
         for path in self._episode_files(self.episodes):
             with files.refusals(path):
@@ -78,8 +93,8 @@ class TaskWriter:
     def _episode_files(self, first: int) -> list[Path]:
         """Files of episodes with that number or a higher one."""
         folders = [self.task_dataset.folder / name for name in EPISODE_FOLDERS]
-        found = [path for folder in folders for path in folder.glob("*")]
-        numbered = [(episode_number(path), path) for path in found]
+        paths = [path for folder in folders for path in folder.glob("*")]
+        numbered = [(episode_number(path), path) for path in paths]
         return [path for number, path in numbered if number is not None and number >= first]
 
     def _check_present(self, entry: Mapping[str, JSON]) -> None:
@@ -100,7 +115,7 @@ class TaskWriter:
 
     @property
     def attempts(self) -> int:
-        """How many are committed."""
+        """Number of committed attempts."""
         return max(self._journal.count - 1, 0)
 
     def accepted(self, seed: int) -> bool:
@@ -113,11 +128,11 @@ class TaskWriter:
         return self.episodes >= self.wanted
 
     def staging(self, seed: int) -> Path:
-        """The folder for `stage_episode`, which a worker may be told."""
+        """Folder into which a worker stages the attempt of a seed."""
         return self.task_dataset.staged(seed)
 
     def record(self, outcome: StagedEpisode | Rejection) -> list[int]:
-        """Takes one outcome; commits all that are now in order. Returns the seeds committed.
+        """Accepts one outcome, commits all that are next in seed order, returns their seeds.
 
         Raises:
             CannotWrite: the folder still is a valid prefix; the same run can be resumed.
@@ -136,23 +151,13 @@ class TaskWriter:
         return committed
 
     def discard(self) -> None:
-        """Forgets outcomes that nobody will number."""
+        """Drops outcomes that will never be committed."""
         self._pending.clear()
         shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
 
     def _commit(self, outcome: StagedEpisode | Rejection) -> None:
         if isinstance(outcome, Rejection):
-            entry = plain(
-                {
-                    "seed": outcome.seed,
-                    "verdict": "rejected",
-                    "reason": outcome.reason,
-                    "detail": outcome.detail,
-                    "physics": outcome.physics,
-                }
-            )
-            assert isinstance(entry, dict)
-            self._journal.append(entry, durable=False)
+            self._journal.append(outcome.entry(), durable=False)
             return
         number = self.episodes
         listed = self._place(outcome, self.task_dataset.episode(number), number)
@@ -193,13 +198,13 @@ class TaskWriter:
                     target.unlink()
             raise
         return {
-            target.relative_to(self.task_dataset.folder).as_posix(): facts[name].to_json()
+            target.relative_to(self.task_dataset.folder).as_posix(): facts[name].model_dump()
             for name, target in targets.items()
         }
 
 
 def _recovered(meta: Mapping[str, JSON]) -> dict[str, JSON]:
-    """Said only of episodes in which a load was lost and taken again."""
+    """A key for those episodes only in which a load was lost and taken again."""
     verdict = meta["verdict"]
     return {"recovered": True} if isinstance(verdict, Mapping) and verdict.get("recovered") else {}
 
