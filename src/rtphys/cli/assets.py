@@ -176,5 +176,5 @@ def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
     """`050_bell` is all its models, `050_bell/1` one."""
     id_name, _, number = name.partition("/")
     if number and not number.isdigit():
-        raise BadValue("model", name, "write an object's name, or name/number")
+        raise BadValue("names", name, "write an object's name, or name/number")
     return [(id_name, int(number))] if number else [(id_name, i) for i in pack.indices(id_name)]

@@ -1,4 +1,4 @@
-"""`rtphys merge`: shards into one dataset."""
+"""`rtphys merge`: merges shards into one dataset."""
 
 import shlex
 import sys
@@ -16,18 +16,18 @@ def merge(
     out: Annotated[Path, typer.Option(help="The dataset's folder.")] = Path("data"),
     workers: Annotated[int | None, typer.Option(help="Processes; default one a core.")] = None,
 ) -> None:
-    """Join what `collect --shard i/n` wrote into the dataset that one machine would have made.
+    """Merge what `collect --shard i/n` wrote into the dataset that one machine would have made.
 
     Refuses shards that are missing, unfinished or of another collection, before it writes. Where
-    shards shared a task seed by seed, a few seeds are tried here: those that none of them came to.
+    shards shared the seeds of a task, the few seeds that none of them reached are tried here.
     """
     if any(part.resolve() == out.resolve() for part in parts):
         raise BadValue("out", str(out), "it is one of the shards; name another folder")
     from rtphys.cli.collect_progress import Lines, Live
-    from rtphys.studies.collect import merge as join
+    from rtphys.studies.collect import merge as merge_shards
 
     with resumable(), Live() if sys.stderr.isatty() else Lines() as shown:
-        tallies = join(parts, out, workers, shown)
+        tallies = merge_shards(parts, out, workers, shown)
     made = sum(tally.new_attempts for tally in tallies)
     episodes = sum(tally.episodes for tally in tallies)
     typer.echo(f"{episodes} episodes of {len(tallies)} tasks in {out}; {made} attempts made here")

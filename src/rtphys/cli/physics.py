@@ -28,7 +28,9 @@ def sample(
     seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
     episodes: Annotated[int, typer.Option(min=1, help="How many seeds, upward.")] = 1,
     only: Annotated[str, typer.Option(help="Vary only these (comma-separated).")] = "",
-    held: Annotated[list[str] | None, typer.Option("--set", help="key=value, repeatable.")] = None,
+    assignments: Annotated[
+        list[str] | None, typer.Option("--set", help="key=value, repeatable.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """The values that an episode draws, exactly as its label will say.
@@ -38,7 +40,7 @@ def sample(
     """
     domain = domain_named(task)
     wanted = split(only) or None
-    overrides = parse_overrides(held or [])
+    overrides = parse_overrides(assignments or [])
     drawn: dict[int, Physics] = {}
     for s in range(seed, seed + episodes):
         drawn[s] = domain.sample(s, wanted, overrides)
