@@ -3,6 +3,7 @@
 from typing import Annotated
 
 import pytest
+
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.setting.option import Tasks, Workers, at_least, checked_dataclass, one_of
 
