@@ -1,4 +1,4 @@
-"""README's picture: every task solved once, six moments of each: `contact_sheet.py OUT.png`."""
+"""Draw the README's contact sheet, six moments of every task: `contact_sheet.py OUT.png`."""
 
 import sys
 from itertools import count
@@ -14,28 +14,28 @@ from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.task.spec import load_task, task_names
 
-COLUMNS, WIDTH, HEIGHT, STRIP = 6, 240, 180, 16
+COLUMNS, WIDTH, HEIGHT, STRIP = 6, 240, 180, 16  # pictures per task, their size, the title [px]
 PROTOCOL = "phys_random"
 MOST_SEEDS = 20
 
 
 def row(name: str, pack: Pack) -> Image.Image | None:
-    """Six evenly spaced head-camera pictures of the first accepted seed."""
+    """Row of a task: evenly spaced head-camera pictures of its first accepted seed."""
     task = load_task(name)
     for seed in count():
         recipe = Setting(name, PROTOCOL).at(seed)
-        tried = attempt(recipe, task, pack)
-        if tried.accepted and tried.recording:
+        result = attempt(recipe, task, pack)
+        if result.accepted and result.recording:
             break
         if seed == MOST_SEEDS:
             print(f"{name}: no success in {MOST_SEEDS} seeds", file=sys.stderr)
             return None
-    rows = tried.recording.rows
+    rows = result.recording.rows
     moments = np.linspace(0, len(rows) - 1, COLUMNS).round().astype(int)
-    tried.recording.rows = [rows[i] for i in moments]
+    result.recording.rows = [rows[i] for i in moments]
     sheet = Image.new("RGB", (COLUMNS * WIDTH, STRIP + HEIGHT), "white")
     ImageDraw.Draw(sheet).text((4, 2), f"{name}, {PROTOCOL}, seed {seed}", fill="black")
-    shots = photograph(recipe, task, pack, tried.recording, ["head"])
+    shots = photograph(recipe, task, pack, result.recording, ["head"])
     for column, images in enumerate(shots.images):
         small = Image.fromarray(images["head_camera"]).resize((WIDTH, HEIGHT), Image.LANCZOS)
         sheet.paste(small, (column * WIDTH, STRIP))
@@ -43,6 +43,7 @@ def row(name: str, pack: Pack) -> Image.Image | None:
 
 
 def main(out: str) -> None:
+    """Draw all tasks into one PNG."""
     renderer.configure()
     pack = default_pack()
     rows = [sheet for name in task_names() if (sheet := row(name, pack))]
@@ -50,7 +51,7 @@ def main(out: str) -> None:
     for i, strip in enumerate(rows):
         whole.paste(strip, (0, i * strip.height))
     Path(out).parent.mkdir(parents=True, exist_ok=True)
-    # 256 colours are plenty for renderings, and a third of the bytes.
+    # 256 colours suffice for renderings and need a third of the bytes.
     whole.quantize(256, dither=Image.Dither.NONE).save(out, optimize=True)
 
 

@@ -1,9 +1,9 @@
-"""Try tasks that have a domain of their own under it and under the global one.
+"""Measure how often tasks with their own domain are feasible under it and under the global domain.
 
-`scripts/feasibility.py OUT.json [--seeds N] [--settle] [--again TASK]`: the same seeds under both
-domains, without pictures and replays; with `--settle` only until things lie still, which is quick.
-A run goes on where the file stops; `--again` counts a task anew on the file's seeds, after its
-expert or domain changed. `scripts/tables.py` makes the table of docs/domains.md of
+`scripts/feasibility.py OUT.json [--seeds N] [--settle] [--again TASK]` tries the same seeds under
+both domains, without pictures and replays; with `--settle` only until objects are at rest, which is
+quick. A run continues where the file ends; `--again` repeats a task on the file's seeds, after its
+expert or domain changed. `scripts/tables.py` derives the table in docs/domains.md from
 docs/settling.json and docs/feasibility.json.
 """
 
@@ -26,16 +26,16 @@ from rtphys.task.spec import load_task
 
 PROTOCOL = "phys_random"
 DOMAINS = ("own", "global")
-SAVED = 10  # [seeds] between two files
+SAVE_EVERY = 10  # seeds
 
 
 def recipe_of(task: str, seed: int, domain: str) -> Recipe:
-    """One seed under the task's own domain or another."""
+    """Recipe of a seed under the task's own domain or the global one."""
     return Setting(task, PROTOCOL, ranges=load_domain(task if domain == "own" else domain)).at(seed)
 
 
 def settled(recipe: Recipe, pack: Pack) -> str:
-    """Why the episode cannot begin; "accepted" if it can."""
+    """Outcome of letting objects settle: "accepted", or why the episode cannot begin."""
     try:
         settle(prepare(recipe, load_task(recipe.task), pack))
     except Infeasible as problem:
@@ -44,47 +44,48 @@ def settled(recipe: Recipe, pack: Pack) -> str:
 
 
 def solved(recipe: Recipe, pack: Pack) -> str:
-    """Why the expert does not solve it; "accepted" if it does."""
+    """Outcome of the expert: "accepted", or why it fails."""
     return attempt(recipe, load_task(recipe.task), pack).reason or "accepted"
 
 
 def counted(
     task: str, seeds: Iterable[int], pack: Pack, judge: Callable[[Recipe, Pack], str]
 ) -> dict[str, dict[str, int]]:
-    """Seeds by outcome under the task's own domain and the global one."""
+    """Number of seeds by outcome, under the task's own domain and the global one."""
     return {
         domain: dict(Counter(judge(recipe_of(task, seed, domain), pack) for seed in seeds))
         for domain in DOMAINS
     }
 
 
-def save(found: dict[str, object], out: Path) -> None:
-    out.write_text(json.dumps(found, indent=1, sort_keys=True) + "\n")
+def save(counts: dict[str, object], out: Path) -> None:
+    """Write the counts as JSON."""
+    out.write_text(json.dumps(counts, indent=1, sort_keys=True) + "\n")
 
 
 def main(
     out: Path,
-    seeds: Annotated[int, typer.Option(help="Of each task and domain.")] = 200,
+    seeds: Annotated[int, typer.Option(help="Number of seeds per task and domain.")] = 200,
     only_settle: Annotated[
-        bool, typer.Option("--settle", help="Only until things lie still.")
+        bool, typer.Option("--settle", help="Stop when objects are at rest.")
     ] = False,
-    again: Annotated[list[str] | None, typer.Option(help="A task to count anew.")] = None,
+    again: Annotated[list[str] | None, typer.Option(help="Task to count again.")] = None,
 ) -> None:
-    """Writes the counts."""
+    """Count outcomes and write them to OUT."""
     pack, judge = default_pack(), settled if only_settle else solved
-    found = json.loads(out.read_text()) if out.exists() else {"seeds": 0, "tasks": {}}
+    report = json.loads(out.read_text()) if out.exists() else {"seeds": 0, "tasks": {}}
     tasks = [name for name in library.names("domains") if name in library.names("tasks")]
     for task in again or []:
-        found["tasks"][task] = counted(task, range(found["seeds"]), pack, judge)
-        save(found, out)
-    for seed in range(found["seeds"], seeds):
+        report["tasks"][task] = counted(task, range(report["seeds"]), pack, judge)
+        save(report, out)
+    for seed in range(report["seeds"], seeds):
         for task in tasks:
-            row = found["tasks"].setdefault(task, {domain: {} for domain in DOMAINS})
+            row = report["tasks"].setdefault(task, {domain: {} for domain in DOMAINS})
             for domain, counts in counted(task, [seed], pack, judge).items():
                 row[domain] = dict(Counter(row[domain]) + Counter(counts))
-        found["seeds"] = seed + 1
-        if (seed + 1) % SAVED == 0 or seed + 1 == seeds:
-            save(found, out)
+        report["seeds"] = seed + 1
+        if (seed + 1) % SAVE_EVERY == 0 or seed + 1 == seeds:
+            save(report, out)
 
 
 if __name__ == "__main__":

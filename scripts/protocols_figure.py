@@ -1,4 +1,4 @@
-"""Draw docs/images/protocols.jpg: a seed of eight tasks under the four protocols, left to right."""
+"""Draw docs/images/protocols.jpg: one seed of eight tasks under each of the four protocols."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -27,21 +27,22 @@ SEEDS = {
     "move_stapler_pad": 9,
 }
 SIZE = (256, 192)  # [px] of one picture
-HEAD = 22  # [px] the line of protocol names
+HEAD = 22  # [px] height of the line of protocol names
 
 
 def picture(task: str, seed: int, protocol: str) -> np.ndarray:
-    """Head camera before anyone acts, RGB."""
+    """Head camera's picture (192, 256, 3) RGB before the first action."""
     recipe, loaded, pack = Setting(task, protocol).at(seed), load_task(task), default_pack()
     instance = prepare(recipe, loaded, pack)
     settle(instance)
     recording = start(instance).recorder.recording
     first = replace(recording, rows=recording.rows[:1])
-    shown = next(iter(photograph(recipe, loaded, pack, first, ["head"]).images))["head_camera"]
-    return cv2.resize(shown, SIZE, interpolation=cv2.INTER_AREA)
+    image = next(iter(photograph(recipe, loaded, pack, first, ["head"]).images))["head_camera"]
+    return cv2.resize(image, SIZE, interpolation=cv2.INTER_AREA)
 
 
 def main() -> None:
+    """Draw the figure: four tasks per half, a row per task, a column per protocol."""
     renderer.configure()
     names = [row.name for row in BUILTIN]
     head = np.full((HEAD, SIZE[0] * len(names), 3), 255, np.uint8)

@@ -1,8 +1,8 @@
-"""Keep measured rates in manifests/rates.yaml: `scripts/rates.py SOURCE...`.
+"""Update measured success rates in manifests/rates.yaml: `scripts/rates.py SOURCE...`.
 
-A source is a folder of `rtphys certify`, or a file of `rtphys check --json`. What several of them
-say of one task and protocol is added up: they must be of different seeds. Newer measurements
-replace older ones of the same task and protocol, if they are of as many seeds.
+A source is a folder of `rtphys certify`, or a file of `rtphys check --json`. Several sources of one
+task and protocol are added up, so they must be of different seeds. A new measurement replaces that
+in the file if it is of at least as many seeds.
 """
 
 import json
@@ -19,14 +19,14 @@ OUT = Path(__file__).resolve().parents[1] / "manifests" / "rates.yaml"
 
 
 def measured(source: Path) -> Iterator[tuple[str, str, Rate]]:
-    """(task, protocol, rate) of every list in a folder, or of every row of a file."""
+    """(task, protocol, rate) of every list in a folder, or every row of a file."""
     if source.is_dir():
         for path in sorted(source.glob("*/*.yaml")):
             instances = read_instances(path)
             yield instances.task, instances.protocol, certified(instances)
         return
     for row in json.loads(source.read_text()):
-        if "domain" in row:  # not what the task is measured by
+        if "domain" in row:  # another domain than the task's own
             continue
         accepted, share = row["accepted"], row["replay_success"]
         replays = (0, 0) if share is None else (accepted, round(share * accepted))
@@ -34,13 +34,13 @@ def measured(source: Path) -> Iterator[tuple[str, str, Rate]]:
 
 
 def certified(instances: InstanceList) -> Rate:
-    """The share of feasible seeds among those tried."""
-    alone = [slot.replay for slot in instances.feasible if slot.replay is not None]
-    return Rate(instances.attempts, len(instances.feasible), len(alone), sum(alone))
+    """Rate of a certified list: seeds, feasible ones, and of these the replays that succeed."""
+    replays = [slot.replay for slot in instances.feasible if slot.replay is not None]
+    return Rate(instances.attempts, len(instances.feasible), len(replays), sum(replays))
 
 
 def text(known: dict[str, dict[str, Rate]]) -> str:
-    """The file: one line a task and protocol."""
+    """Text of the file: one line per task and protocol."""
     lines = [
         "# seeds, accepted; accepted episodes that were replayed, whose actions alone succeeded"
     ]
@@ -52,15 +52,15 @@ def text(known: dict[str, dict[str, Rate]]) -> str:
 
 
 def main(sources: list[str]) -> int:
-    """Updates the file."""
-    known, found = rates(), dict[tuple[str, str], Rate]()
+    """Update the file."""
+    known, new = rates(), dict[tuple[str, str], Rate]()
     for source in sources:
         for task, protocol, rate in measured(Path(source)):
-            found[task, protocol] = found.get((task, protocol), Rate(0, 0)) + rate
-    for (task, protocol), new in found.items():
+            new[task, protocol] = new.get((task, protocol), Rate(0, 0)) + rate
+    for (task, protocol), rate in new.items():
         old = known.setdefault(task, {}).get(protocol)
-        if old is None or new.seeds >= old.seeds:
-            known[task][protocol] = new
+        if old is None or rate.seeds >= old.seeds:
+            known[task][protocol] = rate
     OUT.write_text(text(known))
     return 0
 

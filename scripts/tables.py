@@ -1,6 +1,6 @@
-"""Write the generated tables into the documents: `make tables`; `--check` only compares.
+"""Write generated tables into the documents: `make tables`; `--check` only compares.
 
-A table stands between `<!-- table: NAME -->` and `<!-- end -->` and is made by the function NAME.
+The function NAME generates the table between `<!-- table: NAME -->` and `<!-- end -->`.
 """
 
 import json
@@ -19,7 +19,7 @@ from rtphys.task.rates import rates
 from rtphys.task.spec import load_task
 
 BASELINES = ("replay", "twin")  # columns of a certified list
-PROTOCOLS = ("clean", "phys_random")  # whose measured success rates are shown
+PROTOCOLS = ("clean", "phys_random")  # of the success rates shown
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 DOCUMENTS = (
@@ -28,25 +28,25 @@ DOCUMENTS = (
     DOCS / "domains.md",
     DOCS / "benchmark.md",
 )
-DRAWN = 200  # layouts of a task whose centres of mass are drawn
+DRAWN = 200  # number of layouts per task for which centres of mass are drawn
 
 
 def tasks() -> str:
-    """Every bundled task, with the file's own first sentence."""
+    """Table of bundled tasks, with the first sentence of each file."""
     domains, measured = library.names("domains"), rates()
     rows = []
     for name in sorted(library.names("tasks")):
         task = load_task(name)
         what = task.doc.strip().partition("\n\n")[0].replace("\n", " ")
         domain = f"`{name}`" if name in domains else "`global`"
-        found = measured.get(name, {})
-        shown = [str(found.get(protocol, "")) for protocol in PROTOCOLS]
+        by_protocol = measured.get(name, {})
+        shown = [str(by_protocol.get(protocol, "")) for protocol in PROTOCOLS]
         rows.append((f"`{name}`", what, task.mechanism, task.arms, domain, *shown))
     return _table(("task", "what", "mechanism", "arms", "domain", *PROTOCOLS), rows)
 
 
 def physics() -> str:
-    """Every attribute, with its range in the global domain."""
+    """Table of attributes, with their range in the global domain."""
     rules = load_domain("global").rules
     rows = []
     for key, attribute in attributes().items():
@@ -56,7 +56,7 @@ def physics() -> str:
 
 
 def center_of_mass() -> str:
-    """Tasks with a range of their own: what of it, and of the global one, lies outside a body."""
+    """Table of tasks with their own range: share of draws outside the body, own and global."""
     bodies, whole = Bodies(default_pack()), load_domain("global")
     rows = []
     for name, domain in narrowed().items():
@@ -67,14 +67,14 @@ def center_of_mass() -> str:
 
 
 def feasibility() -> str:
-    """Tasks with a domain of their own: what it and the global one leave feasible."""
+    """Table of tasks with their own domain: share of feasible seeds, own and global."""
     files = (DOCS / "settling.json", DOCS / "feasibility.json")
     settling, solving = (json.loads(path.read_text()) for path in files)
     rows = []
     for name, solved in solving["tasks"].items():
-        begun = settling["tasks"][name]
+        settled = settling["tasks"][name]
         for domain in ("own", "global"):
-            begins = _share(begun[domain], settling["seeds"])
+            begins = _share(settled[domain], settling["seeds"])
             accepted = _share(solved[domain], solving["seeds"])
             counts = sorted(solved[domain].items(), key=lambda item: (-item[1], item[0]))
             lost = ", ".join(f"{r} {n}" for r, n in counts if r != "accepted")
@@ -85,7 +85,7 @@ def feasibility() -> str:
 
 
 def benchmark() -> str:
-    """Every certified list: its length, and what both open-loop baselines make of it."""
+    """Table of certified lists: length, and success of both open-loop baselines."""
     lists = _certified()
     rows = [
         (f"`{task}`", *(_cell(of[task]) if task in of else "" for of in lists.values()))
@@ -95,7 +95,7 @@ def benchmark() -> str:
 
 
 def baselines() -> str:
-    """The same, over all tasks of a protocol."""
+    """Table of protocols: the numbers of `benchmark`, over all tasks."""
     rows = []
     for protocol, of in _certified().items():
         shown = [_baseline(of.values(), name) for name in BASELINES]
@@ -104,7 +104,7 @@ def baselines() -> str:
 
 
 def _certified() -> dict[str, dict[str, InstanceList]]:
-    """Protocol -> task -> list."""
+    """Certified lists by protocol and task."""
     lists: dict[str, dict[str, InstanceList]] = {}
     for path in sorted((ROOT / "manifests" / "benchmark_v1").glob("*/*.yaml")):
         instances = read_instances(path)
@@ -123,7 +123,7 @@ def _length(lists: Iterable[InstanceList]) -> str:
 
 
 def _baseline(lists: Iterable[InstanceList], name: str) -> str:
-    """Share of feasible instances where a baseline succeeds; empty where it was not measured."""
+    """Share of feasible instances that a baseline solves; empty if it was not measured."""
     results = [getattr(slot, name) for instances in lists for slot in instances.feasible]
     known = [result for result in results if result is not None]
     return f"{sum(known) / len(known):.0%}" if known else ""
@@ -144,7 +144,7 @@ TABLES = {
 
 
 def filled(text: str) -> str:
-    """`text` with every table in it made anew."""
+    """Text of a document with all its tables generated again."""
 
     def table(match: re.Match[str]) -> str:
         return f"{match[1]}\n{TABLES[match[2]]()}\n{match[3]}"
@@ -158,7 +158,7 @@ def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
 
 
 def main() -> int:
-    """0 if the documents are up to date, or now are."""
+    """Update the documents; exit code 1 if `--check` finds an old table."""
     old = {path: path.read_text() for path in DOCUMENTS}
     new = {path: filled(text) for path, text in old.items()}
     changed = [path for path in DOCUMENTS if old[path] != new[path]]

@@ -34,6 +34,8 @@ APPROACH, LIFT = 0.09, 0.07  # [m] before the grasp; to carry a block, and up fr
 SET_DOWN = Placing(pre=0.05, gap=0.0, along="point")
 STACK = Pose((0.0, -0.13, TABLE_TOP), DOWN)  # where the lowest block of a stack stands
 ROW_Y = -0.19  # [m] of a row of blocks
+ROW_GAP, ROW_DEPTH = 0.13, 0.04  # [m] between neighbours that nearly form a row, in x and y
+CENTRED = (0.025, 0.025, 0.012)  # [m] of a block from where the one below carries it
 HALF = 0.025  # [m] half an edge of a block that is stacked
 
 
@@ -89,7 +91,7 @@ def scattered(draw: Draw, blocks: Sequence[Block], clear: float) -> list[Box]:
 def ranked(boxes: Sequence[Box]) -> bool:
     """Whether the boxes nearly form a row from left to right: little would be left to do."""
     gaps = [b.pose.p - a.pose.p for a, b in itertools.pairwise(boxes)]
-    return all(0 < gap[0] < 0.13 and abs(gap[1]) < 0.04 for gap in gaps)
+    return all(0 < gap[0] < ROW_GAP and abs(gap[1]) < ROW_DEPTH for gap in gaps)
 
 
 def put_block(robot: Robot, name: str, place: Pose, last: Arm | None) -> Arm:
@@ -143,4 +145,4 @@ def stack(robot: Robot, blocks: Sequence[Block]) -> None:
 
 def stacked(block: str, below: str) -> Condition:
     """A block of the stack is centred on the one below."""
-    return near(block, below, within=(0.025, 0.025, 0.012), offset=(0, 0, 2 * HALF))
+    return near(block, below, within=CENTRED, offset=(0, 0, 2 * HALF))

@@ -1,4 +1,4 @@
-"""A bottle in each hand, brought together in front: what two tasks differ in is the bottles."""
+"""A bottle in each hand, brought together in front of the robot: any two bottles."""
 
 from collections.abc import Callable, Iterator
 
@@ -30,6 +30,8 @@ ABOVE = 0.89  # [m] at the end
 ASIDE = 0.1  # [m] from its place, in x and y
 LEAN = 0.7  # [rad] that still counts as upright
 _YAW = {LEFT: -0.724, RIGHT: 0.789}  # [rad] about which the spawns turn
+APPROACH, LIFT = 0.08, 0.1  # [m] straight on to the bottles; up with them
+FARTHER = (0.0, 0.06)  # [m] from the robot than its place: where a bottle may be brought, in turn
 _OFFER = Placing(pre=0.0, gap=0.0, release=False)
 
 
@@ -51,10 +53,10 @@ def bring_bottles_together(robot: Robot) -> None:
     left, right = robot.left, robot.right
     goals = {side: Pose(place, DOWN) for side, place in PLACES.items()}
     robot.do(
-        left.grasp("left_bottle", pre=0.08, aim=Aim(goals[LEFT], 0, _OFFER)),
-        right.grasp("right_bottle", pre=0.08, aim=Aim(goals[RIGHT], 0, _OFFER)),
+        left.grasp("left_bottle", pre=APPROACH, aim=Aim(goals[LEFT], 0, _OFFER)),
+        right.grasp("right_bottle", pre=APPROACH, aim=Aim(goals[RIGHT], 0, _OFFER)),
     )
-    robot.do(left.lift(0.1), right.lift(0.1))
+    robot.do(left.lift(LIFT), right.lift(LIFT))
     robot.do(_offer(robot, LEFT), _offer(robot, RIGHT))
 
 
@@ -65,19 +67,19 @@ def _offer(robot: Robot, side: str) -> Motion:
     goals = [
         Pose(np.add(PLACES[side], (0.0, farther, 0.0)), q)
         for q in (DOWN, hanging)
-        for farther in (0.0, 0.06)
+        for farther in FARTHER
     ]
     return place_at_first(robot.arm(side), bottle, goals, _OFFER, 0)
 
 
 def bottles_together() -> Condition:
     """Both near their places and upright in the air, each in its own hand."""
-    found = condition("the bottles are together in front", _together)
+    together = condition("the bottles are together in front", _together)
     for side in (LEFT, RIGHT):
         bottle = f"{side}_bottle"
-        found = found & held_by(bottle, side) & free_of(bottle, "table")
-        found = found & upright(bottle, axis=1, within=LEAN)
-    return found
+        together = together & held_by(bottle, side) & free_of(bottle, "table")
+        together = together & upright(bottle, axis=1, within=LEAN)
+    return together
 
 
 def _together(scene: Scene) -> bool:

@@ -23,13 +23,12 @@ from rtphys.task import (
 YAW = 1.5765  # [rad] turns the pot's front to the robot
 HEIGHTS = (0.88, 0.87, 0.86, 0.85)  # [m] of the pot's frame; success asks for 0.82
 UP = Placing(mode="align", pre=0.0, gap=0.0, release=False)
-PRE = 0.035  # [m]
-DEPTHS = (
-    0.0,
-    0.008,
-    0.016,
-)  # [m] short of the handle: a small pot's is too low for the wrist
+AJAR = 0.3  # opening of the hands that fits round a handle
+APPROACH = 0.035  # [m] straight on to the handles
+# [m] at which the TCP stops short of the handle: a small pot's is too low for the wrist
+DEPTHS = (0.0, 0.008, 0.016)
 HANDLE = {"left": 0, "right": 1}  # contact points
+AT_HANDLE, LEVEL = 0.03, 0.8  # [m] from the TCP to its handle; cosine of the pot's tilt
 
 
 def layout(draw: Draw):
@@ -41,13 +40,13 @@ def layout(draw: Draw):
 def at_handles(scene: Scene) -> bool:
     for side, handle in HANDLE.items():
         gap = scene.tcp(side).p - scene.contact("pot", handle).p
-        if (gap**2).sum() ** 0.5 > 0.03:
+        if (gap**2).sum() ** 0.5 > AT_HANDLE:
             return False
     return True
 
 
 def level(scene: Scene) -> bool:
-    return bool(scene.pose("pot").R[2, 2] > 0.8)
+    return bool(scene.pose("pot").R[2, 2] > LEVEL)
 
 
 def rise(robot: Robot, height: float) -> None:
@@ -57,28 +56,23 @@ def rise(robot: Robot, height: float) -> None:
 
 def take(robot: Robot, up: Aim, depth: float) -> None:
     robot.do(
-        robot.left.grasp("pot", (0,), pre=PRE, depth=depth, aim=up),
-        robot.right.grasp("pot", (1,), pre=PRE, depth=depth, aim=up),
+        robot.left.grasp("pot", (HANDLE["left"],), pre=APPROACH, depth=depth, aim=up),
+        robot.right.grasp("pot", (HANDLE["right"],), pre=APPROACH, depth=depth, aim=up),
     )
 
 
 def script(robot: Robot) -> None:
     left, right = robot.left, robot.right
-    robot.do(left.close(0.3), right.close(0.3))
+    robot.do(left.close(AJAR), right.close(AJAR))
     pot = robot.scene.pose("pot")
     # `align` compares the prop's y with the target's z: the same pot, higher.
     turned = Pose.from_matrix(pot.R[:, [0, 2, 1]] * (1, -1, 1)).q
     up = Aim(Pose((pot.p[0], pot.p[1], HEIGHTS[0]), turned), None, UP)
-    for depth in DEPTHS:
-        if robot.tried(lambda depth=depth: take(robot, up, depth)):
-            break
-    else:
+    if robot.first_feasible(DEPTHS, lambda depth: take(robot, up, depth)) is None:
         raise Infeasible("unreachable", "the hands cannot take the handles")
-    for height in HEIGHTS:
-        # Both hands rise by the same, or not at all: a shorter lift of one would tear the pot.
-        if robot.tried(lambda height=height: rise(robot, height)):
-            return
-    raise Infeasible("unreachable", "the pot cannot be lifted from there")
+    # Both hands rise by the same, or not at all: a shorter lift of one would tear the pot.
+    if robot.first_feasible(HEIGHTS, lambda height: rise(robot, height)) is None:
+        raise Infeasible("unreachable", "the pot cannot be lifted from there")
 
 
 task = Task(

@@ -3,6 +3,7 @@
 Success: the hinge is past 40 % of its range, and the hand that pushed is still at the lid.
 """
 
+from itertools import product
 from math import cos, pi, sin
 
 import numpy as np
@@ -22,12 +23,23 @@ from rtphys.task import (
     quat_multiply,
 )
 
+from ._hinges import angle_to, opened_in_time, share_open
+
 LID = "link_1"
 EDGE, CARROT = 0, 1  # contact points: the lid's free edge, and 2-3 cm further open
 ENOUGH = 0.52  # share of the range to which the hand goes
 DONE = 0.43  # share of the range that is enough: success asks for 0.4
+AT_LID = 0.1  # [m] from the TCP to CARROT, at most
 PUSH = 9.0  # [N] on the edge that the hinge's damping may cost: the servos yield 2 mm per newton
-FINGER = np.array([0.143, 0.0, 0.012])  # [m] ee frame: where the edge lies on the closed fingers
+DAMPING = 1.0  # [N m s/rad] taken for the hinge's where physics does not vary it
+LEAST_TIME = 1.5  # [s] of a push
+PUSHES, LOOKS = 3, 10  # at most; the second at the lid after each push
+BEYOND, UPON = 0.023, 0.012  # [m] the TCP, along its x and z: where the edge lies on the fingers
+BELOW = 0.025  # [m] from the hand to the edge before it meets it
+STEPS = 12  # poses along the arc
+PITCHES = (0.8, 0.6, 1.0)  # [rad] of the hand below level
+TURNS = (0.0, 0.3, -0.3, 0.6, -0.6)  # [rad] of the hand about the vertical, from square to the edge
+ASIDES = (0.0, 0.04, -0.04)  # [m] along the edge, from its middle
 
 
 def layout(draw: Draw):
@@ -43,67 +55,50 @@ def layout(draw: Draw):
 def hand_at_lid(scene: Scene) -> bool:
     edge = scene.contact("laptop", CARROT).p
     gaps = [((scene.tcp(side).p - edge) ** 2).sum() ** 0.5 for side in ("left", "right")]
-    return min(gaps) < 0.1
+    return min(gaps) < AT_LID
 
 
-def arc(scene: Scene, pitch: float, turn: float, aside: float) -> list[Pose]:
+def arc(robot: Robot, pitch: float, turn: float, aside: float) -> list[Pose]:
     """ee poses that carry the edge from just below it to ENOUGH, hand pitched down and turned."""
+    scene = robot.scene
     X_TL, X_TE = scene.pose("laptop", LID), scene.contact("laptop", EDGE)
-    q, low, high = scene.joint("laptop")
-    hinge = scene.contact("laptop", EDGE).R[:, 0]
-    heading = (
-        np.cross(hinge, (0, 0, 1))
-        if scene.pose("laptop").R[:, 0] @ np.cross(hinge, (0, 0, 1)) > 0
-        else np.cross((0, 0, 1), hinge)
-    )
-    x = cos(pitch) * heading - sin(pitch) * np.array([0, 0, 1.0])
-    side = np.cross(np.array([0, 0, 1.0]), heading)
-    hand = Pose.from_matrix(np.column_stack([x, side, np.cross(x, side)]))
-    hand = Pose((0, 0, 0), quat_multiply(axis_angle((0, 0, 1), turn), hand.q))
-    arm_ = X_TE.p - X_TL.p
-    axis = np.cross((0, 0, 1), heading)  # opens: the edge rises
-    poses = []
-    for angle in np.linspace(0.0, low + ENOUGH * (high - low) - q, 12):
-        edge = X_TL.p + Pose((0, 0, 0), axis_angle(axis, angle)).R @ arm_ + aside * side
-        poses.append(Pose(edge - hand.R @ FINGER, hand.q))
-    below = poses[0].moved(-0.025 * hand.R[:, 2])
-    return [below, *poses]
-
-
-def share(scene: Scene) -> float:
-    q, low, high = scene.joint("laptop")
-    return (q - low) / (high - low)
+    hinge, up = X_TE.R[:, 0], np.array([0, 0, 1.0])
+    heading = np.cross(hinge, up)
+    if scene.pose("laptop").R[:, 0] @ heading <= 0:
+        heading = np.cross(up, hinge)
+    x = cos(pitch) * heading - sin(pitch) * up
+    side = np.cross(up, heading)
+    square = Pose.from_matrix(np.column_stack([x, side, np.cross(x, side)]))
+    hand = Pose((0, 0, 0), quat_multiply(axis_angle((0, 0, 1), turn), square.q))
+    on_fingers = np.array([robot.hand.tcp + BEYOND, 0.0, UPON])
+    lever = X_TE.p - X_TL.p
+    poses: list[Pose] = []
+    for angle in np.linspace(0.0, angle_to(scene, "laptop", ENOUGH), STEPS):
+        # About `side` the edge rises.
+        edge = X_TL.p + Pose((0, 0, 0), axis_angle(side, angle)).R @ lever + aside * side
+        poses.append(Pose(edge - hand.R @ on_fingers, hand.q))
+    return [poses[0].moved(-BELOW * hand.R[:, 2]), *poses]
 
 
 def push(robot: Robot, arm: Arm) -> None:
     """Sweep the rest of the arc, no faster than the hinge's damping allows."""
     scene = robot.scene
-    q, low, high = scene.joint("laptop")
-    damping = scene.physics.scalar("object_joint_damping", 1.0)
-    radius = float(np.linalg.norm(scene.contact("laptop", EDGE).p - scene.pose("laptop", LID).p))
-    seconds = (low + ENOUGH * (high - low) - q) * damping / (PUSH * radius)
-    ways = [
-        arc(scene, pitch, turn, aside)
-        for pitch in (0.8, 0.6, 1.0)
-        for turn in (0.0, 0.3, -0.3, 0.6, -0.6)
-        for aside in (0.0, 0.04, -0.04)
-    ]
-    robot.do(arm.sweep(*ways, seconds=max(seconds, 1.5), prop="laptop"))
-    for _ in range(10):  # a stiff hinge follows the hand late
-        if share(scene) > DONE:
-            break
-        robot.do(arm.wait(0.24))
+    damping = scene.physics.scalar("object_joint_damping", DAMPING)
+    lever = float(np.linalg.norm(scene.contact("laptop", EDGE).p - scene.pose("laptop", LID).p))
+    seconds = angle_to(scene, "laptop", ENOUGH) * damping / (PUSH * lever)
+    arcs = [arc(robot, *shape) for shape in product(PITCHES, TURNS, ASIDES)]
+    robot.do(arm.sweep(*arcs, seconds=max(seconds, LEAST_TIME), prop="laptop"))
+    opened_in_time(robot, arm, "laptop", DONE, LOOKS)
 
 
 def script(robot: Robot) -> None:
     facing = robot.scene.pose("laptop").R[0, 0]
     first = robot.left if facing > 0 else robot.right
-    robot.do(first.close(), robot.other(first).close())
-    for _ in range(3):
-        for arm in (first, robot.other(first)):
-            if robot.tried(lambda arm=arm: push(robot, arm)):
-                break
-        if share(robot.scene) > DONE:
+    second = robot.other(first)
+    robot.do(first.close(), second.close())
+    for _ in range(PUSHES):
+        robot.first_feasible((first, second), lambda arm: push(robot, arm))
+        if share_open(robot.scene, "laptop") > DONE:
             return
 
 

@@ -21,11 +21,19 @@ from rtphys.task import (
     quat_multiply,
 )
 
+from ._hinges import angle_to, opened_in_time
+
 DOOR = "link_1"
 STEEP, LEVEL = 0, 3  # contact points on the bar
-TCP = 0.12  # [m] ee to TCP
+APPROACH = 0.08  # [m] straight on to the bar
 ENOUGH, DONE = 0.72, 0.64  # shares of the range: to which the hand goes, and that are enough
+AT_DOOR = 0.1  # [m] from the TCP to the bar, at most
 PULL = 6.0  # [N] on the bar that the hinge's damping may cost
+DAMPING = 0.1  # [N m s/rad] taken for the hinge's where physics does not vary it
+LEAST_TIME = 2.5  # [s] of the pull
+LOOKS = 20  # at the door after the pull, at most
+STEPS = 12  # poses along the arc
+FOLLOWS = (1.0, 0.7, 0.4, 0.0, -0.3)  # turn of the hand per turn of the door
 
 
 def layout(draw: Draw):
@@ -37,23 +45,17 @@ def layout(draw: Draw):
     )  # fmt: skip
 
 
-def share(scene: Scene) -> float:
-    q, low, high = scene.joint("microwave")
-    return (q - low) / (high - low)
-
-
 def hand_at_door(scene: Scene) -> bool:
     bar = scene.contact("microwave", LEVEL).p
-    return bool(np.linalg.norm(scene.tcp("left").p - bar) < 0.1)
+    return bool(np.linalg.norm(scene.tcp("left").p - bar) < AT_DOOR)
 
 
 def arc(scene: Scene, hand: Pose, follow: float) -> list[Pose]:
     """Hand poses along the door's arc from now on; the hand turns `follow` times as far."""
-    q, low, high = scene.joint("microwave")
     hinge = scene.pose("microwave", DOOR).p
     bar = scene.contact("microwave", LEVEL).p * (1, 1, 0) + hand.p * (0, 0, 1)
-    poses = []
-    for angle in np.linspace(0.0, low + ENOUGH * (high - low) - q, 12):
+    poses: list[Pose] = []
+    for angle in np.linspace(0.0, angle_to(scene, "microwave", ENOUGH), STEPS):
         with_door = Pose((0, 0, 0), axis_angle((0, 0, 1), -angle))
         with_hand = Pose((0, 0, 0), axis_angle((0, 0, 1), -angle * follow))
         here = hinge + with_door.R @ (bar - hinge)
@@ -62,26 +64,22 @@ def arc(scene: Scene, hand: Pose, follow: float) -> list[Pose]:
 
 
 def pull(robot: Robot, arm: Arm) -> None:
-    """No faster than the hinge's damping allows."""
+    """Pull the bar along its arc, no faster than the hinge's damping allows."""
     scene = robot.scene
-    q, low, high = scene.joint("microwave")
-    damping = scene.physics.scalar("object_joint_damping", 0.1)
-    radius = float(np.linalg.norm((scene.contact("microwave", LEVEL).p
-                                   - scene.pose("microwave", DOOR).p)[:2]))  # fmt: skip
-    seconds = (low + ENOUGH * (high - low) - q) * damping / (PULL * radius)
-    ways = [arc(scene, arm.ee(), follow) for follow in (1.0, 0.7, 0.4, 0.0, -0.3)]
-    robot.do(arm.sweep(*ways, seconds=max(seconds, 2.5), prop="microwave"))
+    damping = scene.physics.scalar("object_joint_damping", DAMPING)
+    from_hinge = scene.contact("microwave", LEVEL).p - scene.pose("microwave", DOOR).p
+    lever = float(np.linalg.norm(from_hinge[:2]))
+    seconds = angle_to(scene, "microwave", ENOUGH) * damping / (PULL * lever)
+    arcs = [arc(scene, arm.ee(), follow) for follow in FOLLOWS]
+    robot.do(arm.sweep(*arcs, seconds=max(seconds, LEAST_TIME), prop="microwave"))
 
 
 def script(robot: Robot) -> None:
     arm = robot.left
-    robot.do(arm.grasp("microwave", (STEEP, LEVEL), pre=0.08))
+    robot.do(arm.grasp("microwave", (STEEP, LEVEL), pre=APPROACH))
     pull(robot, arm)
-    for _ in range(20):
-        if share(robot.scene) > DONE:
-            return
-        robot.do(arm.wait(0.24))
-    raise Infeasible("too_slow", "the door did not follow the hand")
+    if not opened_in_time(robot, arm, "microwave", DONE, LOOKS):
+        raise Infeasible("too_slow", "the door did not follow the hand")
 
 
 task = Task(

@@ -3,10 +3,14 @@
 Success: the bread lies in the pan, the pan is in a hand and off the table, the bread in none.
 """
 
+from functools import partial
+from itertools import product
+
 import numpy as np
 
 from rtphys.task import (
     DOWN,
+    TABLE_TOP,
     UP_F,
     UP_Z,
     Arm,
@@ -21,6 +25,7 @@ from rtphys.task import (
     axis_angle,
     condition,
     free_of,
+    in_hand,
     quat_multiply,
     touching,
     yawed,
@@ -28,10 +33,26 @@ from rtphys.task import (
 
 INTO = Placing(mode="free", pre=0.08, gap=0.012, along="point")
 SAG = 0.06  # [rad] of the pan that is corrected
-TCP, FINGER, HALF_PAD = 0.12, 0.0356, 0.0305  # [m] ee to TCP, TCP to fingertips, pad's half width
 SLOWLY = 0.5  # share of the usual speed: shaken less, the pan turns less in the hand
+APPROACH, LIFT = 0.07, 0.1  # [m] straight on to pan and bread; up with the pan, to hold it out
+FREE = 0.04  # [m] lift that frees the pan from the table
 ABOVE = 0.2  # [m] lift of the bread: from lower down, its way to the pan grazes the rim
+RETREAT = 0.06  # [m] up from the bread that was laid
 HEIGHT = 0.86  # [m] of the pan's floor
+# [m] where the pan is held out, on the holder's side, and [rad] how it is turned there
+PLACES = ((-0.05, -0.13), (0.0, -0.15), (-0.1, -0.13))
+YAWS = (1.57, 1.2, 0.8)
+TILTS = (
+    0.48,
+    0.4,
+    0.3,
+    0.2,
+    0.0,
+)  # [rad] of the hand at the handle: the pan sags least in the first
+LEANS = (0.2, 0.4, 0.6)  # [rad] forward, of the hand that lays the bread: as little as it can
+CLEAR = TABLE_TOP + 0.004  # [m] lowest height of a finger at the handle
+MIDDLE, DEPTH = 0.035, (-0.02, 0.05)  # [m] of the bread from the middle of the pan: across, up
+HELD_UP = TABLE_TOP + 0.02  # [m] height of pan and bread, at least
 # A toy pan and dry bread: by its handle a hand can hardly keep heavier ones level.
 PAN_KG, BREAD_KG = 0.12, 0.01  # [kg]
 
@@ -62,28 +83,27 @@ def layout(draw: Draw):
 
 def in_pan(scene: Scene) -> bool:
     gap = scene.pose("bread").p - scene.functional("skillet", 0).p
-    return bool(abs(gap[0]) < 0.035 and abs(gap[1]) < 0.035 and -0.02 < gap[2] < 0.05)
+    return bool(max(abs(gap[:2])) < MIDDLE and DEPTH[0] < gap[2] < DEPTH[1])
 
 
 def held_up(scene: Scene) -> bool:
-    hand = any(scene.touching(f"{side}_gripper", "skillet") for side in ("left", "right"))
-    up = scene.functional("skillet", 0).p[2] > 0.76 and scene.pose("bread").p[2] > 0.76
-    return bool(hand and up and not scene.touching("skillet", "table"))
+    up = min(scene.functional("skillet", 0).p[2], scene.pose("bread").p[2]) > HELD_UP
+    return bool(in_hand(scene, "skillet") and up and not scene.touching("skillet", "table"))
 
 
-def tilted_holds(scene: Scene) -> list[list[Pose]]:
-    """Ways to take the handle with a tilted hand, in which the pan sagged least when tried."""
-    point = scene.contact("skillet", 0)
+def tilted_holds(robot: Robot) -> list[list[Pose]]:
+    """Ways to take the handle with a tilted hand."""
+    point, measures = robot.scene.contact("skillet", 0), robot.hand
     straight = Pose.from_matrix(np.column_stack([-point.R[:, 1], -point.R[:, 2], point.R[:, 0]]))
-    found = []
-    for tilt in (0.48, 0.4, 0.3, 0.2, 0.0):
+    ways: list[list[Pose]] = []
+    for tilt in TILTS:
         hand = Pose((0, 0, 0), quat_multiply(straight.q, axis_angle((0, 1, 0), -tilt)))
         x = hand.R[:, 0]
-        tip = point.p + FINGER * x
-        missing = 0.744 + HALF_PAD * abs(hand.R[2, 2]) - tip[2]
-        at = hand.moved(point.p - (TCP + max(missing, 0.0) / -x[2]) * x)
-        found.append([at.moved(-0.07 * x), at])
-    return found
+        tip = point.p + measures.fingertip * x
+        missing = CLEAR + measures.pad_half_width * abs(hand.R[2, 2]) - tip[2]
+        at = hand.moved(point.p - (measures.tcp + max(missing, 0.0) / -x[2]) * x)
+        ways.append([at.moved(-APPROACH * x), at])
+    return ways
 
 
 def level(scene: Scene, x: float, y: float, yaw: float) -> Pose:
@@ -94,30 +114,30 @@ def level(scene: Scene, x: float, y: float, yaw: float) -> Pose:
 
 
 def lay(robot: Robot, arm: Arm) -> bool:
-    """Put the bread into the pan with a hand that leans forward as little as it can."""
+    """Put the bread into the pan; whether the hand finds a way."""
     floor = robot.scene.functional("skillet", 0).p
-    for tilt in (0.2, 0.4, 0.6):
-        goal = Pose(floor, quat_multiply(axis_angle((1, 0, 0), tilt), DOWN))
-        if robot.tried(lambda goal=goal: robot.do(arm.place("bread", goal, how=INTO))):
-            return True
-    return False
+
+    def lay_leaning(lean: float) -> None:
+        goal = Pose(floor, quat_multiply(axis_angle((1, 0, 0), lean), DOWN))
+        robot.do(arm.place("bread", goal, how=INTO))
+
+    return robot.first_feasible(LEANS, lay_leaning) is not None
 
 
 def present(robot: Robot, holder: Arm, other: Arm) -> bool:
     """Hold the pan where the other hand can lay something into it, and do so."""
     side = -1.0 if holder.side == "left" else 1.0
-    for x, y in ((-0.05, -0.13), (0.0, -0.15), (-0.1, -0.13)):
-        for yaw in (1.57, 1.2, 0.8):
-            goal = side * x, y, side * yaw
 
-            def hold(goal=goal) -> None:
-                robot.do(holder.carry("skillet", [level(robot.scene, *goal)], speed=SLOWLY))
+    def hold(x: float, y: float, yaw: float) -> None:
+        robot.do(holder.carry("skillet", [level(robot.scene, x, y, yaw)], speed=SLOWLY))
 
-            if robot.tried(hold):
-                if robot.scene.functional("skillet", 0).R[2, 2] < np.cos(SAG):
-                    robot.tried(hold)  # its weight turned it in the hand
-                if lay(robot, other):
-                    return True
+    for (x, y), yaw in product(PLACES, YAWS):
+        hold_there = partial(hold, side * x, y, side * yaw)
+        if robot.tried(hold_there):
+            if robot.scene.functional("skillet", 0).R[2, 2] < np.cos(SAG):
+                robot.tried(hold_there)  # its weight turned it in the hand
+            if lay(robot, other):
+                return True
     return False
 
 
@@ -125,16 +145,16 @@ def script(robot: Robot) -> None:
     holder, other = robot.nearest("skillet"), robot.nearest("bread")
 
     def take() -> None:
-        robot.do(holder.sweep(*tilted_holds(robot.scene), prop="skillet"))
+        robot.do(holder.sweep(*tilted_holds(robot), prop="skillet"))
         robot.do(holder.close(holds="skillet"))
-        robot.do(holder.lift(0.04))
+        robot.do(holder.lift(FREE))
 
     robot.retake(take)
-    robot.do(other.grasp("bread", pre=0.07))
-    robot.do(holder.lift(0.1), other.lift(ABOVE))
+    robot.do(other.grasp("bread", pre=APPROACH))
+    robot.do(holder.lift(LIFT), other.lift(ABOVE))
     if not present(robot, holder, other):
         raise Infeasible("unreachable", "the hands cannot bring pan and bread together")
-    robot.do(other.lift(0.06))
+    robot.do(other.lift(RETREAT))
 
 
 task = Task(

@@ -6,7 +6,7 @@ no hand touches them.
 
 from rtphys.task import (
     DOWN,
-    UP_Y,
+    TABLE_TOP,
     UP_Z,
     Aim,
     Draw,
@@ -16,6 +16,7 @@ from rtphys.task import (
     Pose,
     Robot,
     Scene,
+    Spot,
     Task,
     at_rest,
     clear_of,
@@ -25,20 +26,27 @@ from rtphys.task import (
     place_at_first,
 )
 
+from ._dustbin import DUSTBIN, RIM, in_dustbin, wait_for_rest
+
 BOTTLES = ("bottle1", "bottle2", "bottle3")  # and their models 1, 2, 3
-BIN = Pose((-0.45, 0.0, 0.0), UP_Y)  # on the ground, whatever the table does
 YAWS = tuple(0.4 * k for k in range(16))
 OVER = Placing(mode="free", pre=0.0, gap=0.0, yaws=YAWS)
 STAND = Placing(mode="free", pre=0.05, gap=0.0, along="point", yaws=YAWS, clear=True)
-HALFWAY_AIM = Pose((-0.05, 0.07, 0.741), DOWN)
-HALFWAY = [(x, y) for x in (-0.05, -0.1, 0.0) for y in (0.07, 0.12, 0.02, -0.06)]
+APART = 0.13  # [m] between two bottles, at least: room for open fingers
+FOOT = TABLE_TOP + 0.001  # [m] height of the foot of a bottle that is set down
+# Where the right hand may set a bottle down for the left one.
+HALFWAY = [Pose((x, y, FOOT), DOWN) for x in (-0.05, -0.1, 0.0) for y in (0.07, 0.12, 0.02, -0.06)]
+OVER_BIN = ((-0.4, -0.1), (-0.36, -0.1), (-0.4, 0.0), (-0.36, -0.05))  # [m] x and y
+GAPS = (0.06, 0.03)  # [m] from the rim, or the table where it is higher, up to a bottle's foot
+IN_BIN = (0.2, 0.7)  # [m] heights of a bottle's origin above the ground; the floor is at 21.5 cm
+LIFT = 0.1  # [m] of a bottle on its way to the bin
+FETCHED, AWAY = 0.16, 0.15  # [m] lift of one that is passed on; of the hand that has set it down
+PAUSE, STILL = 0.5, 0.03  # [s], [m/s] bottles may roll about in the bin
 
 
 def layout(draw: Draw):
-    yield Mesh(
-        name="dustbin", category="011_dustbin", model=0, pose=BIN, fixed=True, on_table=False
-    )
-    taken = []
+    yield DUSTBIN
+    taken: list[tuple[Spot, float]] = []
     for model, name in enumerate(BOTTLES, start=1):
         free = clear_of(*taken)
         spot = draw.spot(
@@ -47,22 +55,12 @@ def layout(draw: Draw):
             y=(0.03, 0.23),
             where=lambda s, free=free: off_centre(0.05)(s) and free(s),
         )
-        taken.append((spot, 0.13))
+        taken.append((spot, APART))
         yield Mesh(name=name, category="114_bottle", model=model, pose=spot.pose(UP_Z))
 
 
 def all_in_bin(scene: Scene) -> bool:
-    """Every bottle's origin 20 to 70 cm above the ground between the bin's walls.
-
-    The bounds shrink with the bin: its floor is at 21.5 cm.
-    """
-    X_BT = scene.pose("dustbin").inverse()
-    scale = scene.physics.scalar("object_scale", 1.0)
-    for name in BOTTLES:
-        along, height, across = (X_BT @ scene.pose(name)).p / scale
-        if not (abs(along) < 0.325 and abs(across) < 0.221 and 0.2 < height < 0.7):
-            return False
-    return True
+    return in_dustbin(scene, BOTTLES, IN_BIN, scene.physics.scalar("object_scale", 1.0))
 
 
 def over_bin(scene: Scene, name: str) -> list[Pose]:
@@ -70,12 +68,12 @@ def over_bin(scene: Scene, name: str) -> list[Pose]:
 
     Upright, or else as it hangs in the hand.
     """
-    rim = max(0.74, (scene.pose("dustbin") @ Pose((0.0, 0.74, 0.0))).p[2])
+    rim = max(TABLE_TOP, (scene.pose("dustbin") @ Pose((0.0, RIM, 0.0))).p[2])
     return [
         Pose((x, y, rim + gap), q)
         for q in (DOWN, scene.functional(name, 0).q)
-        for gap in (0.06, 0.03)
-        for x, y in ((-0.4, -0.1), (-0.36, -0.1), (-0.4, 0.0), (-0.36, -0.05))
+        for gap in GAPS
+        for x, y in OVER_BIN
     ]
 
 
@@ -83,9 +81,9 @@ def halfway(scene: Scene, name: str) -> list[Pose]:
     """Free places where the right hand can stand a bottle and the left can take it."""
     standing = [scene.pose(other).p[:2] for other in BOTTLES if other != name]
     return [
-        Pose((x, y, 0.741), DOWN)
-        for x, y in HALFWAY
-        if all(((p - (x, y)) ** 2).sum() > 0.13**2 for p in standing)
+        place
+        for place in HALFWAY
+        if all(((p - place.p[:2]) ** 2).sum() > APART**2 for p in standing)
     ]
 
 
@@ -101,8 +99,8 @@ def script(robot: Robot) -> None:
         """The right hand takes the next bottle while the left is busy elsewhere."""
         if not passed:
             return ()
-        aim = Aim(HALFWAY_AIM, 0, STAND)
-        return (right.grasp(passed[0], pre=0.1, aim=aim), right.lift(0.16))
+        aim = Aim(HALFWAY[0], 0, STAND)
+        return (right.grasp(passed[0], aim=aim), right.lift(FETCHED))
 
     if passed == order:
         robot.do(*fetch())
@@ -112,18 +110,15 @@ def script(robot: Robot) -> None:
         if passed and name == passed[0]:
             passed.pop(0)
             robot.do(place_at_first(right, name, halfway(scene, name), STAND, 0), *home)
-            robot.do(right.lift(0.15))  # drawing back, it would sweep over what stands behind
+            robot.do(right.lift(AWAY))  # drawing back, it would sweep over what stands behind
             away, home = (right.home(),), ()
         robot.do(*home)
-        robot.do(left.grasp(name, pre=0.1, aim=Aim(over_bin(scene, name)[0], 0, OVER)), *away)
-        robot.do(left.lift(0.1))
+        robot.do(left.grasp(name, aim=Aim(over_bin(scene, name)[0], 0, OVER)), *away)
+        robot.do(left.lift(LIFT))
         robot.do(place_at_first(left, name, over_bin(scene, name), OVER, 0), *fetch())
         home = (left.home(),)
     robot.do(*home)
-    for _ in range(6):  # bottles may roll about in the bin
-        robot.do(left.wait(0.5))
-        if all(scene.speed(name) < 0.03 for name in BOTTLES):
-            return
+    wait_for_rest(robot, BOTTLES, PAUSE, STILL)
 
 
 task = Task(

@@ -1,5 +1,9 @@
 """All fifty tasks of the paper are there, by name, with sentences; no more under those names."""
 
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
 import pytest
 
 from rtphys.core import library
@@ -50,3 +54,56 @@ def test_there_are_sentences_enough(name: str) -> None:
     assert len(set(phrases.seen)) >= 20
     assert len(set(phrases.unseen)) >= 8
     assert not set(phrases.seen) & set(phrases.unseen)
+
+
+FILES = sorted((library.bundled() / "tasks").glob("*.py"))  # families too
+
+
+def lays_out(function: ast.FunctionDef) -> bool:
+    """Layouts consist of ranges, which are said where they are drawn from."""
+    annotations = [arg.annotation for arg in function.args.args]
+    kinds = {kind.id for kind in annotations if isinstance(kind, ast.Name)}
+    return function.name == "layout" or bool(kinds & {"Draw", "Spot"})
+
+
+def wants_a_name(value: object) -> bool:
+    return type(value) in (int, float) and value not in (0, 1, 2)
+
+
+def unnamed(node: ast.AST, inside: bool = False) -> Iterator[str]:
+    """Numbers other than 0, 1 and 2 within functions and lambdas: they should have names."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef) and lays_out(child):
+            continue
+        if inside and isinstance(child, ast.Constant) and wants_a_name(child.value):
+            yield f"line {child.lineno}: {child.value}"
+        yield from unnamed(child, inside or isinstance(child, ast.FunctionDef | ast.Lambda))
+
+
+def literals(path: Path) -> list[str]:
+    return list(unnamed(ast.parse(path.read_text())))
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_task_names_its_numbers(path: Path) -> None:
+    left = literals(path)
+    assert len(left) <= 3, left
+
+
+def test_few_numbers_are_left_without_a_name() -> None:
+    assert sum(len(literals(path)) for path in FILES) <= 60
+
+
+def test_unnamed_numbers_are_counted_outside_layouts_alone() -> None:
+    source = """
+LIFT = 0.1
+def layout(draw):
+    return 0.2
+def free(spot: Spot):
+    return spot.x > 0.3
+def script(robot, gap=0.4):
+    robot.do(robot.left.lift(-0.5), 2, "0.6", True)
+    return lambda: 0.7
+below = lambda scene: scene.time < 0.8
+"""
+    assert [text.split()[-1] for text in unnamed(ast.parse(source))] == ["0.4", "0.5", "0.7", "0.8"]

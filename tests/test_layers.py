@@ -115,7 +115,7 @@ def module_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-@pytest.mark.xfail(strict=True, reason="assets.build and pack, expert.arm and robot")
+@pytest.mark.xfail(strict=True, reason="assets.build and pack")
 def test_no_module_imports_itself_by_way_of_others() -> None:
     """Circles within a package too; imports inside functions and for types alone count."""
     modules = {module_of(path): path for path in FILES}

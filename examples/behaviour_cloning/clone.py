@@ -1,6 +1,6 @@
-"""The clone as a policy: --policy python:examples/behaviour_cloning/clone.py:open_clone
+"""Behaviour cloning as a policy: --policy python:examples/behaviour_cloning/clone.py:open_clone
 
-`--set weights=FOLDER` names the folder that holds `<task>.npz`.
+`--set weights=FOLDER` names the folder with the weights, `<task>.npz`.
 """
 
 from pathlib import Path
@@ -16,7 +16,7 @@ from rtphys.policies import PolicySetup, Stepwise
 
 
 class Clone(Stepwise):
-    """Sees states, among them object poses that no camera of a real robot would give."""
+    """Acts on states, including object poses that a real robot could not measure."""
 
     needs_images = False
 
@@ -28,9 +28,10 @@ class Clone(Stepwise):
 
     def act(self, observation: Observation) -> NDArray[np.float64]:
         poses = {name: pose[None] for name, pose in object_poses(self._episode).items()}
-        seen = features(observation.vector[None], poses)
-        return observation.vector + self._net(seen).reshape(CHUNK, 14).astype(float)
+        inputs = features(observation.vector[None], poses)
+        return observation.vector + self._net(inputs).reshape(CHUNK, 14).astype(float)
 
 
 def open_clone(setup: PolicySetup) -> Clone:
+    """Load the network of the setup's task."""
     return Clone(Mlp.load(Path(setup.options["weights"]) / f"{setup.task}.npz"))

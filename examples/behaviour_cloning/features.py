@@ -1,19 +1,19 @@
-"""What the clone looks at: the command in force, and where the task's objects are."""
+"""Inputs of the network: the current command and the poses of the task's objects."""
 
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-CHUNK = 8  # actions predicted at once, and carried out before looking again
+CHUNK = 8  # actions predicted at once and carried out before the next observation
 
 
 def features(
     command: NDArray[np.float64], poses: Mapping[str, NDArray[np.float64]]
 ) -> NDArray[np.float32]:
-    """(n, 14) commands and (n, 7) poses by object -> (n, 14 + 9 per object).
+    """Inputs (n, 14 + 9 per object) from commands (n, 14) and poses (n, 7) by object.
 
-    A rotation is told by two columns of its matrix, which jump nowhere, unlike a quaternion's sign.
+    Two columns of its matrix represent a rotation: they are continuous, unlike a quaternion.
     """
     parts = [command]
     for name in sorted(poses):

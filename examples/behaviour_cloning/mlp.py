@@ -1,4 +1,4 @@
-"""A multilayer perceptron and Adam, in NumPy: small enough to read, fast enough for states."""
+"""Multilayer perceptron and Adam optimiser in NumPy, small enough to read."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float32]
 
-RATE, BETA_1, BETA_2, TINY = 2e-3, 0.9, 0.999, 1e-8  # Adam's own suggestions, at twice the rate
+RATE, BETA_1, BETA_2, TINY = 2e-3, 0.9, 0.999, 1e-8  # Adam's defaults, with twice the rate
 
 
 class Mlp:
-    """Layers with tanh between them; remembers how its inputs are to be scaled.
+    """Multilayer perceptron with tanh activations that scales its inputs.
 
     Args:
         sizes: of the input, the hidden layers and the output.
+        rng: draws the initial weights.
     """
 
     def __init__(self, sizes: Sequence[int], rng: np.random.Generator) -> None:
@@ -28,26 +29,27 @@ class Mlp:
         self.mean, self.scale = np.zeros(sizes[0], np.float32), np.ones(sizes[0], np.float32)
 
     def normalise(self, inputs: Array) -> None:
-        """Scale inputs to mean 0 and deviation 1 from now on; what never varies is left out."""
+        """Scale inputs like these (n, inputs) to mean 0 and deviation 1; constant ones become 0."""
         self.mean, spread = inputs.mean(0), inputs.std(0)
         self.scale = np.where(spread > 1e-4, 1 / np.maximum(spread, 1e-4), 0).astype(np.float32)
 
     def __call__(self, x: Array) -> Array:
-        """(n, inputs) -> (n, outputs)."""
+        """Outputs (n, outputs) for inputs (n, inputs)."""
         return self._layers(x)[-1]
 
     def _layers(self, x: Array) -> list[Array]:
-        found = [(x - self.mean) * self.scale]
+        """Scaled inputs and the outputs of every layer."""
+        layers = [(x - self.mean) * self.scale]
         for i, (w, b) in enumerate(zip(self.weights, self.biases, strict=True)):
-            z = found[-1] @ w + b
-            found.append(z if i == len(self.weights) - 1 else np.tanh(z))
-        return found
+            z = layers[-1] @ w + b
+            layers.append(z if i == len(self.weights) - 1 else np.tanh(z))
+        return layers
 
-    def gradients(self, x: Array, wanted: Array) -> tuple[float, list[Array]]:
-        """Mean squared error, and its gradient by every weight and then every bias."""
+    def gradients(self, x: Array, target: Array) -> tuple[float, list[Array]]:
+        """Mean squared error, and its gradients by all weights, then by all biases."""
         layers = self._layers(x)
-        wrong = layers[-1] - wanted
-        error: Array = (wrong * (2 / wrong.size)).astype(wrong.dtype)
+        residual = layers[-1] - target
+        error: Array = (residual * (2 / residual.size)).astype(residual.dtype)
         by_weight: list[Array] = []
         by_bias: list[Array] = []
         for i in reversed(range(len(self.weights))):
@@ -55,27 +57,32 @@ class Mlp:
             by_bias.insert(0, error.sum(0, dtype=error.dtype))
             if i:
                 error = (error @ self.weights[i].T) * (1 - layers[i] ** 2)
-        return float((wrong**2).mean()), [*by_weight, *by_bias]
+        return float((residual**2).mean()), [*by_weight, *by_bias]
 
     def save(self, path: Path) -> None:
+        """Write weights and scaling as .npz."""
         arrays = {f"w{i}": w for i, w in enumerate(self.weights)}
         arrays |= {f"b{i}": b for i, b in enumerate(self.biases)}
         np.savez(path, allow_pickle=False, mean=self.mean, scale=self.scale, **arrays)
 
     @staticmethod
     def load(path: Path) -> "Mlp":
-        with np.load(path) as found:
-            count = sum(name.startswith("w") for name in found.files)
-            sizes = [found["w0"].shape[0], *(found[f"w{i}"].shape[1] for i in range(count))]
-            made = Mlp(sizes, np.random.default_rng(0))
-            made.weights = [found[f"w{i}"] for i in range(count)]
-            made.biases = [found[f"b{i}"] for i in range(count)]
-            made.mean, made.scale = found["mean"], found["scale"]
-        return made
+        """Inverse of `save`."""
+        with np.load(path) as arrays:
+            count = sum(name.startswith("w") for name in arrays.files)
+            sizes = [arrays["w0"].shape[0], *(arrays[f"w{i}"].shape[1] for i in range(count))]
+            net = Mlp(sizes, np.random.default_rng(0))
+            net.weights = [arrays[f"w{i}"] for i in range(count)]
+            net.biases = [arrays[f"b{i}"] for i in range(count)]
+            net.mean, net.scale = arrays["mean"], arrays["scale"]
+        return net
 
 
 class Adam:
-    """Changes parameters in place (Kingma and Ba 2015), with a learning rate that falls to 0."""
+    """Adam optimiser (Kingma and Ba 2015) that updates parameters in place.
+
+    The learning rate falls to 0 along a cosine over `steps` updates.
+    """
 
     def __init__(self, parameters: list[Array], steps: int) -> None:
         self._parameters, self._steps, self._step = parameters, steps, 0
@@ -83,6 +90,7 @@ class Adam:
         self._second = [np.zeros_like(p) for p in parameters]
 
     def update(self, gradients: list[Array]) -> None:
+        """Apply one step; gradients are in the order of the parameters."""
         self._step += 1
         rate = RATE * 0.5 * (1 + np.cos(np.pi * self._step / self._steps))
         rate *= np.sqrt(1 - BETA_2**self._step) / (1 - BETA_1**self._step)

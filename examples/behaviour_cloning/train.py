@@ -1,4 +1,4 @@
-"""Clones demonstrations from states: python train.py DATASET --task click_bell --out bell.npz"""
+"""Trains a network on demonstrations: python train.py DATASET --task click_bell --out bell.npz"""
 
 import argparse
 from pathlib import Path
@@ -12,16 +12,17 @@ from rtphys.data.dataset import Dataset, Episode
 
 HIDDEN = (256, 256, 256)
 STEPS, BATCH = 6000, 512
-NOISE = (0.003, 0.05)  # [rad] of the command that is shown, a deviation drawn for every example:
-# the answer leads back to the demonstration, from near and from far
-AFTER = 3  # frames kept after the first success; what follows retraces the same postures
+# Standard deviations [rad] of the noise on an input command, smallest and largest; one is drawn per
+# example. Targets stay, so that the network learns to return to the demonstration.
+NOISE = (0.003, 0.05)
+AFTER = 3  # frames kept after the first success; later frames retrace the same postures
 
 
 Numbers = NDArray[np.float64]
 
 
 def examples(episode: Episode) -> tuple[Numbers, dict[str, Numbers], Numbers]:
-    """Commands (n, 14), object poses (n, 7) by name, and the CHUNK commands that follow each."""
+    """Training examples: commands (n, 14), object poses (n, 7), next commands (n, CHUNK, 14)."""
     reached = episode.meta.verdict.first_success_time
     times = episode.frames.time
     end = len(episode) if reached is None else int(np.searchsorted(times, reached)) + AFTER
@@ -33,12 +34,11 @@ def examples(episode: Episode) -> tuple[Numbers, dict[str, Numbers], Numbers]:
 
 
 def train(dataset: Dataset, seed: int = 0) -> Mlp:
-    """One network for the episodes of one task."""
+    """Train one network on the episodes of one task."""
     rng = np.random.default_rng(seed)
-    found = [examples(episode) for episode in dataset]
-    command = np.concatenate([one[0] for one in found])
-    poses = {name: np.concatenate([one[1][name] for one in found]) for name in found[0][1]}
-    following = np.concatenate([one[2] for one in found])
+    commands, objects, targets = zip(*map(examples, dataset), strict=True)
+    command, following = np.concatenate(commands), np.concatenate(targets)
+    poses = {name: np.concatenate([part[name] for part in objects]) for name in objects[0]}
     net = Mlp([features(command, poses).shape[1], *HIDDEN, CHUNK * 14], rng)
     net.normalise(features(command, poses))
     adam = Adam([*net.weights, *net.biases], STEPS)
@@ -46,26 +46,27 @@ def train(dataset: Dataset, seed: int = 0) -> Mlp:
     for step in range(1, STEPS + 1):
         rows = rng.integers(len(command), size=BATCH)
         spread = np.exp(rng.uniform(*np.log(NOISE), size=(BATCH, 1)))
-        shown = command[rows] + spread * rng.normal(size=(BATCH, 14))
-        x = features(shown, {name: pose[rows] for name, pose in poses.items()})
-        wanted = (following[rows] - shown[:, None]).reshape(BATCH, -1).astype(np.float32)
-        now, gradients = net.gradients(x, wanted)
+        noisy = command[rows] + spread * rng.normal(size=(BATCH, 14))
+        x = features(noisy, {name: pose[rows] for name, pose in poses.items()})
+        target = (following[rows] - noisy[:, None]).reshape(BATCH, -1).astype(np.float32)
+        step_error, gradients = net.gradients(x, target)
         adam.update(gradients)
-        error += 0.01 * (now - error)
+        error += 0.01 * (step_error - error)  # running mean
         if step % 1000 == 0:
             print(f"step {step}: {np.sqrt(error):.4f} rad")
     return net
 
 
 def main() -> None:
+    """Train on the episodes of one task and write the weights."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("dataset", type=Path)
     parser.add_argument("--task", required=True)
     parser.add_argument("--out", type=Path, required=True)
-    given = parser.parse_args()
-    dataset = Dataset(given.dataset).where(task=given.task)
-    print(f"{len(dataset)} demonstrations of {given.task}")
-    train(dataset).save(given.out)
+    args = parser.parse_args()
+    dataset = Dataset(args.dataset).where(task=args.task)
+    print(f"{len(dataset)} demonstrations of {args.task}")
+    train(dataset).save(args.out)
 
 
 if __name__ == "__main__":

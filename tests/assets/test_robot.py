@@ -2,9 +2,11 @@
 
 import shutil
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from rtphys.assets.embodiment import ALOHA_LIMITS, read_embodiment
 from rtphys.assets.embodiments.aloha_agilex import aloha_agilex
@@ -76,17 +78,40 @@ def test_configuration_and_urdf_agree(builtin):
     assert [c.name for c in robot.cameras] == ["head_camera", "front_camera"]
 
 
-def test_another_robot_states_its_hand_in_its_configuration(builtin, tmp_path):
-    source = builtin.embodiment().urdf.parents[1]
-    folder = tmp_path / "seven"
+def seven_joints(source: Path, folder: Path) -> dict[str, object]:
+    """Makes another robot of the aloha: the finger joint counts as an arm's seventh joint."""
     shutil.copytree(source, folder)
-    with pytest.raises(BadFile, match="hand"):
-        read_embodiment(folder)
-    measures = "fingertip: 0.05, pad_half_width: 0.01, pad_half_thickness: 0.004"
-    with (folder / "config.yml").open("a") as config:
-        config.write(f"hand: {{{measures}, finger_travel: 0.04}}\n")
-    hand = read_embodiment(folder).hand
-    assert (hand.tcp, hand.fingertip, hand.pad_half_width) == (0.12, 0.05, 0.01)
+    config = yaml.safe_load((folder / "config.yml").read_text())
+    for names, home, arm in zip(
+        config["arm_joints_name"], config["homestate"], ("fl", "fr"), strict=True
+    ):
+        names.append(f"{arm}_joint7")
+        home.append(0.0)
+    per_joint = ("bent_posture", "joint_weights", "joint_velocity", "joint_acceleration")
+    hand = {"fingertip": 0.05, "pad_half_width": 0.01, "pad_half_thickness": 0.004}
+    return {
+        **config,
+        **{key: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0] for key in per_joint},
+        "hand": {**hand, "finger_travel": 0.04},
+    }
+
+
+def test_another_robot_says_in_its_configuration_what_is_known_of_the_aloha(builtin, tmp_path):
+    folder = tmp_path / "seven"
+    config = seven_joints(builtin.embodiment().urdf.parents[1], folder)
+    for key in ("hand", "joint_velocity"):
+        missing = {name: value for name, value in config.items() if name != key}
+        (folder / "config.yml").write_text(yaml.safe_dump(missing))
+        with pytest.raises(BadFile, match=key):
+            read_embodiment(folder)
+    (folder / "config.yml").write_text(yaml.safe_dump(config))
+    robot = read_embodiment(folder)
+    assert (robot.hand.tcp, robot.hand.fingertip, robot.hand.pad_half_width) == (0.12, 0.05, 0.01)
+    assert robot.left.limits[6].tolist() == [0.0, 0.04765]  # of its URDF
+    assert robot.right.velocity.tolist() == [1, 2, 3, 4, 5, 6, 7]
+    layout = robot.action_layout
+    assert (layout.size, layout.grippers) == (16, (7, 15))
+    assert layout.names[6:9] == ("left_joint_7", "left_gripper", "right_joint_1")
 
 
 def test_it_is_cheap_to_draw_and_its_hulls_are_convex():

@@ -7,6 +7,7 @@ import pytest
 from rtphys.assets.pack import default_pack
 from rtphys.core.errors import Infeasible
 from rtphys.episode.generate import Attempt, attempt
+from rtphys.expert.recovery import Recovery
 from rtphys.expert.robot import ExpertRobot
 from rtphys.setting.setting import Setting
 from rtphys.studies.collect.plan import CollectPlan
@@ -76,14 +77,11 @@ def test_a_recipe_can_exclude_it() -> None:
 
 
 def test_what_no_second_try_cures_is_raised_at_once() -> None:
-    class Once:
-        recovering, may_recover = False, True
-
     def fail() -> None:
         raise Infeasible("stalled", "a door")
 
     with pytest.raises(Infeasible, match="stalled"):
-        ExpertRobot.retake(Once(), fail)  # type: ignore[arg-type]
+        Recovery(None).retake(None, fail)  # type: ignore[arg-type]
 
 
 def test_the_reason_is_typed_and_physical() -> None:

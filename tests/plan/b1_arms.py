@@ -14,6 +14,7 @@ JOINTS = [
     ((0.03095, 0, 0.0855), (-np.pi, 0, 0), (1, 0, 0)),
 ]
 LIMITS = np.array([(-2.6, 2.6), (0, 3.5), (0, 3.2), (-1.6, 1.6), (-1.6, 1.6), (-3.1, 3.1)])
+BENT = np.array([0.0, 1.2, 1.0, -0.8, 0.0, 0.0])  # elbow up, tool pitched down
 
 # One collision primitive a link: shape, centre xyz, rpy.
 SHAPES = {

@@ -1,35 +1,32 @@
 """Fixtures of the planning tests; the robot itself is in `b1_arms.py`."""
 
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from b1_arms import LIMITS, aloha_urdf
+from b1_arms import aloha_urdf
 
+from rtphys.assets.embodiment import Embodiment, read_embodiment
+from rtphys.assets.embodiments.aloha_agilex import CONFIG
 from rtphys.core.poses import Pose, axis_angle
+from rtphys.plan.arms import arm_kinematics
 from rtphys.plan.kinematics import ArmKinematics
 
 
 @pytest.fixture(scope="session")
-def urdf(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("robot") / "dual.urdf"
-    path.write_text(aloha_urdf(), encoding="utf-8")
-    return path
+def embodiment(tmp_path_factory: pytest.TempPathFactory) -> Embodiment:
+    """The aloha's configuration with the test robot's URDF, base turned by exactly 90 degrees."""
+    folder = tmp_path_factory.mktemp("robot") / "aloha-agilex"
+    (folder / "urdf").mkdir(parents=True)
+    (folder / "urdf" / "aloha_agilex.urdf").write_text(aloha_urdf(), encoding="utf-8")
+    (folder / "config.yml").write_text(CONFIG, encoding="utf-8")
+    base = Pose((0, -0.65, 0), axis_angle((0, 0, 1), np.pi / 2))
+    return replace(read_embodiment(folder), bases=(base,))
 
 
 @pytest.fixture(scope="session")
-def X_WB() -> Pose:
-    return Pose((0, -0.65, 0), axis_angle((0, 0, 1), np.pi / 2))
-
-
-@pytest.fixture(scope="session")
-def arms(urdf: Path, X_WB: Pose) -> dict[str, ArmKinematics]:
-    return {
-        side: ArmKinematics.from_urdf(
-            urdf, [f"{arm}_joint{i}" for i in range(1, 7)], f"{arm}_link6", X_WB, LIMITS
-        )
-        for side, arm in (("left", "fl"), ("right", "fr"))
-    }
+def arms(embodiment: Embodiment) -> dict[str, ArmKinematics]:
+    return arm_kinematics(embodiment)
 
 
 @pytest.fixture

@@ -1,15 +1,14 @@
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from b1_arms import LIMITS
+from b1_arms import BENT, LIMITS
 
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.core.seeds import stream
 from rtphys.plan.collision import CollisionChecker, Obstacle
-from rtphys.plan.kinematics import HOME_SEED
-from rtphys.plan.robot_shapes import ArmJoints, hull
+from rtphys.plan.robot_shapes import hull
 
 ZERO = np.zeros(6)
 TABLE = Obstacle("table", np.array([0.6, 0.35, 0.025]), Pose((0, 0, 0.715)))  # top at 0.74
@@ -18,8 +17,8 @@ CUBE = 0.02 * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1
 
 
 @pytest.fixture(scope="module")
-def robot(urdf, X_WB) -> CollisionChecker:
-    return CollisionChecker(urdf, X_WB)
+def robot(embodiment) -> CollisionChecker:
+    return CollisionChecker(embodiment)
 
 
 @pytest.fixture
@@ -35,7 +34,7 @@ def reach(right, pose_above_table):
 
     def solve(p) -> np.ndarray:
         p_tcp = np.array([0, 0, TIP - 0.12]) + p
-        q = right.solve(pose_above_table(p_tcp, 2.0), HOME_SEED, position_tolerance=1e-6)
+        q = right.solve(pose_above_table(p_tcp, 2.0), BENT, position_tolerance=1e-6)
         assert q is not None
         return q
 
@@ -44,7 +43,7 @@ def reach(right, pose_above_table):
 
 def test_home_postures_are_clear(checker) -> None:
     assert checker.clear(ZERO, ZERO)
-    assert checker.clear(HOME_SEED, HOME_SEED)
+    assert checker.clear(BENT, BENT)
     assert checker.first_contact(ZERO, ZERO) is None
 
 
@@ -64,7 +63,7 @@ def test_fingers_may_come_within_two_millimetres_of_the_table(checker, reach, ga
 
 @pytest.mark.parametrize(("gap", "clear"), [(0.002, False), (0.0045, False), (0.0055, True)])
 def test_other_links_keep_five_millimetres(checker, right, gap, clear) -> None:
-    q = HOME_SEED  # elbow up
+    q = BENT  # elbow up
     top = highest_point(checker, q)
     plate = Obstacle("plate", np.array([0.5, 0.5, 0.01]), Pose((0.3, -0.6, top + 0.01 + gap)))
     checker.set_obstacles([plate])
@@ -85,8 +84,8 @@ def highest_point(checker: CollisionChecker, q: np.ndarray) -> float:
 def test_arms_that_meet_are_seen(checker, arms, pose_above_table) -> None:
     p = np.array([0.0, -0.1, 0.85])
     rng = stream(0, "test")
-    q_left = arms["left"].solve_near(pose_above_table(p, 0.8), HOME_SEED, rng)
-    q_right = arms["right"].solve_near(pose_above_table(p, 2.2), HOME_SEED, rng)
+    q_left = arms["left"].solve_near(pose_above_table(p, 0.8), BENT, rng)
+    q_right = arms["right"].solve_near(pose_above_table(p, 2.2), BENT, rng)
     assert checker.clear(q_left, ZERO)
     assert checker.clear(ZERO, q_right)
     contact = checker.first_contact(q_left, q_right)
@@ -170,7 +169,7 @@ def test_both_hands_may_carry_one_body(checker, arms, pose_above_table) -> None:
     bar = CUBE * [8, 0.5, 0.5] + np.array([0, -0.1, 0.82])  # 32 cm along x, in the world
     for side, x in (("left", -0.1), ("right", 0.1)):
         X_WE = pose_above_table(np.array([x, -0.1, 0.85]), np.pi / 2)
-        q[side] = arms[side].solve_near(X_WE, HOME_SEED, rng)
+        q[side] = arms[side].solve_near(X_WE, BENT, rng)
         assert q[side] is not None
         rollers[side] = X_WE.inverse() @ bar
     checker.attach("right", "roller", rollers["right"])
@@ -226,23 +225,23 @@ def test_broad_phase_agrees_with_checking_every_pair(checker) -> None:
     assert outcomes == {True, False}
 
 
-def test_pairs_out_of_reach_are_not_watched(checker, urdf) -> None:
+def test_pairs_out_of_reach_are_not_watched(checker, embodiment) -> None:
     shapes = 1 + 2 * 9  # tower; base and eight links an arm
     assert checker.pair_count < shapes * (shapes - 1) / 2
 
 
-def test_mesh_collision_is_its_hull(urdf, X_WB, tmp_path, reach) -> None:
+def test_mesh_collision_is_its_hull(embodiment, tmp_path, reach) -> None:
     corners = "\n".join(f"v {x} {y} {z}" for x, y, z in CUBE * 50)  # 2 m wide, then scaled down
     faces = "f 1 2 4\nf 1 4 3\nf 5 6 8\nf 5 8 7\nf 1 2 6\nf 1 6 5\nf 3 4 8\nf 3 8 7"
     (tmp_path / "cube.obj").write_text(f"{corners}\n{faces}\n", encoding="utf-8")
-    text = Path(urdf).read_text(encoding="utf-8")
+    text = embodiment.urdf.read_text(encoding="utf-8")
     primitive = '<box size="0.1 0.2 0.9"/>'
     assert primitive in text
     mesh = '<mesh filename="cube.obj" scale="0.05 0.1 0.45"/>'
     (tmp_path / "mesh.urdf").write_text(text.replace(primitive, mesh), encoding="utf-8")
     with_mesh, with_box = (
-        CollisionChecker(tmp_path / "mesh.urdf", X_WB),
-        CollisionChecker(urdf, X_WB),
+        CollisionChecker(replace(embodiment, urdf=tmp_path / "mesh.urdf")),
+        CollisionChecker(embodiment),
     )
     rng = np.random.default_rng(1)
     seen = set()
@@ -254,7 +253,7 @@ def test_mesh_collision_is_its_hull(urdf, X_WB, tmp_path, reach) -> None:
     assert any("tower" in contact for contact in seen if contact)
 
 
-def test_wrong_names_are_refused(checker, urdf, X_WB, tmp_path) -> None:
+def test_wrong_names_are_refused(checker, embodiment, tmp_path) -> None:
     with pytest.raises(UnknownName, match="did you mean 'table'"):
         checker.ignore("left", "tabel")
     with pytest.raises(BadValue, match="side"):
@@ -264,7 +263,7 @@ def test_wrong_names_are_refused(checker, urdf, X_WB, tmp_path) -> None:
     with pytest.raises(BadValue, match="volume"):
         hull(CUBE[:3])
     with pytest.raises(UnknownName, match="fx_joint1"):
-        arms = {"left": ArmJoints.prefixed("fx"), "right": ArmJoints.prefixed("fr")}
-        CollisionChecker(urdf, X_WB, arms)
+        joints = ("fx_joint1", *embodiment.left.joints[1:])
+        CollisionChecker(replace(embodiment, left=replace(embodiment.left, joints=joints)))
     with pytest.raises(BadFile):
-        CollisionChecker(tmp_path / "none.urdf", X_WB)
+        CollisionChecker(replace(embodiment, urdf=tmp_path / "none.urdf"))

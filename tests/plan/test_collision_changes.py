@@ -67,8 +67,8 @@ class State:
             checker.ignore(side, name)
 
 
-def test_changes_leave_no_trace(urdf, X_WB) -> None:
-    changed, fresh = CollisionChecker(urdf, X_WB), CollisionChecker(urdf, X_WB)
+def test_changes_leave_no_trace(embodiment) -> None:
+    changed, fresh = CollisionChecker(embodiment), CollisionChecker(embodiment)
     state, touched = State(0), 0
     changed.set_obstacles(state.obstacles())
     for _ in range(60):
@@ -83,8 +83,8 @@ def test_changes_leave_no_trace(urdf, X_WB) -> None:
     assert 0 < touched < 720
 
 
-def test_a_set_of_bodies_that_comes_back_is_not_made_anew(urdf, X_WB) -> None:
-    checker, state = CollisionChecker(urdf, X_WB), State(1)
+def test_a_set_of_bodies_that_comes_back_is_not_made_anew(embodiment) -> None:
+    checker, state = CollisionChecker(embodiment), State(1)
     q = np.zeros(6)
     checker.set_obstacles(state.obstacles())
     checker.clear(q, q)
@@ -98,8 +98,8 @@ def test_a_set_of_bodies_that_comes_back_is_not_made_anew(urdf, X_WB) -> None:
     assert checker._model is first
 
 
-def test_models_are_kept_while_they_are_small(urdf, X_WB, monkeypatch) -> None:
-    checker, q = CollisionChecker(urdf, X_WB), np.zeros(6)
+def test_models_are_kept_while_they_are_small(embodiment, monkeypatch) -> None:
+    checker, q = CollisionChecker(embodiment), np.zeros(6)
 
     def kept(most: int) -> int:
         monkeypatch.setattr("rtphys.plan.collision._KEPT_PAIRS", most)

@@ -1,13 +1,15 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from b1_arms import BASES, JOINTS, LIMITS
+from b1_arms import BASES, BENT, JOINTS, LIMITS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.core.seeds import stream
-from rtphys.plan.kinematics import HOME_SEED, ArmKinematics
+from rtphys.plan.kinematics import ArmKinematics
 
 TCP = np.array([0.12, 0, 0])
 angles = st.lists(st.floats(0, 1), min_size=6, max_size=6).map(
@@ -55,7 +57,7 @@ def test_inverse_returns_to_any_reachable_pose_within_limits(arms, q) -> None:
     arm = arms["right"]
     X_WE = arm.ee_pose(q)
     # The way back starts near by: the claim is about accuracy and limits, not about luck.
-    found = arm.solve(X_WE, [q + 0.05, q - 0.05, HOME_SEED, *np.linspace(*LIMITS.T, 9)])
+    found = arm.solve(X_WE, [q + 0.05, q - 0.05, BENT, *np.linspace(*LIMITS.T, 9)])
     assert found is not None
     assert (found >= LIMITS[:, 0]).all()
     assert (found <= LIMITS[:, 1]).all()
@@ -69,23 +71,23 @@ def test_top_down_grasps_on_the_own_side_are_all_found(right, pose_above_table) 
     for _ in range(40):
         p = rng.uniform([0.05, -0.18, 0.76], [0.3, -0.02, 0.82])
         yaw = np.pi + rng.uniform(-2.2, 2.2)  # joint 6 ends at 3.1: a wedge about 0 is shut
-        q = right.solve_near(pose_above_table(p, yaw), HOME_SEED, rng)
+        q = right.solve_near(pose_above_table(p, yaw), BENT, rng)
         assert q is not None, p
         np.testing.assert_allclose(right.ee_pose(q) @ TCP, p, atol=1.5e-4)
 
 
 def test_out_of_reach_is_none(right, pose_above_table) -> None:
     far = pose_above_table(np.array([0.3, 0.6, 0.8]), 0.0)
-    assert right.solve(far, HOME_SEED) is None
-    assert right.solve_near(far, HOME_SEED, stream(0, "test")) is None
+    assert right.solve(far, BENT) is None
+    assert right.solve_near(far, BENT, stream(0, "test")) is None
 
 
-def test_limits_hold_where_the_open_solution_breaks_them(urdf, X_WB, right) -> None:
-    q = HOME_SEED.copy()
+def test_limits_hold_where_the_open_solution_breaks_them(embodiment, right) -> None:
+    q = BENT.copy()
     narrow = LIMITS.copy()
     narrow[3] = (-0.5, 1.6)  # the posture wants -0.8
-    names = [f"fr_joint{i}" for i in range(1, 7)]
-    tight = ArmKinematics.from_urdf(urdf, names, "fr_link6", X_WB, narrow)
+    limb = replace(embodiment.right, limits=narrow)
+    tight = ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.bases[0])
     found = tight.solve_near(right.ee_pose(q), q, stream(0, "test"), restarts=40)
     assert found is None or found[3] >= -0.5
 
@@ -99,15 +101,15 @@ def test_solve_near_stays_on_the_branch(right) -> None:
 
 def test_solve_near_draws_the_same_amount_found_or_not(right, pose_above_table) -> None:
     easy, hard = stream(4, "test"), stream(4, "test")
-    right.solve_near(right.ee_pose(HOME_SEED), HOME_SEED, easy)
-    right.solve_near(pose_above_table(np.array([0.0, 0.9, 0.8]), 0.0), HOME_SEED, hard)
+    right.solve_near(right.ee_pose(BENT), BENT, easy)
+    right.solve_near(pose_above_table(np.array([0.0, 0.9, 0.8]), 0.0), BENT, hard)
     assert easy.random() == hard.random()
 
 
 def test_line_is_straight_between_its_points_too(right, pose_above_table) -> None:
     start = pose_above_table(np.array([0.2, -0.1, 0.88]), 0.4)
     goal = pose_above_table(np.array([0.22, -0.06, 0.78]), 0.6)
-    q = right.solve_near(start, HOME_SEED, stream(1, "test"))
+    q = right.solve_near(start, BENT, stream(1, "test"))
     line = right.line(q, goal)
     np.testing.assert_array_equal(line[0], q)
     between = (line[1:] + line[:-1]) / 2
@@ -123,26 +125,27 @@ def test_line_is_straight_between_its_points_too(right, pose_above_table) -> Non
 
 
 def test_line_out_of_reach_is_none(right, pose_above_table) -> None:
-    q = right.solve_near(
-        pose_above_table(np.array([0.2, -0.1, 0.8]), 0.0), HOME_SEED, stream(1, "test")
-    )
+    q = right.solve_near(pose_above_table(np.array([0.2, -0.1, 0.8]), 0.0), BENT, stream(1, "test"))
     assert right.line(q, right.ee_pose(q).moved((0, 0.5, 0))) is None
 
 
 def test_line_that_only_turns(right) -> None:
-    X_WE = right.ee_pose(HOME_SEED) @ Pose(q=axis_angle((1, 0, 0), 0.5))
-    line = right.line(HOME_SEED, X_WE)
+    X_WE = right.ee_pose(BENT) @ Pose(q=axis_angle((1, 0, 0), 0.5))
+    line = right.line(BENT, X_WE)
     assert len(line) == 11  # 0.5 rad in steps of 0.05
     assert abs(line[-1][5] - 0.5) < 1e-3
 
 
-def test_unknown_names_and_files_are_refused(urdf, X_WB, tmp_path) -> None:
-    names = [f"fr_joint{i}" for i in range(1, 7)]
+def test_unknown_names_and_files_are_refused(embodiment, tmp_path) -> None:
+    def read(urdf=embodiment.urdf, **changed) -> None:
+        ArmKinematics.from_urdf(urdf, replace(embodiment.right, **changed), embodiment.bases[0])
+
+    names = embodiment.right.joints
     with pytest.raises(UnknownName, match="fr_joint6"):
-        ArmKinematics.from_urdf(urdf, [*names[:5], "fr_jont6"], "fr_link6", X_WB, LIMITS)
+        read(joints=(*names[:5], "fr_jont6"))
     with pytest.raises(UnknownName, match="fr_link6"):
-        ArmKinematics.from_urdf(urdf, names, "fr_lnk6", X_WB, LIMITS)
+        read(ee_link="fr_lnk6")
     with pytest.raises(BadFile, match="no serial chain"):
-        ArmKinematics.from_urdf(urdf, names[::-1], "fr_link6", X_WB, LIMITS)
+        read(joints=names[::-1])
     with pytest.raises(BadFile):
-        ArmKinematics.from_urdf(tmp_path / "none.urdf", names, "fr_link6", X_WB, LIMITS)
+        read(urdf=tmp_path / "none.urdf")

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
+from b1_arms import BENT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtphys.core.errors import BadValue, Infeasible
 from rtphys.core.seeds import stream
 from rtphys.plan.blend import CORNER, BlendedPath
-from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.path import JointLimits, retime
 
 DT = 1 / 250
@@ -101,7 +101,7 @@ def test_repeated_points_are_no_obstacle() -> None:
 
 def test_tool_line_stays_straight_when_timed(right, pose_above_table) -> None:
     goal = pose_above_table(np.array([0.2, -0.1, 0.78]), 1.9)
-    q = right.solve_near(goal.moved((0, 0, 0.1)), HOME_SEED, stream(2, "test"))
+    q = right.solve_near(goal.moved((0, 0, 0.1)), BENT, stream(2, "test"))
     motion = retime(right.line(q, goal), LIMITS, DT)
     assert_legal(motion)
     tools = np.array([right.ee_matrix(q)[:3, 3] for q in motion.q])

@@ -2,12 +2,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from b1_arms import BENT
 
 from rtphys.core.poses import Pose
 from rtphys.core.seeds import stream
 from rtphys.plan.blend import BlendedPath
 from rtphys.plan.collision import CollisionChecker, Obstacle
-from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.path import JointLimits, retime
 from rtphys.plan.rrt import connect, straight_is_clear
 
@@ -100,8 +100,8 @@ def test_blocked_ends_are_none() -> None:
 
 
 @pytest.fixture(scope="module")
-def walled(urdf, X_WB) -> CollisionChecker:
-    checker = CollisionChecker(urdf, X_WB)
+def walled(embodiment) -> CollisionChecker:
+    checker = CollisionChecker(embodiment)
     checker.set_obstacles(
         [
             Obstacle("table", np.array([0.6, 0.35, 0.025]), Pose((0, 0, 0.715))),
@@ -113,7 +113,7 @@ def walled(urdf, X_WB) -> CollisionChecker:
 
 def ends_beside_the_wall(right, pose_above_table) -> list[np.ndarray]:
     poses = [pose_above_table(np.array([x, -0.08, 0.8]), 2.2) for x in (0.08, 0.27)]
-    return [right.solve_near(X, HOME_SEED, stream(0, "test")) for X in poses]
+    return [right.solve_near(X, BENT, stream(0, "test")) for X in poses]
 
 
 def test_arm_goes_round_a_wall_and_the_timed_motion_is_clear(walled, right, pose_above_table):
@@ -142,7 +142,7 @@ def test_both_arms_at_once(walled, arms, pose_above_table) -> None:
     start, goal = ends_beside_the_wall(arms["right"], pose_above_table)
     limits = np.concatenate([arms["left"].limits, arms["right"].limits])
     path = connect(
-        *(np.concatenate([ZERO, start]), np.concatenate([HOME_SEED, goal])),
+        *(np.concatenate([ZERO, start]), np.concatenate([BENT, goal])),
         *(is_clear, limits, stream(1, "test")),
     )
     assert path is not None

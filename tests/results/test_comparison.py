@@ -1,10 +1,11 @@
-"""Evaluations side by side, and the paper's tables with their errata."""
+"""Comparison of evaluations, and `rtphys compare`."""
 
 import json
 import re
 from pathlib import Path
 
 import pytest
+from evaluations import FINGERPRINT
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
@@ -15,11 +16,8 @@ from rtphys.results.comparison import columns_of, paired_comparisons
 from rtphys.results.folder import INSTANCES, RUN, record_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import InstanceList, Slot
-from rtphys.results.published import per_task, settings
 from rtphys.results.record_file import RecordFile
-from rtphys.task.spec import task_names
 
-GROUND = {"domain": {"name": "global", "digest": "d"}, "look": "", "assets": "a", "versions": {}}
 Outcomes = dict[tuple[str, str], dict[int, bool]]  # (protocol, task) -> seed -> success
 
 
@@ -35,7 +33,7 @@ def written(out: Path, policy: str, outcomes: Outcomes) -> Path:
     (out / RUN).write_bytes(pretty(run))
     for (protocol, task), seeds in outcomes.items():
         slots = tuple(Slot(seed, "", "0" * 16) for seed in sorted(seeds))
-        made = InstanceList(task, protocol, GROUND, slots)
+        made = InstanceList(task, protocol, FINGERPRINT, slots)
         write_instances(instance_file(out / INSTANCES, protocol, task), made)
         file = RecordFile(record_file(out, protocol, task))
         for seed, success in seeds.items():
@@ -89,26 +87,6 @@ def test_two_runs_of_one_policy_are_told_apart(tmp_path: Path) -> None:
     folders = [written(tmp_path / name, "idle", one) for name in ("monday", "tuesday")]
     columns = columns_of([read_results(path) for path in folders])
     assert [c.label for c in columns] == ["monday", "tuesday"]
-
-
-def test_the_papers_table_3() -> None:
-    columns = per_task()
-    assert len(columns) == 5
-    for column in columns:
-        assert sorted(column.rates) == task_names()
-        assert column.protocol == "phys_random_all"
-    means = {c.label.removesuffix(" (paper)"): round(100 * (c.mean() or 0), 2) for c in columns}
-    # The means of its 50 tasks; the paper prints 39.60 and 31.60 for the second and fourth.
-    assert means == {
-        "Fast-WAM": 44.24,
-        "Motus": 39.56,
-        "FACT": 39.14,
-        "pi0.5": 31.50,
-        "Galaxea-VLA": 37.82,
-    }
-    printed = {method: row["phys_random_all"] for method, row in settings().items()}
-    off = {m: round(printed[m] - means[m], 2) for m in means if printed[m] != means[m]}
-    assert off == {"Motus": 0.04, "pi0.5": 0.1}
 
 
 def said(*words: object) -> str:

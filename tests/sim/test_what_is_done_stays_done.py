@@ -15,7 +15,7 @@ from rtphys.episode.instance import prepare, settle
 from rtphys.expert.robot import ExpertRobot
 from rtphys.setting.setting import Setting
 from rtphys.sim.engine import RATE, from_sapien, to_sapien
-from rtphys.sim.rollout import Rollout
+from rtphys.sim.rollout import Rollout, RolloutOptions
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
@@ -42,10 +42,9 @@ def done(name: str, seeds: Sequence[int] = range(4)) -> Rollout:
         try:
             instance = prepare(Setting(name).at(seed), task, pack)
             settle(instance)
-            rollout = start(instance, poll=5)
+            rollout = start(instance, RolloutOptions(poll=5))
             task.script(ExpertRobot(rollout, stream(seed, "expert")))
             if rollout.finish().held:
-                rollout.max_steps += 10 * RATE
                 return rollout
         except Infeasible:
             continue

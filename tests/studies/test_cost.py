@@ -1,17 +1,15 @@
-"""`rtphys bench` and its stopwatch: what is counted, and that nothing is counted twice."""
+"""`rtphys bench`: what is counted, and that nothing is counted twice."""
 
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import default_pack
 from rtphys.cli.main import app
-from rtphys.core import timing as laps_module
 from rtphys.core.errors import BadValue, UnknownName
-from rtphys.core.timing import Laps
+from rtphys.core.timing import PhaseTimer
 from rtphys.episode.generate import attempt
 from rtphys.setting.setting import Setting
 from rtphys.studies.cost import ATTEMPT, OUTSIDE, PICTURES, BenchPlan, Cost, Spent, bench, means
@@ -20,70 +18,18 @@ from rtphys.task.spec import load_task
 MOST_OUTSIDE = 0.1  # of the CPU time neither on physics nor planning, rendering, encoding
 
 
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """A clock that stands still unless a test sets it forward; the wall goes twice as fast."""
-    now = SimpleNamespace(s=0.0)
-    fake = SimpleNamespace(process_time=lambda: now.s, perf_counter=lambda: 2 * now.s)
-    monkeypatch.setattr(laps_module, "time", fake)
-    return now
-
-
-def test_a_phase_inside_another_interrupts_it(clock: SimpleNamespace) -> None:
-    laps = Laps()
-    clock.s = 5
-    with laps.phase("outer"):
-        clock.s += 1
-        with laps.phase("inner"):
-            clock.s += 10
-        clock.s += 2
-    clock.s += 100  # nobody's
-    with laps.phase("inner"):
-        clock.s += 20
-    assert dict(laps.cpu_s) == {"outer": 3, "inner": 30}
-    assert dict(laps.wall_s) == {"outer": 6, "inner": 60}
-
-
-def test_a_phase_ends_with_an_exception(clock: SimpleNamespace) -> None:
-    laps = Laps()
-    with pytest.raises(ValueError), laps.phase("tried"):
-        clock.s += 1
-        raise ValueError
-    clock.s += 7
-    assert laps.cpu_s["tried"] == 1
-
-
-def test_another_thread_s_time_moves_to_its_own_phase(clock: SimpleNamespace) -> None:
-    laps = Laps()
-    with laps.phase("render"):
-        clock.s += 4
-    laps.shift(1, "render", "encode")
-    assert dict(laps.cpu_s) == {"render": 3, "encode": 1}
-
-
-def test_a_timed_function_returns_what_it_did(clock: SimpleNamespace) -> None:
-    laps = Laps()
-
-    def work() -> str:
-        clock.s += 3
-        return "done"
-
-    assert laps.timed("work", work)() == "done"
-    assert laps.cpu_s["work"] == 3
-
-
 def test_phases_and_the_rest_make_the_sum() -> None:
     spent = Spent(("a", "b"), count=2, cpu_total=10.0)
-    spent.laps.cpu_s.update(a=3.0, b=5.0)
+    spent.timer.cpu_s.update(a=3.0, b=5.0)
     assert spent.cpu_s() == {"a": 1.5, "b": 2.5, "other": 1.0, "sum": 5.0}
 
 
 def test_what_is_outside_counts_building_and_writing_alone() -> None:
     cost = Cost("t", "p", accepted=1, images=10)
     cost.attempts.count, cost.attempts.cpu_total = 2, 4.0
-    cost.attempts.laps.cpu_s.update(build=1.0, settle=1.0, plan=1.0, simulate=1.0)
+    cost.attempts.timer.cpu_s.update(build=1.0, settle=1.0, plan=1.0, simulate=1.0)
     cost.pictures.count, cost.pictures.cpu_total = 1, 6.0
-    cost.pictures.laps.cpu_s.update(build=0.5, render=4.0, encode=1.0, write=0.25)
+    cost.pictures.timer.cpu_s.update(build=0.5, render=4.0, encode=1.0, write=0.25)
     assert cost.outside == pytest.approx((1.0 + 0.5 + 0.25 + 0.25) / 10)
     assert cost.image_cpu_ms == pytest.approx(1000.0)
 
@@ -129,7 +75,7 @@ def test_taking_time_changes_no_state() -> None:
         default_pack(),
         Setting("click_bell", "clean").at(3),
     )
-    plain, timed = attempt(recipe, task, pack), attempt(recipe, task, pack, Laps())
+    plain, timed = attempt(recipe, task, pack), attempt(recipe, task, pack, PhaseTimer())
     assert plain.recording is not None and timed.recording is not None
     assert plain.recording.hash == timed.recording.hash
 

@@ -23,8 +23,8 @@ def _script():
 
 def test_a_certified_list_gives_its_attempts_and_the_share_that_replays(tmp_path: Path) -> None:
     slots = (Slot(7, "", "aa", True), Slot(8, "slipped"), Slot(9, "", "bb", False))
-    ground = {"domain": {}, "look": "", "assets": "", "versions": {}}
-    made = InstanceList("click_bell", "clean", ground, slots, ("replay",))
+    fingerprint = {"domain": {}, "look": "", "assets": "", "versions": {}}
+    made = InstanceList("click_bell", "clean", fingerprint, slots, ("replay",))
     write_instances(instance_file(tmp_path, "clean", "click_bell"), made)
     [(task, protocol, rate)] = _script().measured(tmp_path)
     assert (task, protocol) == ("click_bell", "clean")

@@ -1,1 +1,1 @@
-"""Asset packs: one layout (RoboTwin's), one loader, and the generators of the builtin pack."""
+"""Asset packs in RoboTwin's layout: the loader, and the generators of the builtin pack."""

@@ -1,4 +1,4 @@
-"""What a generator returns: looks, collision, weight and the points to use an object by."""
+"""The models that generators return: visual and collision shapes, mass, grasp points."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One visible piece. Edges sharper than `crease_deg` are drawn sharp."""
+    """One visible part. Edges sharper than `crease_deg` are drawn sharp."""
 
     solid: Solid
     finish: Finish
@@ -24,16 +24,16 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A rigid piece of matter: a whole model, or one link of an articulation.
+    """A rigid body: a whole model, or one link of an articulated model.
 
-    `mass_kg` is what a scale would show; None weighs the parts by their materials. Inertia and
-    centre of mass always follow the visible solids, hollow as they are.
+    `mass_kg` is the total mass; None computes it from the parts' materials. Inertia and centre of
+    mass always follow the visible solids, hollow ones too.
     """
 
     visual: tuple[Part, ...]
     collision: tuple[Solid, ...]  # each convex
     mass_kg: float | None = None
-    given: "Inertial | None" = None  # a data sheet's figures, which then win
+    given: "Inertial | None" = None  # from a data sheet; used instead of the computed one
 
     def inertial(self) -> "Inertial":
         """Mass properties of all parts, scaled to `mass_kg`."""
@@ -63,20 +63,20 @@ class Inertial:
 
 @dataclass(frozen=True, eq=False)
 class AssetModel:
-    """A rigid model as its generator returns it, in the official object frame."""
+    """A rigid model from a generator, in the official object frame: y up, metres."""
 
     body: Body
-    material: str  # names friction
-    description: tuple[str, ...]  # noun phrases without article; the last third stays unseen
+    material: str  # in material.SUBSTANCES; gives the friction
+    description: tuple[str, ...]  # noun phrases without article; the last third is for unseen text
     contact_points: tuple[Array, ...] = ()  # (4, 4)
     functional_points: tuple[Array, ...] = ()
     categories: tuple[str, ...] = ()
-    stable: bool = True  # rests upright by itself
+    stable: bool = True  # it stays upright by itself
 
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """How a link hangs on its parent; `origin` is parent <- joint at q = 0."""
+    """A joint between two links; `origin` is the transform parent <- joint at q = 0."""
 
     name: str
     kind: str  # "revolute", "prismatic" or "fixed"
@@ -92,21 +92,21 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class ArticulatedModel:
-    """An articulated model as its generator returns it. The first link is the root, z up."""
+    """An articulated model from a generator. Its first link is the root, z up."""
 
     links: dict[str, Body]
     joints: tuple[Joint, ...]
     material: str
     description: tuple[str, ...]
-    root_height: float = 0.0  # [m] of the root frame above what it stands on
+    root_height: float = 0.0  # [m] of the root frame above the ground it stands on
     contact_points: tuple[tuple[str, Array], ...] = ()  # link name, (4, 4) in the link frame
     functional_points: tuple[tuple[str, Array], ...] = ()
-    balanced: tuple[str, ...] = ()  # links whose weight a spring in the hinge carries
+    balanced: tuple[str, ...] = ()  # links without gravity: a spring in the hinge carries them
     categories: tuple[str, ...] = ()
 
 
 def frame(p: ArrayLike, y: ArrayLike, x: ArrayLike) -> Array:
-    """(4, 4) frame at p with this y axis and, made perpendicular to it, this x axis."""
+    """Frame (4, 4) at p with this y axis, and this x axis made perpendicular to it."""
     v = np.asarray(y, float) / np.linalg.norm(y)
     u = np.asarray(x, float) - v * (np.asarray(x, float) @ v)
     u /= np.linalg.norm(u)
@@ -116,19 +116,21 @@ def frame(p: ArrayLike, y: ArrayLike, x: ArrayLike) -> Array:
 
 
 def contact(p: ArrayLike, outward: ArrayLike, camera_up: ArrayLike) -> Array:
-    """A contact point: the gripper comes against `outward`; fingers close along x cross y."""
+    """Contact point (4, 4): the gripper moves against `outward`; fingers close along x cross y."""
     return frame(p, outward, camera_up)
 
 
 def functional(p: ArrayLike, z: ArrayLike, x: ArrayLike) -> Array:
-    """A functional point whose z axis is what the object states (down, out of a face ...)."""
+    """Functional point (4, 4) with the z axis that its object defines: down, out of a face, ..."""
     w = np.asarray(z, float)
     return frame(p, np.cross(w, np.asarray(x, float)), x)
 
 
 def from_above(p: ArrayLike, yaws_deg: Iterable[float] = (0, 90, 180, 270)) -> tuple[Array, ...]:
-    """Top-down grasps of a y-up model. At yaw 0 the camera looks up along +x, fingers close
-    along z; the yaw turns both about +y."""
+    """Top-down grasps of a y-up model, each turned by a yaw about +y.
+
+    At yaw 0 the camera's up axis is +x and the fingers close along z.
+    """
     turns = [np.deg2rad(a) for a in yaws_deg]
     return tuple(contact(p, (0, 1, 0), (np.cos(a), 0, -np.sin(a))) for a in turns)
 
@@ -140,9 +142,9 @@ def from_sides(
 
     Azimuth 0 comes from +z, 90 from +x. Fingers close horizontally, camera up is +y.
     """
-    out = []
+    points = []
     for a in np.deg2rad(list(azimuths_deg)):
         outward = np.array([np.sin(a), 0, np.cos(a)])
         p = radius * outward + [0, height, 0]
-        out.append(contact(p, outward, (0, 1, 0)))
-    return tuple(out)
+        points.append(contact(p, outward, (0, 1, 0)))
+    return tuple(points)

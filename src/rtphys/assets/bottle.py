@@ -1,6 +1,6 @@
-"""Bottles of every kind: a turned body, a label, one of several tops.
+"""Bottles and jars: a lathe-turned body, a label and one of several caps.
 
-A bottle is given by one row of sizes and one of colours; the object modules hold the rows.
+One row of sizes and one of colours define a bottle; the object modules have the rows.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from rtphys.assets.turned import disc, ring, split, turned, turned_parts
 
 @dataclass(frozen=True)
 class Bottle:
-    """Sizes [m]; radii are half widths. Heights are counted from the foot."""
+    """Sizes of a bottle [m]; radii are half widths, heights are above the ground."""
 
     height: float
     radius: float
@@ -37,7 +37,7 @@ class Bottle:
 
 @dataclass(frozen=True)
 class Look:
-    """Colours: shell, contents, cap, and the label's three and its style."""
+    """Colours of shell, contents, cap and label, and the label's style."""
 
     shell: Colour
     contents: Colour
@@ -50,7 +50,7 @@ class Look:
 
 
 def bottle_body(size: Bottle, look: Look) -> Body:
-    """Looks, collision and weight of a bottle standing on the origin."""
+    """Visual parts, collision parts and mass of a bottle that stands on the origin."""
     outline = profile(size)
     shell = plastic(look.shell, 0.75)
     looks = [Part(turned(outline), shell, look.material)] if not size.filled else []
@@ -68,7 +68,7 @@ def bottle_body(size: Bottle, look: Look) -> Body:
 
 
 def profile(size: Bottle) -> np.ndarray:
-    """Outline of everything below the cap."""
+    """Outline (N, 2) of (half width, y) [m] below the cap."""
     r, cap = size.radius, size.height - _CAPS[size.top][1]
     body: list[tuple[float, float]] = [(size.foot * r, 0), (r, 0.08 * size.height)]
     if size.waist < 1:
@@ -106,7 +106,7 @@ def _cap_finish(size: Bottle, look: Look) -> Finish:
 
 
 def _top(size: Bottle) -> tuple[Solid, tuple[Solid, ...]]:
-    """What is seen of the cap, and its collision."""
+    """The visible cap and its collision parts."""
     share, tall = _CAPS[size.top]
     wide, low = share * size.neck, size.height - tall
     if size.top == "sport":
@@ -135,7 +135,7 @@ def _spout(radius: float) -> Solid:
 def with_handle(
     body: Body, path: Sequence[tuple[float, float, float]], finish: Finish | None = None
 ) -> Body:
-    """The same with a bar along `path`, of the first part's finish; each leg collides."""
+    """The body with a handle along `path`; each straight piece collides."""
     bar = tube(path, 0.006, 6)
     legs = [hull(tube(leg, 0.0055, 6).vertices) for leg in pairwise(path)]
     first = body.visual[0]

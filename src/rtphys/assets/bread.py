@@ -1,27 +1,28 @@
-"""Long soft things with a flat underside: loaves, buns, sausages."""
+"""Bread and other long soft shapes with a flat underside: loaves, buns, sausages."""
 
 import numpy as np
 
+from rtphys.assets.asset_model import Array
 from rtphys.assets.geometry import box
 from rtphys.assets.material import Colour, Picture, tint
 from rtphys.assets.pictures import to_picture
 from rtphys.assets.solid import Solid, hull, together
 from rtphys.core.seeds import stream
 
-FACETS = 10  # around a loaf's back
+FACETS = 10  # around the upper side
 
 
 def bread(
     width: float, height: float, length: float, blunt: float = 0.5, flat: float = 0.7
 ) -> Solid:
-    """Convex, along z, standing on y = 0.
+    """A convex loaf shape along z that stands on y = 0.
 
     Args:
         width: across x [m].
         height: along y [m].
         length: along z [m].
         blunt: how full the ends are, 0 pointed to 1 square.
-        flat: width of the underside as a share of the loaf's.
+        flat: width of the underside as a share of `width`.
     """
     share = 0.5 + 0.5 * np.cos(np.linspace(np.pi, 0, 7)) - 0.5  # -0.5 .. 0.5, closer at the ends
     rings = [_ring(width * s, height * t, length * z, flat) for z, s, t in _profile(share, blunt)]
@@ -29,7 +30,7 @@ def bread(
 
 
 def scored(body: Solid, width: float, height: float, length: float, count: int = 3) -> Solid:
-    """Slanting cuts across the back of a loaf of these sizes, a little proud of its crust."""
+    """Slanting cuts across the top of a loaf of these sizes, slightly raised over its crust."""
     skin = body.scaled(1.02).at(y=-0.0002)
     places = np.linspace(-0.26, 0.26, count) * length
     blade = box(0.75 * width, 0.5 * height, 0.006).turned("y", 30)
@@ -46,7 +47,7 @@ def crust(colour: Colour, name: str, contrast: float = 0.10) -> Picture:
     return to_picture((1 - depth) * np.array(colour) * fall[..., None] + depth * pale)
 
 
-def _profile(share: np.ndarray, blunt: float) -> list[tuple[float, float, float]]:
+def _profile(share: Array, blunt: float) -> list[tuple[float, float, float]]:
     rows = []
     for z in share:
         full = np.sqrt(max(1 - (2 * z) ** 2, 0.0))
@@ -55,8 +56,8 @@ def _profile(share: np.ndarray, blunt: float) -> list[tuple[float, float, float]
     return rows
 
 
-def _ring(width: float, height: float, z: float, flat: float) -> np.ndarray:
-    """Half an ellipse over upright flanks (what fingers close on) and a flat underside."""
+def _ring(width: float, height: float, z: float, flat: float) -> Array:
+    """Cross-section: half an ellipse over vertical sides (for the fingers) and a flat underside."""
     angles = np.linspace(0, np.pi, FACETS + 1)
     low = 0.5 * height
     back = np.stack([0.5 * width * np.cos(angles), low + (height - low) * np.sin(angles)], axis=1)

@@ -1,4 +1,4 @@
-"""What of a pack loads and what does not."""
+"""Checks an asset pack by loading everything in it."""
 
 from dataclasses import dataclass, field
 
@@ -8,7 +8,7 @@ from rtphys.core.errors import RtphysError
 
 @dataclass(frozen=True)
 class Report:
-    """Result of reading everything a pack says it has."""
+    """Which models of a pack load, and which do not."""
 
     loaded: dict[str, int] = field(default_factory=dict)  # id_name or robot -> models that load
     problems: tuple[str, ...] = ()  # one sentence each, naming the file
@@ -16,7 +16,7 @@ class Report:
 
 
 def check_pack(pack: Pack) -> Report:
-    """Read every object, robot and texture list of a pack (and of its fallback)."""
+    """Load every object and robot of a pack and of its fallback, and count the textures."""
     loaded: dict[str, int] = {}
     problems: list[str] = []
     for name in pack.names:

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 CONTACT, FUNCTIONAL = (200, 30, 30), (20, 70, 220)  # approach of a grasp; z of a functional point
 UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], float)  # y up to z up
-AJAR = 0.4  # share of its range at which a joint is shown
+AJAR = 0.4  # [1] share of its range by which a joint is shown open
 
 
 def contact_sheet(
@@ -31,7 +31,7 @@ def contact_sheet(
     columns: int = 8,
     tell: Callable[[str], None] | None = None,
 ) -> Image.Image:
-    """One square of `size` pixels a model, labelled, in rows of `columns`."""
+    """A labelled square of `size` pixels per model, in rows of `columns`; `tell` gets each name."""
     tiles = []
     for id_name, index in models:
         tiles.append((f"{id_name}/{index}", tile(pack, id_name, index, size)))
@@ -48,12 +48,12 @@ def contact_sheet(
 
 
 def tile(pack: Pack, id_name: str, index: int, size: int = 160) -> NDArray[np.uint8]:
-    """One model with its points: red out of a grasp's approach, blue along a function's z."""
+    """Picture of one model: red marks out of contact points, blue along functional z axes."""
     if pack.is_articulated(id_name):
-        thing = pack.articulation(id_name, index)
-        pieces, links = _open(thing)
-        contacts = [links[p.link] @ p.matrix for p in thing.contact_points]
-        functions = [links[p.link] @ p.matrix for p in thing.functional_points]
+        model = pack.articulation(id_name, index)
+        pieces, links = _open(model)
+        contacts = [links[p.link] @ p.matrix for p in model.contact_points]
+        functions = [links[p.link] @ p.matrix for p in model.functional_points]
     else:
         model = pack.model(id_name, index)
         pieces = [t.moved(UP) for t in mesh_triangles(model.visual, model.scale)]
@@ -67,13 +67,13 @@ def tile(pack: Pack, id_name: str, index: int, size: int = 160) -> NDArray[np.ui
 
 
 def mesh_triangles(path: Path, scale: Array) -> list[Triangles]:
-    """Each mesh of a file with its colour or picture."""
-    found = []
+    """The triangles of each mesh in a file, with its colour or picture."""
+    pieces = []
     for mesh in trimesh.load_scene(path).dump():
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
             corners = np.asarray(mesh.vertices)[mesh.faces] * scale
-            found.append(Triangles(corners, *_look(mesh)))
-    return found
+            pieces.append(Triangles(corners, *_look(mesh)))
+    return pieces
 
 
 def _look(mesh: trimesh.Trimesh) -> tuple[Array, Array | None, Array | None]:
@@ -111,25 +111,25 @@ def _mark(
             line(picture, view, [m[:3, 3] - arm, m[:3, 3] + arm], colour)
 
 
-def _open(thing: Articulation) -> tuple[list[Triangles], dict[str, Array]]:
-    """Triangles and link frames of an articulation with its joints ajar."""
-    root = ElementTree.parse(thing.urdf).getroot()
-    links = _link_frames(root, thing.scale)
+def _open(model: Articulation) -> tuple[list[Triangles], dict[str, Array]]:
+    """Triangles and link frames (4, 4) of an articulated model with its joints partly open."""
+    root = ElementTree.parse(model.urdf).getroot()
+    links = _link_frames(root, model.scale)
     drawn = []
     for link in root.findall("link"):
         X = links.get(link.get("name", ""), np.eye(4))
         for visual in link.findall("visual"):
             mesh = visual.find("geometry/mesh")
             if mesh is not None:
-                path = thing.urdf.parent / mesh.get("filename", "")
-                local = X @ _origin(visual.find("origin"), thing.scale)
-                pieces = mesh_triangles(path, np.full(3, thing.scale))
+                path = model.urdf.parent / mesh.get("filename", "")
+                local = X @ _origin(visual.find("origin"), model.scale)
+                pieces = mesh_triangles(path, np.full(3, model.scale))
                 drawn += [piece.moved(local) for piece in pieces]
     return drawn, links
 
 
 def _link_frames(root: ElementTree.Element, scale: float) -> dict[str, Array]:
-    """Link name -> (4, 4) in a world where the user stands at -y."""
+    """Link name -> frame (4, 4) in a world where the user stands at -y."""
     facing = np.eye(4)
     facing[:3, :3] = quat_to_matrix(axis_angle((0, 0, 1), np.pi / 2))
     frames: dict[str, Array] = {}
@@ -141,7 +141,7 @@ def _link_frames(root: ElementTree.Element, scale: float) -> dict[str, Array]:
     while waiting:
         ready = [j for j in waiting if _link(j, "parent") in frames]
         if not ready:
-            break  # joints that hang on nothing: a broken URDF, whose rest is still worth a look
+            break  # the other joints have no known parent: the URDF is broken, but draw the rest
         for j in ready:
             parent = frames[_link(j, "parent")]
             frames[_link(j, "child")] = (

@@ -1,4 +1,4 @@
-"""A small software rasteriser, so that a pack can be looked at without a renderer."""
+"""A small software rasteriser for contact sheets, which must work where no renderer does."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ LIGHT = np.array([-0.45, -0.6, 1.0]) / np.linalg.norm([-0.45, -0.6, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """What to draw, in a z-up world: one colour or one picture for all."""
+    """Triangles to draw in a z-up world, all with one colour or one picture."""
 
     corners: Array  # (N, 3, 3) [m]
     colour: Array  # (3,) sRGB 0..1
@@ -21,7 +21,7 @@ class Triangles:
     picture: Array | None = None  # (h, w, 3) 0..1
 
     def moved(self, X: Array) -> "Triangles":
-        """By a homogeneous matrix (4, 4)."""
+        """The triangles moved by a homogeneous matrix (4, 4)."""
         corners = self.corners @ X[:3, :3].T + X[:3, 3]
         return Triangles(corners, self.colour, self.uv, self.picture)
 
@@ -44,7 +44,7 @@ class View:
         return np.stack([right, -np.cross(back, right), -back])
 
     def project(self, points: ArrayLike) -> Array:
-        """(..., 3) world to column, row, depth [px, px, m]."""
+        """World points (..., 3) [m] as (column, row, depth) [px, px, m]."""
         p = (np.asarray(points, float) - self.centre) @ self.axes().T
         half = self.size / 2
         p[..., :2] = half + p[..., :2] * (0.96 * half / self.radius)
@@ -52,7 +52,7 @@ class View:
 
 
 def fitting(pieces: Sequence[Triangles], size: int) -> View:
-    """A view that shows all of them."""
+    """The view into which all pieces fit, `size` pixels wide."""
     points = np.vstack([piece.corners.reshape(-1, 3) for piece in pieces])
     centre = (points.min(0) + points.max(0)) / 2
     view = View(centre, 1.0, size)
@@ -61,7 +61,7 @@ def fitting(pieces: Sequence[Triangles], size: int) -> View:
 
 
 def draw(pieces: Sequence[Triangles], view: View) -> NDArray[np.uint8]:
-    """The picture (size, size, 3) on a light ground, plainly lit, no shadows."""
+    """Render a picture (size, size, 3) on a light background, with simple shading, no shadows."""
     image = np.full((view.size, view.size, 3), 0.93)
     depth = np.full((view.size, view.size), np.inf)
     for piece in pieces:
@@ -76,17 +76,19 @@ def _draw_piece(image: Array, depth: Array, piece: Triangles, view: View) -> Non
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-15)[:, None]
     shade = 0.45 + 0.55 * np.clip(normal @ LIGHT, 0, 1)
     for i in np.flatnonzero(normal @ view.axes()[2] < 0):
-        found = _cover(depth, corners[i])
-        if found is None:
+        pixels = _cover(depth, corners[i])
+        if pixels is None:
             continue
-        window, seen, weights = found
+        window, mask, weights = pixels
         colour = piece.colour
         if piece.uv is not None and piece.picture is not None:
             colour = _sample(piece.picture, weights @ piece.uv[i])
-        image[window][seen] = colour * shade[i]
+        image[window][mask] = colour * shade[i]
 
 
-def _cover(depth: Array, corner: Array):
+def _cover(
+    depth: Array, corner: Array
+) -> tuple[tuple[slice, slice], NDArray[np.bool_], Array] | None:
     """Pixels of one triangle that are nearest so far: window, mask, corner weights (K, 3)."""
     low = np.maximum(np.floor(corner[:, :2].min(0)).astype(int), 0)
     high = np.minimum(np.ceil(corner[:, :2].max(0)).astype(int) + 1, len(depth))
@@ -99,9 +101,9 @@ def _cover(depth: Array, corner: Array):
     c = ((bx - ax) * (v - ay) - (by - ay) * (u - ax)) / area
     z = az + b * (bz - az) + c * (cz - az)
     window = (slice(low[1], high[1]), slice(low[0], high[0]))
-    seen = (b >= -1e-6) & (c >= -1e-6) & (b + c <= 1 + 1e-6) & (z < depth[window])
-    depth[window][seen] = z[seen]
-    return window, seen, np.stack([1 - b - c, b, c], axis=-1)[seen]
+    mask = (b >= -1e-6) & (c >= -1e-6) & (b + c <= 1 + 1e-6) & (z < depth[window])
+    depth[window][mask] = z[mask]
+    return window, mask, np.stack([1 - b - c, b, c], axis=-1)[mask]
 
 
 def _sample(picture: Array, uv: Array) -> Array:
@@ -114,7 +116,7 @@ def _sample(picture: Array, uv: Array) -> Array:
 def line(
     image: NDArray[np.uint8], view: View, ends: Sequence[ArrayLike], colour: ArrayLike
 ) -> None:
-    """A straight mark over the picture, never hidden."""
+    """Draw a straight line over the picture, in front of everything."""
     (x0, y0, _), (x1, y1, _) = view.project(np.array(ends, float))
     steps = int(max(abs(x1 - x0), abs(y1 - y0))) + 1
     x = np.round(np.linspace(x0, x1, steps)).astype(int)

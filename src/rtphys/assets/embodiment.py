@@ -9,22 +9,31 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, MissingAsset
 from rtphys.core.library import read_yaml
 from rtphys.core.poses import Pose
 
 Array = NDArray[np.float64]
 
+# What the official config of the aloha does not say. The config of another robot says it itself,
+# under the same keys; without `joint_limits` those of its URDF hold.
 # The official aloha URDF allows +-10 rad, which invites IK answers wound round by 2 pi.
 # These are the ranges the arm really has and that its workspace was measured with [rad].
 ALOHA_LIMITS = ((-2.6, 2.6), (0.0, 3.5), (0.0, 3.2), (-1.6, 1.6), (-1.6, 1.6), (-3.1, 3.1))
-# The official config of a robot does not say how large its fingers are; another robot's may, under
-# `hand`. Measured on the official model of the aloha [m].
-ALOHA_HAND = {
-    "fingertip": 0.0356,
-    "pad_half_width": 0.0305,
-    "pad_half_thickness": 0.01,
-    "finger_travel": 0.0475,
+ALOHA = {
+    "joint_limits": [list(pair) for pair in ALOHA_LIMITS],
+    "bent_posture": [0.0, 1.2, 1.0, -0.8, 0.0, 0.0],
+    "joint_weights": [1.5, 1.5, 1.25, 1.0, 0.75, 0.5],
+    # The arm's real servos reach about 3 rad/s; accelerations keep finger loads near 1 g.
+    "joint_velocity": [2.5, 2.5, 2.5, 3.0, 3.0, 3.0],
+    "joint_acceleration": [10.0, 10.0, 10.0, 12.0, 12.0, 14.0],
+    "hand": {
+        "fingertip": 0.0356,
+        "pad_half_width": 0.0305,
+        "pad_half_thickness": 0.01,
+        "finger_travel": 0.0475,
+    },
 }
 
 
@@ -62,14 +71,21 @@ class Limb:
     """One arm with its gripper."""
 
     side: str  # "left" or "right"
-    joints: tuple[str, ...]  # six, base to wrist
+    joints: tuple[str, ...]  # n, base to wrist
     ee_link: str
     ee_joint: str
     camera_link: str  # wrist camera
     gripper_joint: str  # base finger
     mimics: tuple[Mimic, ...]
-    home: Array  # (6,) [rad]
-    limits: Array  # (6, 2) [rad]
+    home: Array  # (n,) posture at the start of an episode [rad]
+    limits: Array  # (n, 2) lower and upper angle [rad]
+    # With the elbow up and the tool pitched down: most of the table is reached from there.
+    bent: Array  # (n,) posture [rad]
+    # Radians of one joint are not worth the same: the base swings the whole arm, the last joint
+    # only turns the fingers. Used to say which of two postures is nearer.
+    weights: Array  # (n,)
+    velocity: Array  # (n,) largest in a planned motion [rad/s]
+    acceleration: Array  # (n,) largest in a planned motion [rad/s^2]
 
     @property
     def finger_joints(self) -> tuple[str, ...]:
@@ -113,6 +129,11 @@ class Embodiment:
     def limbs(self) -> tuple[Limb, Limb]:
         return self.left, self.right
 
+    @property
+    def action_layout(self) -> ActionLayout:
+        """Where the commands of both arms stand in one vector."""
+        return ActionLayout(len(self.left.joints))
+
     def finger_target(self, g: float) -> float:
         """Finger joint target [m] of a gripper command g in [0, 1]; 0 is closed."""
         closed, opened = self.gripper_scale
@@ -130,6 +151,8 @@ def read_embodiment(folder: Path) -> Embodiment:
     if not path.is_file():
         raise MissingAsset(f"embodiment {folder.name!r}", path)
     config = read_yaml(path)
+    if folder.name.startswith("aloha-agilex"):
+        config = {**config, **ALOHA}
     try:
         urdf = folder / str(config["urdf_path"])
         if not urdf.is_file():
@@ -141,7 +164,9 @@ def read_embodiment(folder: Path) -> Embodiment:
 
 def _embodiment(name: str, urdf: Path, config: Mapping[str, object]) -> Embodiment:
     limits = _limits_of(urdf)
-    limbs = [_limb(i, name, config, limits) for i in (0, 1)]
+    limbs = [_limb(i, config, limits) for i in (0, 1)]
+    if len(limbs[0].joints) != len(limbs[1].joints):
+        raise ValueError("both arms need as many joints")
     closed, opened = _numbers(config["gripper_scale"])
     first, last = _numbers(config.get("rotate_lim", [0, 1]))
     near, far = [str(d) for d in _list(config["grasp_perfect_direction"])]
@@ -155,7 +180,7 @@ def _embodiment(name: str, urdf: Path, config: Mapping[str, object]) -> Embodime
         joint_damping=_number(config["joint_damping"]),
         gripper_stiffness=_number(config["gripper_stiffness"]),
         gripper_damping=_number(config["gripper_damping"]),
-        hand=_hand(name, config),
+        hand=_hand(config),
         gripper_scale=(closed, opened),
         bases=tuple(Pose(p[:3], p[3:7]) for p in poses),
         delta_matrix=np.array(config["delta_matrix"], float),
@@ -166,25 +191,32 @@ def _embodiment(name: str, urdf: Path, config: Mapping[str, object]) -> Embodime
     )
 
 
-def _hand(name: str, config: Mapping[str, object]) -> Hand:
-    measures = ALOHA_HAND if _is_aloha(name) else cast(Mapping[str, object], config["hand"])
+_PER_JOINT = {  # field of `Limb` -> key of the config, a number a joint; both arms are alike
+    "bent": "bent_posture",
+    "weights": "joint_weights",
+    "velocity": "joint_velocity",
+    "acceleration": "joint_acceleration",
+}
+
+
+def _hand(config: Mapping[str, object]) -> Hand:
+    measures = cast(Mapping[str, object], config["hand"])
     return Hand(
         tcp=_number(config["gripper_bias"]),
+        fingertip=_number(measures["fingertip"]),
+        pad_half_width=_number(measures["pad_half_width"]),
+        pad_half_thickness=_number(measures["pad_half_thickness"]),
         finger_open=_numbers(config["gripper_scale"])[1],
-        **{key: _number(measures[key]) for key in ALOHA_HAND},
+        finger_travel=_number(measures["finger_travel"]),
     )
 
 
-def _is_aloha(name: str) -> bool:
-    return name.startswith("aloha-agilex")
-
-
-def _limb(i: int, name: str, config: Mapping[str, object], limits: dict[str, Array]) -> Limb:
+def _limb(i: int, config: Mapping[str, object], urdf_limits: dict[str, Array]) -> Limb:
     joints = tuple(str(j) for j in _list(_list(config["arm_joints_name"])[i]))
     gripper = cast(Mapping[str, object], _list(config["gripper_name"])[i])
     mimics = [_list(m) for m in _list(gripper["mimic"])]
-    side = ("left", "right")[i]
-    used = ALOHA_LIMITS if _is_aloha(name) else [limits[j] for j in joints]
+    side, n = SIDES[i], len(joints)
+    limits = config.get("joint_limits", [urdf_limits[joint].tolist() for joint in joints])
     return Limb(
         side=side,
         joints=joints,
@@ -193,8 +225,12 @@ def _limb(i: int, name: str, config: Mapping[str, object], limits: dict[str, Arr
         camera_link=f"{side}_camera",
         gripper_joint=str(gripper["base"]),
         mimics=tuple(Mimic(str(m[0]), _number(m[1]), _number(m[2])) for m in mimics),
-        home=np.array(_list(config["homestate"])[i], float),
-        limits=np.array(used, float),
+        home=np.array(_list(config["homestate"])[i], float).reshape(n),
+        limits=np.array(limits, float).reshape(n, 2),
+        **{
+            field: np.array(_list(config[key]), float).reshape(n)
+            for field, key in _PER_JOINT.items()
+        },
     )
 
 

@@ -1,4 +1,7 @@
-"""Shapes to build objects from. Lengths in metres, y up, as the official models are."""
+"""Solids and outlines to build objects from: lengths in metres, y up as in the official models.
+
+Our own: the vertex order of a library's primitives may change with its version.
+"""
 
 from collections.abc import Sequence
 
@@ -13,12 +16,12 @@ Outline = Sequence[Sequence[float]] | Array  # 2D points
 
 
 def box(x: float, y: float, z: float) -> Solid:
-    """A cuboid of these sizes, centred."""
+    """A cuboid of these sizes, centred. Convex."""
     return hull(_corners(x, y, z))
 
 
 def rounded_box(x: float, y: float, z: float, radius: float, steps: int = 2) -> Solid:
-    """A convex cuboid whose edges are rounded; `steps` facets a quarter turn (1 = chamfer)."""
+    """A cuboid with rounded edges; `steps` facets per quarter turn (1 is a chamfer). Convex."""
     angles = np.linspace(0, np.pi / 2, steps + 1)
     ball = [
         (np.cos(v) * np.cos(h), np.sin(v), np.cos(v) * np.sin(h)) for v in angles for h in angles
@@ -30,22 +33,22 @@ def rounded_box(x: float, y: float, z: float, radius: float, steps: int = 2) -> 
 
 
 def extrude(outline: Outline, height: float) -> Solid:
-    """A closed outline (N, 2) of (x, z) points raised from y = 0 to `height`."""
+    """A closed outline (N, 2) of (x, z) points extruded from y = 0 to `height`."""
     points = np.asarray(outline, float)
     if _area(points) < 0:
         points = points[::-1]
     shape = manifold3d.Manifold.extrude(manifold3d.CrossSection([points]), height)
     mesh = shape.to_mesh64()
     v = np.asarray(mesh.vert_properties, float)[:, :3]
-    # (x, z, height) -> (x, height, z) mirrors, so the faces are turned over.
+    # (x, z, height) -> (x, height, z) is a mirroring, so the faces are reversed.
     return Solid(v[:, [0, 2, 1]], np.asarray(mesh.tri_verts).astype(np.int64)[:, ::-1])
 
 
 def lathe(profile: Outline, sides: int = 24) -> Solid:
-    """A profile (N, 2) of (radius, y) points turned about y.
+    """A profile (N, 2) of (radius, y) points revolved about y.
 
-    A profile that starts and ends on the axis closes itself there; any other is taken as a
-    closed loop (a ring). Points go upward along the outside.
+    A profile that starts and ends on the axis is closed there; any other is a closed loop, which
+    gives a ring. Points go upward along the outside.
     """
     points = np.asarray(profile, float)
     on_axis = points[0, 0] == 0 and points[-1, 0] == 0
@@ -97,7 +100,7 @@ def capsule(radius: float, length: float, sides: int = 12) -> Solid:
 
 
 def tube(path: ArrayLike, radius: float, sides: int = 8, closed: bool = False) -> Solid:
-    """A round bar along a polyline (N, 3), mitred at its corners; `closed` joins the ends."""
+    """A round bar along a polyline (N, 3), with mitred corners; `closed` joins the ends."""
     p = np.asarray(path, float)
     ahead = np.roll(p, -1, 0) - p
     behind = p - np.roll(p, 1, 0)
@@ -107,7 +110,7 @@ def tube(path: ArrayLike, radius: float, sides: int = 8, closed: bool = False) -
     behind /= np.linalg.norm(behind, axis=1)[:, None]
     tangent = ahead + behind
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
-    # One fixed "side" direction, carried along, keeps the bar from twisting.
+    # One side direction, carried along the path, keeps the bar from twisting.
     side = np.cross(tangent[0], [0.3, 0.2, 0.9] if abs(tangent[0][2]) < 0.9 else [0.9, 0.2, 0.3])
     angles = 2 * np.pi * np.arange(sides) / sides
     rings = []
@@ -182,7 +185,7 @@ def _area(points: Array) -> float:
 
 
 def _band(lower: NDArray[np.int64], upper: NDArray[np.int64], sides: int) -> NDArray[np.int64]:
-    """Triangles between two rings of indices; a ring of one repeated index is a pole."""
+    """Triangles (M, 3) between two rings of vertex indices; one repeated index is a pole."""
     i, j = np.arange(sides), np.roll(np.arange(sides), -1)
     faces = []
     if lower[0] != lower[1]:

@@ -1,4 +1,4 @@
-"""A small binary glTF writer: same input, same bytes."""
+"""Writes binary glTF. Our own: the bytes of a library's writer may change with its version."""
 
 import json
 import struct
@@ -15,7 +15,7 @@ FLOAT, UINT16, UINT32 = 5126, 5123, 5125
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Vertices ready to draw: a corner shared by two normals stands twice."""
+    """A mesh ready to draw: a corner with two normals is two vertices."""
 
     points: NDArray[np.float32]  # (N, 3) [m]
     faces: NDArray[np.uint32]  # (M, 3)
@@ -50,7 +50,7 @@ class _Writer:
 
 
 def glb_bytes(surfaces: list[Surface], names: list[str]) -> bytes:
-    """One mesh and one node a surface, in order, none of them moved or scaled."""
+    """A GLB file with one mesh and one untransformed node per surface, in order."""
     out = _Writer()
     materials: list[dict[str, object]] = []
     images: list[dict[str, object]] = []
@@ -92,7 +92,7 @@ def _material(
 
 
 def linear(srgb: float) -> float:
-    """glTF wants a colour factor in linear light, a picture in sRGB."""
+    """An sRGB value 0..1 in linear light, as glTF wants colour factors (but not pictures)."""
     return srgb / 12.92 if srgb <= 0.04045 else ((srgb + 0.055) / 1.055) ** 2.4
 
 

@@ -1,4 +1,4 @@
-"""Printed labels: what tells one bottle, can or packet from another at 20 pixels."""
+"""Printed labels, which make bottles, cans and packets distinct at a size of 20 pixels."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,11 +6,11 @@ from numpy.typing import NDArray
 from rtphys.assets.material import Colour, Picture
 from rtphys.assets.pictures import plain, to_picture
 
-WIDE, HIGH = 64, 32  # pixels; a label that runs around shows its badge twice
+WIDE, HIGH = 64, 32  # [px] a label around a bottle shows its badge twice
 
 
 def label(ground: Colour, accent: Colour, ink: Colour, style: str = "badge") -> Picture:
-    """A label of three colours.
+    """Picture (32, 64, 3) of a label in three colours.
 
     Styles: "badge" an oval with a name, "band" a broad stripe with a name, "wave" a slanting
     field, "fruit" three round fruits, "blocks" a headline over a list of contents.

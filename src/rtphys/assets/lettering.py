@@ -1,4 +1,4 @@
-"""Words on small pictures, in a 3 x 5 dot alphabet."""
+"""Words on small pictures, in letters of 3 x 5 dots: no font gives the same pixels everywhere."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from rtphys.assets.material import Colour
 
 Array = NDArray[np.float64]
 
-# Five rows of three dots a letter, each row an octal digit, the left dot its highest bit.
+# A letter is five rows of three dots; each row is an octal digit, its highest bit the left dot.
 LETTERS = {
     "A": 0o25755, "B": 0o65656, "C": 0o34443, "D": 0o65556, "E": 0o74647, "F": 0o74644,
     "G": 0o34553, "H": 0o55755, "I": 0o72227, "J": 0o11152, "K": 0o55655, "L": 0o44447,
@@ -20,7 +20,7 @@ LETTERS = {
 
 
 def dots(text: str) -> NDArray[np.bool_]:
-    """(5, 4 n - 1) pattern of a text in capitals. Raises KeyError for other characters."""
+    """Dots (5, 4 n - 1) of a text of n capitals. Raises KeyError for other characters."""
     rows = np.zeros((5, 4 * len(text)), bool)
     for i, letter in enumerate(text):
         code = LETTERS[letter]
@@ -31,7 +31,7 @@ def dots(text: str) -> NDArray[np.bool_]:
 
 
 def write(canvas: Array, text: str, row: int, colour: Colour, size: int = 1) -> Array:
-    """Paint `text` centred on a canvas (h, w, 3), its top at `row`, `size` pixels a dot."""
+    """Paint `text` centred on a canvas (h, w, 3) from pixel row `row`, `size` pixels per dot."""
     pattern = np.kron(dots(text), np.ones((size, size), bool))
     height, width = pattern.shape
     left = (canvas.shape[1] - width) // 2

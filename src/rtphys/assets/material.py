@@ -1,4 +1,4 @@
-"""What things are made of: how heavy, how slippery, and what they look like."""
+"""Materials of objects: density, friction and appearance."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ Colour = tuple[float, float, float]  # sRGB, each 0..1
 
 @dataclass(frozen=True)
 class Substance:
-    """A material; figures are handbook values, rounded."""
+    """Physical properties of a material: handbook values, rounded."""
 
     density: float  # [kg/m^3]
     friction: float  # [1] against a wooden table and rubber pads, static = dynamic
@@ -39,7 +39,7 @@ SUBSTANCES = {
 
 
 def substance(name: str) -> Substance:
-    """Raises UnknownName with the nearest match."""
+    """The material of this name. Raises UnknownName with the nearest match."""
     if name not in SUBSTANCES:
         raise UnknownName("material", name, SUBSTANCES)
     return SUBSTANCES[name]
@@ -47,7 +47,7 @@ def substance(name: str) -> Substance:
 
 @dataclass(frozen=True, eq=False)
 class Finish:
-    """How a surface looks. Parts with the same Finish *object* are drawn in one call."""
+    """Appearance of a surface. Parts with the same Finish *object* are drawn in one call."""
 
     colour: Colour = (0.8, 0.8, 0.8)
     metallic: float = 0.0
@@ -56,7 +56,7 @@ class Finish:
     projection: str = "cylinder"  # "cylinder" about y; "x", "y" or "z": seen along that axis
 
     def with_picture(self, picture: Picture, projection: str) -> "Finish":
-        """The same surface, printed on."""
+        """The same surface with a picture on it."""
         return Finish(self.colour, self.metallic, self.roughness, picture, projection)
 
 
@@ -66,16 +66,16 @@ def plastic(colour: Colour, gloss: float = 0.5) -> Finish:
 
 
 def metal(colour: Colour = (0.75, 0.76, 0.78), roughness: float = 0.35) -> Finish:
-    """Bare metal. Kept below fully metallic: with no environment map that would draw black."""
+    """Bare metal, but not fully metallic: without an environment map that would look black."""
     return Finish(colour, 0.35, roughness)
 
 
 def matt(colour: Colour) -> Finish:
-    """Paper, cloth, rubber, raw wood."""
+    """A matt surface: paper, cloth, rubber, raw wood."""
     return Finish(colour, 0.0, 0.95)
 
 
 def tint(colour: Colour, factor: float) -> Colour:
-    """Darker (below 1) or lighter (above 1) by a factor."""
+    """A colour made darker (factor below 1) or lighter (above 1)."""
     r, g, b = (min(1.0, max(0.0, c * factor)) for c in colour)
     return (r, g, b)

@@ -1,4 +1,4 @@
-"""What a pack says about one object: sizes, masses and the points to grasp or use it by."""
+"""Reads the description of one model of a pack: sizes, masses, contact and functional points."""
 
 import json
 from collections.abc import Mapping
@@ -15,17 +15,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """One rigid model. Its frame is the official one: metres after scaling, mostly y up.
+    """One rigid model, in the official object frame: metres after scaling, mostly y up.
 
     A contact point's frame has +y outward, x camera-up, z minus the finger axis; a functional
-    point's z is what the object states (docs/objects.md).
+    point has the z axis that its object defines (docs/objects.md).
     """
 
     id_name: str
     index: int
     visual: Path
     collision: Path  # glb; every sub-mesh is one convex part
-    scale: Array  # (3,) to give to the mesh loader
+    scale: Array  # (3,) for the mesh loader
     extents: Array  # (3,) [m] bounding box, scaled
     center: Array  # (3,) [m] of that box in the object frame
     contact_points: tuple[Array, ...]  # (4, 4) object frame <- point, [m]
@@ -38,12 +38,12 @@ class Model:
     friction: float | None  # nominal coefficient, static = dynamic
     categories: tuple[str, ...]
     description: tuple[str, ...]  # noun phrases without article, for language
-    stable: bool  # rests upright on its own (may serve as clutter)
+    stable: bool  # it stays upright by itself, so it may be clutter
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """How much room a rigid model takes and whether it stands by itself, for clutter."""
+    """Bounding box of a rigid model and whether it stands by itself, for clutter."""
 
     center: Array  # (3,) [m] of the bounding box, object frame, scaled
     extents: Array  # (3,) [m] likewise
@@ -65,13 +65,13 @@ class Articulation:
     id_name: str
     index: int
     urdf: Path
-    scale: float  # to give to the URDF loader
+    scale: float  # for the URDF loader
     root_offset: Array  # (4, 4) spawn pose <- root link; official `transform_matrix`
     init_qpos: Array  # (n,) or empty
     contact_points: tuple[LinkPoint, ...]
     functional_points: tuple[LinkPoint, ...]
     joint_damping: float | None  # [N m s/rad or N s/m] nominal; None: the URDF's own
-    balanced_links: tuple[str, ...]  # a spring carries their weight: no gravity on them
+    balanced_links: tuple[str, ...]  # links without gravity: a spring carries their weight
     mass_kg: float | None  # of all links together
     material: str
     friction: float | None
@@ -80,7 +80,7 @@ class Articulation:
 
 
 def read_json(path: Path) -> dict[str, object]:
-    """A JSON object, or BadFile / MissingAsset naming the file."""
+    """Read a JSON object. Raises MissingAsset or BadFile, which name the file."""
     if not path.is_file():
         raise MissingAsset(f"file {path.name}", path)
     try:
@@ -93,18 +93,18 @@ def read_json(path: Path) -> dict[str, object]:
 
 
 def frozen(value: object) -> Array:
-    """A float array that nobody can write to."""
+    """A read-only float array."""
     array = np.array(value, float)
     array.setflags(write=False)
     return array
 
 
 def read_model(folder: Path, index: int) -> Model:
-    """`<folder>/model_data<index>.json` and the meshes beside it.
+    """Read `<folder>/model_data<index>.json` and find the meshes beside it.
 
     Raises:
-        MissingAsset: metadata or a mesh is not there.
-        BadFile: the metadata lacks a key or has a wrong shape.
+        MissingAsset: the description or a mesh is not there.
+        BadFile: the description lacks a key or an array has a wrong shape.
     """
     path = folder / f"model_data{index}.json"
     data = read_json(path)
@@ -135,7 +135,7 @@ def read_model(folder: Path, index: int) -> Model:
 
 
 def read_box(folder: Path, index: int) -> Box:
-    """A part of what `read_model` reads, several times as fast. Raises as it does."""
+    """Read a model's bounding box only, several times as fast as `read_model`. Raises the same."""
     path = folder / f"model_data{index}.json"
     try:
         return _box(read_json(path))
@@ -149,7 +149,7 @@ def _box(data: Mapping[str, object]) -> Box:
 
 
 def mesh_file(folder: Path, kind: str, index: int) -> Path:
-    """Path of a model's `visual` or `collision` mesh; it must exist."""
+    """Path of a model's `visual` or `collision` mesh. Raises MissingAsset if it is not there."""
     path = folder / kind / f"base{index}.glb"
     if not path.is_file():
         raise MissingAsset(f"{kind} mesh of {folder.name} model {index}", path)
@@ -157,7 +157,7 @@ def mesh_file(folder: Path, kind: str, index: int) -> Path:
 
 
 def read_articulation(folder: Path, index: int) -> Articulation:
-    """`<folder>/{mobility.urdf,model_data.json}`; raises as `read_model`."""
+    """Read `<folder>/{mobility.urdf,model_data.json}`. Raises as `read_model`."""
     path = folder / "model_data.json"
     data = read_json(path)
     urdf = folder / "mobility.urdf"

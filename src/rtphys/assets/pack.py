@@ -1,4 +1,4 @@
-"""One loader for the builtin and the official asset pack; a task never knows which it has."""
+"""Loads models, robots and textures of an asset pack, builtin or official, by one interface."""
 
 import hashlib
 import os
@@ -25,19 +25,19 @@ if TYPE_CHECKING:  # the generators need trimesh and manifold3d, a finished pack
     from rtphys.assets.build import Progress
 
 FALLBACKS = ("", "builtin")
-TEXTURE_FOLDERS = ("textures", "background_texture")  # ours, the official name
+TEXTURE_FOLDERS = ("textures", "background_texture")  # in the builtin and in the official pack
 
 
 class Pack:
-    """A folder in the official layout. What it lacks comes from `fallback`, if there is one.
+    """An asset pack: a folder in the official layout, with an optional fallback for what it lacks.
 
     Args:
-        root: the folder that holds `objects/` and `embodiments/`, or its parent when the two
-            lie in `root/assets`.
-        fallback: another pack to ask for what is missing here.
+        root: the folder with `objects/` and `embodiments/`, or the one with `assets/`, if that
+            holds the two.
+        fallback: another pack, for what is missing here.
 
     Raises:
-        BadFile: `root` holds neither folder.
+        BadFile: `root` has neither folder.
     """
 
     def __init__(self, root: Path, fallback: "Pack | None" = None) -> None:
@@ -48,7 +48,7 @@ class Pack:
         if not any((root / part).is_dir() for part in ("objects", "embodiments")):
             raise BadFile(root, "is no asset pack: it has neither objects/ nor embodiments/")
         self.root, self.fallback = root, fallback
-        # Read once a process: every episode asks again, and planners are kept by embodiment.
+        # Read once per process: every episode asks again, and planners are cached by embodiment.
         self._textures: dict[str, tuple[Path, ...]] = {}
         self._listings: dict[str, tuple[int, ...]] = {}
         self._models: dict[tuple[str, int], Model] = {}
@@ -61,13 +61,13 @@ class Pack:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Every object id_name, rigid and articulated, sorted; the fallback's included."""
+        """id_names of all objects, rigid and articulated, sorted; the fallback's included."""
         folder = self.root / "objects"
-        own = {p.name for p in folder.iterdir() if p.is_dir()} if folder.is_dir() else set()
-        return tuple(sorted(own | set(self.fallback.names if self.fallback else ())))
+        names = {p.name for p in folder.iterdir() if p.is_dir()} if folder.is_dir() else set()
+        return tuple(sorted(names | set(self.fallback.names if self.fallback else ())))
 
     def is_articulated(self, id_name: str) -> bool:
-        """Whether `id_name` is made of links and joints."""
+        """Whether the object `id_name` has links and joints."""
         if self._rigid(id_name):
             return False
         if self._folders(id_name):
@@ -75,16 +75,18 @@ class Pack:
         return self.fallback is not None and self.fallback.is_articulated(id_name)
 
     def indices(self, id_name: str) -> tuple[int, ...]:
-        """Model numbers of an object, ascending; of an articulation 0 .. n-1."""
-        own = self._rigid(id_name) or tuple(range(len(self._folders(id_name))))
-        if own:
-            return own
+        """Model numbers of an object, ascending; 0 .. n-1 for an articulated one.
+
+        Raises MissingAsset or UnknownName.
+        """
+        if numbers := self._rigid(id_name) or tuple(range(len(self._folders(id_name)))):
+            return numbers
         if self.fallback:
             return self.fallback.indices(id_name)
         raise self._missing(id_name)
 
     def model(self, id_name: str, index: int) -> Model:
-        """A rigid model. Raises MissingAsset, UnknownName or BadFile."""
+        """The rigid model of this number. Raises MissingAsset, UnknownName or BadFile."""
         if (id_name, index) in self._models:
             return self._models[id_name, index]
         if index in self._rigid(id_name):
@@ -96,9 +98,9 @@ class Pack:
         raise self._missing(id_name, index)
 
     def box(self, id_name: str, index: int) -> Box:
-        """A rigid model's room, without the rest of `model`; raises as it does."""
-        if known := self._models.get((id_name, index)):
-            return Box(known.center, known.extents, known.stable)
+        """The bounding box of a rigid model, read faster than its `model`; raises the same."""
+        if model := self._models.get((id_name, index)):
+            return Box(model.center, model.extents, model.stable)
         if index in self._rigid(id_name):
             return read_box(self.root / "objects" / id_name, index)
         if self.fallback:
@@ -106,7 +108,7 @@ class Pack:
         raise self._missing(id_name, index)
 
     def articulation(self, id_name: str, index: int) -> Articulation:
-        """An articulated model: by its folder's number, else by position among the folders."""
+        """The articulated model whose folder has this number, else the one at this position."""
         folders = self._folders(id_name)
         for folder in folders:
             if folder.name == str(index):
@@ -118,19 +120,17 @@ class Pack:
         raise self._missing(id_name, index)
 
     def _rigid(self, id_name: str) -> tuple[int, ...]:
+        """Numbers of the rigid models in this pack, without the fallback."""
         if id_name not in self._listings:
-            self._listings[id_name] = self._listed(id_name)
+            files = (self.root / "objects" / id_name).glob("model_data*.json")
+            numbers = (re.fullmatch(r"model_data(\d+)", f.stem) for f in files)
+            self._listings[id_name] = tuple(sorted(int(n[1]) for n in numbers if n))
         return self._listings[id_name]
 
-    def _listed(self, id_name: str) -> tuple[int, ...]:
-        files = (self.root / "objects" / id_name).glob("model_data*.json")
-        numbers = (re.fullmatch(r"model_data(\d+)", f.stem) for f in files)
-        return tuple(sorted(int(n[1]) for n in numbers if n))
-
     def _folders(self, id_name: str) -> list[Path]:
-        """Folders of an articulated object in numeric order (9748 before 10040)."""
-        found = (self.root / "objects" / id_name).glob("*/model_data.json")
-        return sorted((f.parent for f in found), key=lambda p: (len(p.name), p.name))
+        """Model folders of an articulated object in numeric order (9748 before 10040)."""
+        files = (self.root / "objects" / id_name).glob("*/model_data.json")
+        return sorted((f.parent for f in files), key=lambda p: (len(p.name), p.name))
 
     def _missing(self, id_name: str, index: int | None = None) -> MissingAsset | UnknownName:
         folder = self.root / "objects" / id_name
@@ -148,12 +148,12 @@ class Pack:
 
     @property
     def embodiments(self) -> tuple[str, ...]:
-        """Names of the robots in this pack (the fallback's included)."""
-        own = {p.parent.name for p in (self.root / "embodiments").glob("*/config.yml")}
-        return tuple(sorted(own | set(self.fallback.embodiments if self.fallback else ())))
+        """Names of all robots, sorted; the fallback's included."""
+        names = {p.parent.name for p in (self.root / "embodiments").glob("*/config.yml")}
+        return tuple(sorted(names | set(self.fallback.embodiments if self.fallback else ())))
 
     def embodiment(self, name: str = "aloha-agilex") -> Embodiment:
-        """A robot. Raises UnknownName, MissingAsset or BadFile."""
+        """The robot of this name. Raises UnknownName, MissingAsset or BadFile."""
         folder = self.root / "embodiments" / name
         if name in self._robots:
             return self._robots[name]
@@ -170,8 +170,8 @@ class Pack:
         """Table and wall pictures of a split, "seen" or "unseen", in a fixed order."""
         if split not in ("seen", "unseen"):
             raise UnknownName("texture split", split, ("seen", "unseen"))
-        if found := self._pictures(split):
-            return found
+        if pictures := self._pictures(split):
+            return pictures
         if self.fallback:
             return self.fallback.textures(split)
         raise MissingAsset(f"{split} textures", self.root / TEXTURE_FOLDERS[0] / split)
@@ -179,18 +179,17 @@ class Pack:
     def _pictures(self, split: str) -> tuple[Path, ...]:
         if split not in self._textures:
             folders = (self.root / name / split for name in TEXTURE_FOLDERS)
-            found = (sorted(f.glob("*.png"), key=lambda p: p.name) for f in folders)
-            self._textures[split] = tuple(next(filter(None, found), ()))
+            listings = (sorted(f.glob("*.png"), key=lambda p: p.name) for f in folders)
+            self._textures[split] = tuple(next(filter(None, listings), ()))
         return self._textures[split]
 
     # ---- identity --------------------------------------------------------------------------
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 that names this pack's content (hex, 64).
+        """SHA-256 (64 hex digits) of the pack's content, the fallback's included.
 
-        A built pack carries the digest of its bytes. Of a foreign pack, too large to hash for
-        every run, it covers all names and sizes and the text of all metadata.
+        A built pack stores the digest of its bytes; see `description_digest` for any other pack.
         """
         own = self._own_digest()
         if self.fallback is None:
@@ -205,11 +204,11 @@ class Pack:
 
 
 def default_pack(progress: "Progress | None" = None) -> Pack:
-    """The pack to use when none is named.
+    """The asset pack to use when none is named.
 
-    `$RTPHYS_ASSETS` if set, with the builtin pack behind it if `$RTPHYS_ASSETS_FALLBACK` says
-    `builtin`; else the one that `rtphys assets link` chose, else the builtin pack,
-    which is built on first use (`progress` is told how far it is).
+    It is `$RTPHYS_ASSETS` if set, with the builtin pack as fallback if `$RTPHYS_ASSETS_FALLBACK`
+    is `builtin`; else the pack that `rtphys assets link` chose; else the builtin pack, which is
+    built on first use (`progress` is called after each model).
     """
     named = os.environ.get("RTPHYS_ASSETS")
     if named:
@@ -222,10 +221,10 @@ def default_pack(progress: "Progress | None" = None) -> Pack:
 
 
 def chosen_pack(root: Path | None, fallback: str, progress: "Progress | None" = None) -> Pack:
-    """The pack of one run: `root`, with the builtin one behind it if `fallback` says so.
+    """The asset pack of one run, with the builtin pack as fallback if `fallback` says so.
 
     Args:
-        root: None: `default_pack`.
+        root: folder of the pack; None means `default_pack`.
         fallback: "" or "builtin".
 
     Raises:
@@ -240,7 +239,7 @@ def chosen_pack(root: Path | None, fallback: str, progress: "Progress | None" = 
 
 
 def builtin_pack(progress: "Progress | None" = None) -> Pack:
-    """The generated pack in the user's cache, built first if this version's is not there."""
+    """The builtin pack of this version in the user's cache; builds it first if it is not there."""
     root = cache_folder() / source_digest()[:16]
     if not (root / STAMP).is_file():
         from rtphys.assets.build import build
@@ -250,7 +249,7 @@ def builtin_pack(progress: "Progress | None" = None) -> Pack:
 
 
 def pack_with(digest: str) -> Pack | None:
-    """A pack of this machine with that digest, builtin or linked; builds nothing."""
+    """The pack of this digest on this machine, builtin or linked, if any; builds nothing."""
     built = [Pack(stamp.parent) for stamp in sorted(cache_folder().glob(f"*/{STAMP}"))]
     named, link = os.environ.get("RTPHYS_ASSETS"), linked()
     roots = ([Path(named)] if named else []) + ([link[0]] if link else [])
@@ -259,13 +258,13 @@ def pack_with(digest: str) -> Pack | None:
 
 
 def cache_folder() -> Path:
-    """`$XDG_CACHE_HOME/rtphys/assets`, by default under `~/.cache`."""
+    """The folder of the built packs: `$XDG_CACHE_HOME/rtphys/assets`, by default in `~/.cache`."""
     base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
     return Path(base).expanduser() / "rtphys" / "assets"
 
 
 def linked() -> tuple[Path, bool] | None:
-    """The linked official pack and whether the builtin one stands in for what it lacks."""
+    """The official pack that the user linked, and whether the builtin pack is its fallback."""
     path = cache_folder() / "link.json"
     if not path.is_file():
         return None

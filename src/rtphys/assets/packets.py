@@ -1,4 +1,4 @@
-"""Printed packets: cartons, tins and bags of one size table, for tea and for coffee."""
+"""Printed packets for tea and coffee: cartons, tins, cans, bags and prisms."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from rtphys.assets.solid import Solid, hull
 
 @dataclass(frozen=True)
 class Packet:
-    """Sizes [m], kind and mass [kg]. `above` and `aside` are the heights of the grasps."""
+    """Sizes [m], kind and mass [kg]; `above` and `aside` are heights of grasps [m]."""
 
     x: float
     y: float
@@ -25,7 +25,7 @@ class Packet:
 
 @dataclass(frozen=True, eq=False)
 class Print:
-    """What is on it: its colour, the lid's, and the pictures of the front and the sides."""
+    """Colours of body and lid, and the pictures on the front and on the sides."""
 
     colour: Colour
     lid: Colour
@@ -34,7 +34,7 @@ class Print:
 
 
 def packet(size: Packet, look: Print) -> tuple[tuple[Part, ...], tuple[Solid, ...]]:
-    """Visible parts and convex parts. Raises KeyError for an unknown kind."""
+    """Visual parts and convex collision parts. Raises KeyError for an unknown kind."""
     kinds = {"carton": _carton, "tin": _tin, "can": _can, "bag": _bag, "prism": _prism}
     return kinds[size.kind](size, look)
 
@@ -55,7 +55,7 @@ def _carton(size: Packet, look: Print) -> Made:
 
 
 def _tin(size: Packet, look: Print) -> Made:
-    """Rounded edges and a lid that overlaps."""
+    """A tin with rounded edges and a lid that overlaps."""
     x, y, z = size.x, size.y, size.z
     body = rounded_box(0.985 * x, 0.86 * y, 0.985 * z, 0.006, 2).at(y=0.43 * y)
     lid = rounded_box(x, 0.20 * y, z, 0.006, 2).at(y=0.90 * y)
@@ -68,7 +68,7 @@ def _tin(size: Packet, look: Print) -> Made:
 
 
 def _can(size: Packet, look: Print) -> Made:
-    """A round tin; its label goes around."""
+    """A round tin with a label around it."""
     r, y = size.x / 2, size.y
     sides = 20
     body = extrude(circle(0.98 * r, sides), 0.98 * y)
@@ -84,7 +84,7 @@ def _can(size: Packet, look: Print) -> Made:
 
 
 def _bag(size: Packet, look: Print) -> Made:
-    """A block bottom bag with its top folded to an edge."""
+    """A bag with a flat bottom and its top folded to an edge."""
     x, y, z = size.x, size.y, size.z
     foot = rounded_box(x, 0.70 * y, z, 0.004, 1).at(y=0.35 * y)
     shoulder = hull([
@@ -101,7 +101,7 @@ def _bag(size: Packet, look: Print) -> Made:
 
 
 def _prism(size: Packet, look: Print) -> Made:
-    """A tin with its corners cut off, and a knob-less flat lid."""
+    """A tin with chamfered corners and a flat lid."""
     x, y, z = size.x, size.y, size.z
     cut = 0.22 * min(x, z)
     outline = [
@@ -124,13 +124,13 @@ def _prism(size: Packet, look: Print) -> Made:
 def _labels(
     size: Packet, look: Print, share: tuple[float, float], middle: float
 ) -> tuple[Part, ...]:
-    """Pictures on all four sides: two slabs through the packet that stand out by a hair."""
+    """Pictures on all four sides: two slabs through the packet that stand out by under 1 mm."""
     wide, tall = share
     out = 0.0008 if size.kind != "bag" else 0.0004
     front = box(wide * size.x, tall * size.y, size.z + out).at(y=middle)
     side = box(size.x + out, tall * size.y, wide * size.z).at(y=middle)
     paper = plastic((1, 1, 1), 0.35)
-    # Light: they are printed skins, whose slabs must not count as solid cardboard.
+    # Of a light material: the slabs are printed skins and must not weigh as solid cardboard.
     return (
         Part(front, paper.with_picture(look.front, "z"), "wicker"),
         Part(side, paper.with_picture(look.side, "x"), "wicker"),
@@ -138,5 +138,5 @@ def _labels(
 
 
 def dark(colour: Colour) -> Colour:
-    """The same colour, as printed in shade."""
+    """A darker version of a colour, for printed shade."""
     return tint(colour, 0.55)

@@ -1,4 +1,4 @@
-"""Exact convex parts for hollow things. They are made beside the visual, never decomposed."""
+"""Exact convex parts of hollow objects, generated with the visual and not decomposed from it."""
 
 from itertools import pairwise
 
@@ -9,16 +9,16 @@ from rtphys.assets.solid import Solid, hull
 
 
 def shell_parts(outer: Outline, inner: Outline, sectors: int = 12) -> tuple[Solid, ...]:
-    """Wall of a turned vessel: one convex part a sector and profile step.
+    """The wall of a lathe-turned vessel: one convex part per sector and profile step.
 
     Args:
         outer: (N, 2) of (radius, y) along the outside, bottom to top.
         inner: (N, 2) along the inside, point i facing point i of `outer`. The four corners of
             each step must form a convex quadrilateral.
-        sectors: parts around; the wall is a polygon of that many sides, corners on the circle.
+        sectors: parts around; the wall is a polygon of so many sides, its corners on the circle.
 
     Returns:
-        sectors * (N - 1) parts. A step wholly on the axis side (radius 0) becomes a wedge.
+        sectors * (N - 1) parts. A step whose inside lies on the axis becomes a wedge.
     """
     a, b = np.asarray(outer, float), np.asarray(inner, float)
     edges = 2 * np.pi * np.arange(sectors + 1) / sectors

@@ -1,6 +1,7 @@
-"""Surfaces of tables and walls as pictures that tile: wood, stone, tile, cloth, noise, stripes.
+"""Textures of tables and walls that repeat without seams: wood, stone, tile, cloth, noise, stripes.
 
-A pattern takes a random stream and returns (SIZE, SIZE, 3) floats in 0..1; colours are drawn too.
+A pattern takes a random generator and returns a picture (SIZE, SIZE, 3) of floats 0..1 whose
+colours are random too.
 """
 
 from collections.abc import Callable
@@ -20,7 +21,7 @@ WOODS = ((0.76, 0.58, 0.38), (0.52, 0.34, 0.20), (0.87, 0.74, 0.54), (0.36, 0.23
 
 
 def noise(rng: Generator, cells_x: int, cells_y: int | None = None) -> Array:
-    """Smooth noise in -1..1 that repeats; `cells` lattice points a side."""
+    """Smooth periodic noise in -1..1 with `cells_x` by `cells_y` lattice points."""
     rows = cells_x if cells_y is None else cells_y
     lattice = rng.uniform(-1, 1, (rows, cells_x))
     u, v = X * cells_x, Y * rows
@@ -34,7 +35,7 @@ def noise(rng: Generator, cells_x: int, cells_y: int | None = None) -> Array:
 
 
 def clouds(rng: Generator, cells: int = 4, octaves: int = 5) -> Array:
-    """Noise on noise, each finer and weaker, about -1..1."""
+    """Sum of noises, each finer and weaker than the last, about -1..1."""
     layers = [noise(rng, cells * 2**k) / 1.8**k for k in range(octaves)]
     return np.sum(layers, axis=0) / 1.2
 
@@ -46,7 +47,7 @@ def mix(a: ArrayLike, b: ArrayLike, share: Array) -> Array:
 
 
 def colour(rng: Generator, light: tuple[float, float] = (0.35, 0.85), vivid: float = 0.45) -> Array:
-    """A random colour of some lightness; `vivid` bounds how far it is from grey."""
+    """A random colour (3,); `light` bounds its lightness, `vivid` its distance from grey."""
     hue = rng.uniform(0, 1)
     wheel = np.clip(np.abs((hue * 6 + np.array([0, 4, 2])) % 6 - 3) - 1, 0, 1)
     pure = rng.uniform(0.3, 1.0) * vivid
@@ -54,7 +55,7 @@ def colour(rng: Generator, light: tuple[float, float] = (0.35, 0.85), vivid: flo
 
 
 def points(rng: Generator, count: int) -> tuple[Array, NDArray[np.int64]]:
-    """Cells about random points: (distance to the second less to the first, index of the first)."""
+    """Cells of random points: (distance to second nearest - to nearest point, index of nearest)."""
     seeds = rng.uniform(0, 1, (count, 2))
     first, second = np.full((SIZE, SIZE), 9.0), np.full((SIZE, SIZE), 9.0)
     owner = np.zeros((SIZE, SIZE), np.int64)

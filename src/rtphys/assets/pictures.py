@@ -1,4 +1,7 @@
-"""Small pictures to print on parts, drawn with numpy. Rows go down, colours are sRGB."""
+"""Small pictures to print on parts, drawn with numpy so that every machine gives the same bytes.
+
+Rows go down, colours are sRGB.
+"""
 
 from collections.abc import Sequence
 
@@ -12,17 +15,17 @@ Array = NDArray[np.float64]
 
 
 def to_picture(values: ArrayLike) -> Picture:
-    """From floats (h, w, 3) in 0..1."""
+    """An 8-bit picture from floats (h, w, 3) in 0..1."""
     return np.round(np.clip(np.asarray(values, float), 0, 1) * 255).astype(np.uint8)
 
 
 def plain(colour: Colour, width: int = 32, height: int = 32) -> Array:
-    """A canvas of one colour, (height, width, 3) floats."""
+    """A canvas (height, width, 3) of floats in one colour."""
     return np.full((height, width, 3), colour, float)
 
 
 def bands(colours: Sequence[Colour], shares: Sequence[float], height: int = 32) -> Picture:
-    """Horizontal bands from top to bottom, `shares` of the height each."""
+    """Horizontal bands from top to bottom; `shares` are their relative heights."""
     edges = np.round(np.cumsum([0.0, *shares]) / sum(shares) * height).astype(int)
     canvas = np.zeros((height, 4, 3))
     for colour, top, bottom in zip(colours, edges[:-1], edges[1:], strict=True):
@@ -31,13 +34,13 @@ def bands(colours: Sequence[Colour], shares: Sequence[float], height: int = 32) 
 
 
 def stripes(colours: Sequence[Colour], repeats: int = 4, width: int = 64) -> Picture:
-    """Vertical stripes, the whole sequence `repeats` times around."""
+    """Vertical stripes: the sequence of colours `repeats` times."""
     column = np.arange(width) * repeats * len(colours) // width % len(colours)
     return to_picture(np.array(colours)[column][None].repeat(4, axis=0))
 
 
 def keys(frame: Colour, key: Colour, columns: int = 12, rows: int = 5) -> Picture:
-    """A keyboard seen from above: square keys, the last row with a space bar."""
+    """A keyboard seen from above, with square keys and a space bar in the last row."""
     step = 4
     canvas = plain(frame, columns * step + 1, rows * step + 1)
     for r in range(rows):

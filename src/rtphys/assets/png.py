@@ -1,4 +1,4 @@
-"""PNG without compression: the same bytes on every machine, whichever zlib it has."""
+"""Writes PNG without compression. Our own: a library's bytes depend on the zlib it has."""
 
 import struct
 import zlib
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 def png_bytes(picture: NDArray[np.uint8]) -> bytes:
-    """Encode (h, w, 3) RGB, 8 bit."""
+    """The PNG file of an 8-bit RGB picture (h, w, 3)."""
     height, width, _ = picture.shape
     rows = np.zeros((height, 1 + 3 * width), np.uint8)  # each row starts with filter type 0
     rows[:, 1:] = picture.reshape(height, -1)
@@ -18,7 +18,7 @@ def png_bytes(picture: NDArray[np.uint8]) -> bytes:
 
 
 def _stored(data: bytes) -> bytes:
-    """A zlib stream of stored blocks; compressors differ between zlib builds, this cannot."""
+    """A zlib stream of uncompressed blocks, which is the same for every zlib."""
     out = [b"\x78\x01"]
     for start in range(0, len(data), 0xFFFF):
         block = data[start : start + 0xFFFF]

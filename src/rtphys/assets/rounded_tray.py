@@ -1,4 +1,4 @@
-"""Open things with a rounded oblong plan: baskets, boxes, trays, bins."""
+"""Rounded trays: open containers such as baskets, boxes, trays and bins with rounded corners."""
 
 from dataclasses import dataclass
 
@@ -11,26 +11,26 @@ from rtphys.assets.solid import Solid, hull
 
 @dataclass(frozen=True)
 class RoundedTray:
-    """Sizes [m]; the outside is a tapering block that stands on y = 0."""
+    """Sizes [m] of a tray whose outside tapers towards the ground at y = 0."""
 
     x: float  # at the rim
     y: float  # height
     z: float  # at the rim
-    base: float = 0.9  # size of the foot as a share of the rim's
+    base: float = 0.9  # [1] size at the ground / size at the rim
     wall: float = 0.003
     floor: float = 0.004  # y of the inside's bottom
     corner: float = 0.012  # radius; half of x = z makes it round
-    steps: int = 1  # facets a corner, of which each is a convex part
+    steps: int = 1  # facets per corner, each one a convex part
 
     def outline(self, y: float, inset: float = 0.0) -> Array:
-        """(4 (steps + 1), 3) corners at a height, counter-clockwise seen from above."""
+        """Points (4 (steps + 1), 3) around the tray at a height, counter-clockwise from above."""
         share = self.base + (1 - self.base) * y / self.y
         x, z = share * self.x - 2 * inset, share * self.z - 2 * inset
         flat = rounded(rectangle(x, z), max(share * self.corner - inset, 0.001), self.steps)
         return np.stack([flat[:, 0], np.full(len(flat), y), -flat[:, 1]], axis=1)
 
     def shell(self) -> Solid:
-        """All of it, hollow."""
+        """The whole tray, hollow."""
         whole = hull(np.vstack([self.outline(0), self.outline(self.y)]))
         above = self.y + 0.01
         return whole - hull(
@@ -38,7 +38,7 @@ class RoundedTray:
         )
 
     def rim(self, over: float = 0.004, height: float = 0.006) -> Solid:
-        """A bead around the upper edge that stands out by `over`."""
+        """A bead around the upper edge that stands out by `over` [m]."""
         low, high = self.y - height, self.y + 0.0005
         top = self.outline(self.y)
         ring = [_moved(top, y, over) for y in (low, high)]
@@ -46,12 +46,12 @@ class RoundedTray:
         return hull(np.vstack(ring)) - hull(np.vstack(inner))
 
     def liner(self, depth: float = 0.0012) -> Solid:
-        """A plate on the floor, for a mat or a sheet of paper."""
+        """A plate on the floor, `depth` [m] thick, for a mat or a sheet of paper."""
         low, high = (self.outline(y, self.wall) for y in (self.floor, self.floor + depth))
         return hull(np.vstack([low, high]))
 
     def parts(self) -> tuple[Solid, ...]:
-        """Convex parts: the floor, then a wall for each side and corner facet."""
+        """Convex parts: the floor, then one wall per side and corner facet."""
         bottom = hull(np.vstack([self.outline(0), self.outline(self.floor)]))
         low, high = self.outline(self.floor), self.outline(self.y)
         low_in, high_in = (self.outline(y, self.wall) for y in (self.floor, self.y))
@@ -64,7 +64,7 @@ class RoundedTray:
 
 
 def _moved(outline: Array, y: float, out: float) -> Array:
-    """The outline at another height, its sides moved outward."""
+    """The outline at height `y`, its sides moved outward by `out` [m]."""
     extent = np.abs(outline).max(0)
     factor = np.array([1 + out / extent[0], 1, 1 + out / extent[2]])
     return outline * factor * [1, 0, 1] + [0, y, 0]

@@ -1,4 +1,4 @@
-"""From closed solids to surfaces to draw: normals with creases, texture coordinates."""
+"""Turns solids into surfaces to draw, with normals and texture coordinates."""
 
 from collections.abc import Sequence
 
@@ -11,15 +11,15 @@ from rtphys.assets.solid import Solid
 
 Array = NDArray[np.float64]
 
-# Written numbers are rounded well above the last bit, in which sin and cos differ between
-# processors: so the bytes, and the digest, do not depend on the machine.
-DECIMALS = 6  # [m] a micrometre
+# Written numbers are rounded far above the last bit, in which sin and cos differ between
+# processors. So the bytes of the files, and the digest, do not depend on the machine.
+DECIMALS = 6  # of a length in metres: micrometres
 
 
 def surface(parts: Sequence[tuple[Solid, float]], finish: Finish) -> Surface:
     """Join parts (solid, crease angle in degrees) of one finish into one drawable surface."""
     corners = [_shaded(solid, crease, finish) for solid, crease in parts]
-    rows = np.vstack(corners)  # a row a triangle corner: point, normal, uv
+    rows = np.vstack(corners)  # one row per triangle corner: point, normal, uv
     unique, index = np.unique(rows, axis=0, return_inverse=True)
     faces = index.reshape(-1, 3).astype(np.uint32)
     flat = (
@@ -35,7 +35,7 @@ def surface(parts: Sequence[tuple[Solid, float]], finish: Finish) -> Surface:
 
 
 def bare(solid: Solid) -> Surface:
-    """Points and faces only, for collision."""
+    """A surface of points and faces only, for collision."""
     points = np.round(solid.vertices, DECIMALS) + 0.0
     return Surface(points.astype(np.float32), solid.faces.astype(np.uint32))
 
@@ -56,7 +56,7 @@ def _shaded(solid: Solid, crease_deg: float, finish: Finish) -> Array:
 def _corner_normals(
     points: Array, faces: NDArray[np.int64], area: Array, face: Array, cosine: float
 ) -> Array:
-    """(3 M, 3): the area-weighted mean over neighbours that meet below the crease angle."""
+    """Normals (3 M, 3): area-weighted means over faces that meet below the crease angle."""
     _, corner = np.unique(points, axis=0, return_inverse=True)
     owner = corner.reshape(-1)[faces].reshape(-1)
     order = np.argsort(owner, kind="stable")
@@ -74,7 +74,7 @@ def _corner_normals(
 
 
 def _project(triangles: Array, face: Array, finish: Finish) -> Array:
-    """(3 M, 2) picture coordinates over the solid's own bounding box."""
+    """Texture coordinates (3 M, 2), projected over the solid's bounding box."""
     low, high = triangles.min((0, 1)), triangles.max((0, 1))
     t = (triangles - low) / np.maximum(high - low, 1e-9)
     if finish.projection == "cylinder":

@@ -1,4 +1,4 @@
-"""A closed triangle mesh and what can be done with it: move, combine, weigh."""
+"""Closed triangle meshes: moving, combining and measuring them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,10 +18,10 @@ AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """One or several closed surfaces, faces counter-clockwise seen from outside.
+    """One or several closed surfaces, with faces counter-clockwise seen from outside.
 
-    `a + b` keeps both surfaces (cheap, for looks); `a | b`, `a - b` and `a & b` are exact
-    booleans. Nothing is changed in place.
+    `a + b` keeps both surfaces, which is cheap and enough for visuals; `a | b`, `a - b` and `a & b`
+    are exact booleans. All return a new solid.
     """
 
     vertices: Array  # (N, 3) [m]
@@ -30,22 +30,22 @@ class Solid:
     # ---- moving ----------------------------------------------------------------------------
 
     def at(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> "Solid":
-        """Shifted [m]."""
+        """The solid shifted by (x, y, z) [m]."""
         return Solid(self.vertices + np.array([x, y, z]), self.faces)
 
     def turned(self, axis: str, angle_deg: float) -> "Solid":
-        """Turned about a coordinate axis through the origin."""
+        """The solid rotated about a coordinate axis through the origin."""
         R = quat_to_matrix(axis_angle(AXES[axis], np.deg2rad(angle_deg)))
         return Solid(self.vertices @ R.T, self.faces)
 
     def scaled(self, x: float, y: float | None = None, z: float | None = None) -> "Solid":
-        """Stretched about the origin; a mirroring keeps the faces outward."""
+        """The solid scaled about the origin; mirrored faces still look outward."""
         factors = np.array([x, x if y is None else y, x if z is None else z])
         faces = self.faces[:, ::-1] if np.prod(factors) < 0 else self.faces
         return Solid(self.vertices * factors, faces)
 
     def placed(self, X: ArrayLike) -> "Solid":
-        """Moved by a homogeneous matrix (4, 4)."""
+        """The solid moved by a homogeneous matrix (4, 4)."""
         m = np.asarray(X, float)
         return Solid(self.vertices @ m[:3, :3].T + m[:3, 3], self.faces)
 
@@ -68,17 +68,17 @@ class Solid:
 
     @property
     def bounds(self) -> Array:
-        """(2, 3) lowest and highest corner [m]."""
+        """Lowest and highest corner (2, 3) of the bounding box [m]."""
         return np.array([self.vertices.min(0), self.vertices.max(0)])
 
     @property
     def extents(self) -> Array:
-        """(3,) size of the bounding box [m]."""
+        """Size (3,) of the bounding box [m]."""
         return np.ptp(self.vertices, axis=0)
 
     @cached_property
     def moments(self) -> tuple[float, Array, Array]:
-        """Volume [m^3], its first moment (3,) [m^4] and second moment (3, 3) [m^5] about 0."""
+        """Volume [m^3], first moment (3,) [m^4] and second moment (3, 3) [m^5] about the origin."""
         a, b, c = (self.vertices[self.faces[:, i]] for i in range(3))
         det = np.einsum("ij,ij->i", a, np.cross(b, c))
         s = a + b + c
@@ -88,21 +88,21 @@ class Solid:
 
     @property
     def volume(self) -> float:
-        """[m^3]"""
+        """Volume [m^3]."""
         return self.moments[0]
 
     def is_closed(self) -> bool:
-        """Every directed edge has its reverse, as often, after merging equal corners."""
+        """Whether, with equal corners merged, each directed edge has its reverse as often."""
         _, corner = np.unique(np.round(self.vertices, 7), axis=0, return_inverse=True)
         f = corner.reshape(-1)[self.faces]
         edges = np.vstack([f[:, [0, 1]], f[:, [1, 2]], f[:, [2, 0]]])
-        there, counts = np.unique(edges, axis=0, return_counts=True)
-        back, others = np.unique(edges[:, ::-1], axis=0, return_counts=True)
-        same = there.shape == back.shape and bool((there == back).all())
-        return same and bool((counts == others).all())
+        forward, counts = np.unique(edges, axis=0, return_counts=True)
+        reverse, reverse_counts = np.unique(edges[:, ::-1], axis=0, return_counts=True)
+        same = forward.shape == reverse.shape and bool((forward == reverse).all())
+        return same and bool((counts == reverse_counts).all())
 
     def bulge(self) -> float:
-        """How far its own corners stand out of its face planes [m]; about 0 if convex."""
+        """Largest distance [m] of a vertex outside a face plane; about 0 for a convex solid."""
         a, b, c = (self.vertices[self.faces[:, i]] for i in range(3))
         normal = np.cross(b - a, c - a)
         length = np.linalg.norm(normal, axis=1)
@@ -115,17 +115,17 @@ class Solid:
 def hull(points: ArrayLike) -> Solid:
     """Convex hull of points (N, 3)."""
     p = np.asarray(points, float)
-    found = ConvexHull(p)
-    faces = found.simplices.astype(np.int64)
+    quickhull = ConvexHull(p)
+    faces = quickhull.simplices.astype(np.int64)
     a, b, c = (p[faces[:, i]] for i in range(3))
-    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), found.equations[:, :3]) < 0
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), quickhull.equations[:, :3]) < 0
     faces[inward] = faces[inward][:, ::-1]
     used, renumbered = np.unique(faces, return_inverse=True)
     return Solid(p[used], renumbered.reshape(faces.shape).astype(np.int64))
 
 
 def together(*solids: Solid) -> Solid:
-    """All surfaces as one, without booleans."""
+    """All surfaces in one solid, without booleans."""
     result = solids[0]
     for other in solids[1:]:
         result = result + other

@@ -1,4 +1,4 @@
-"""Shapes made from cross-sections: side profiles given a width, and rows of rings joined up."""
+"""Solids from cross-sections: extruded side profiles, and lofts through rows of rings."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -13,13 +13,13 @@ Array = NDArray[np.float64]
 
 
 def side_profile(outline: Outline, width: float) -> Solid:
-    """A closed outline (N, 2) of (z, y) points, seen from the side, given `width` along x."""
+    """A closed outline (N, 2) of (z, y) points, seen from the side, extruded by `width` along x."""
     flat = extrude(outline, width).at(y=-width / 2)
     return Solid(flat.vertices[:, [1, 2, 0]], flat.faces)
 
 
 def bevelled(outline: Outline, width: float, bevel: float) -> Solid:
-    """Like `side_profile` of a convex outline, its edges taken off by about `bevel`. Convex."""
+    """`side_profile` of a convex outline with edges bevelled by about `bevel` [m]. Convex."""
     p = np.asarray(outline, float)
     middle = (p.min(0) + p.max(0)) / 2
     half = np.ptp(p, axis=0) / 2
@@ -29,7 +29,7 @@ def bevelled(outline: Outline, width: float, bevel: float) -> Solid:
 
 
 def lying(profile: Outline, sides: int = 12, rest: float | None = None) -> Solid:
-    """A profile (N, 2) of (radius, z) turned about z, as it lies: a facet underneath.
+    """A profile (N, 2) of (radius, z) revolved about z, lying on the ground on one facet.
 
     `sides` is even; `rest` is the radius that touches the ground, by default the largest.
     """
@@ -46,7 +46,7 @@ def rod(radius: float, start: float, end: float, sides: int = 12) -> Solid:
 
 
 def loft(rings: ArrayLike) -> Solid:
-    """Rings (K, N, 3), corner by corner joined to the next, the ends closed by fans."""
+    """A solid through rings (K, N, 3): each is joined to the next, the ends are closed by fans."""
     r = np.asarray(rings, float)
     count, sides = r.shape[:2]
     i, j = np.arange(sides), np.roll(np.arange(sides), -1)
@@ -63,13 +63,13 @@ def loft(rings: ArrayLike) -> Solid:
 
 
 def slabs(rings: ArrayLike, stops: Sequence[int]) -> tuple[Solid, ...]:
-    """Convex parts of a loft: one hull from each ring number of `stops` to the next."""
+    """Convex parts of a loft: one hull from each ring index in `stops` to the next."""
     r = np.asarray(rings, float)
     return tuple(hull(r[a : b + 1].reshape(-1, 3)) for a, b in pairwise(stops))
 
 
 def dome(width: float, height: float, z: float, sides: int = 12, power: float = 2.5) -> Array:
-    """Ring (sides, 3) at z: a rounded arch on the ground, `power` 2 is elliptic, more is boxy."""
+    """Ring (sides, 3) at z: an arch on the ground, elliptic at `power` 2, squarer above it."""
     t = np.linspace(0, np.pi, sides)
     x = width / 2 * np.sign(np.cos(t)) * np.abs(np.cos(t)) ** (2 / power)
     y = height * np.abs(np.sin(t)) ** (2 / power)
@@ -77,7 +77,7 @@ def dome(width: float, height: float, z: float, sides: int = 12, power: float = 
 
 
 def oval(width: float, height: float, z: float, sides: int = 16, power: float = 2.0) -> Array:
-    """Ring (sides, 3) at z, centred on the z axis: a rounded rectangle as `power` grows."""
+    """Ring (sides, 3) at z about the z axis: an ellipse at `power` 2, squarer above it."""
     t = 2 * np.pi * (np.arange(sides) + 0.5) / sides
     x = width / 2 * np.sign(np.cos(t)) * np.abs(np.cos(t)) ** (2 / power)
     y = height / 2 * np.sign(np.sin(t)) * np.abs(np.sin(t)) ** (2 / power)

@@ -1,4 +1,4 @@
-"""Which table and wall pictures the builtin pack holds, and which of them policies never see."""
+"""Table and wall textures of the builtin pack, and which of them are kept for evaluation."""
 
 from pathlib import Path
 
@@ -8,12 +8,12 @@ from rtphys.assets.png import png_bytes
 from rtphys.core.errors import UnknownName
 from rtphys.core.seeds import stream
 
-EACH = 4  # pictures a pattern; the last is unseen
-HELD_OUT = ("hexagons", "parquet", "patches")  # patterns of which all are unseen
+EACH = 4  # pictures of each pattern; the last is unseen
+HELD_OUT = ("hexagons", "parquet", "patches")  # patterns of which all pictures are unseen
 
 
 def texture_names() -> tuple[str, ...]:
-    """`<split>/<pattern>_<number>` of every picture, sorted."""
+    """Names of all pictures, `<split>/<pattern>_<number>`, sorted."""
     names = []
     for pattern in PATTERNS:
         for k in range(EACH):
@@ -26,9 +26,9 @@ def write_texture(folder: Path, name: str) -> None:
     """Draw one picture to `<folder>/<name>.png`. Raises UnknownName."""
     if name not in texture_names():
         raise UnknownName("texture", name, texture_names())
-    own = name.split("/")[1]
-    pattern = own.rsplit("_", 1)[0]
-    picture = to_picture(PATTERNS[pattern](stream(0, "assets", "texture", own)))
+    stem = name.split("/")[1]
+    pattern = stem.rsplit("_", 1)[0]
+    picture = to_picture(PATTERNS[pattern](stream(0, "assets", "texture", stem)))
     path = folder / f"{name}.png"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(png_bytes(picture))

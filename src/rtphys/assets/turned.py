@@ -1,7 +1,7 @@
-"""Things turned on a lathe that may come to lie: bottles, cans, jars.
+"""Lathe-turned solids that may lie on their side: bottles, cans, jars.
 
-Radii are half widths across flats, and facets look along +-x and +-z: such a thing lies still on
-a flank, and is as wide between the fingers as its row says.
+Radii are half widths across flats, and facets face +-x and +-z. So the object rests on a flat
+side, and it is exactly as wide between the fingers as its sizes say.
 """
 
 import numpy as np
@@ -11,22 +11,22 @@ from rtphys.assets.geometry import Outline, lathe
 from rtphys.assets.solid import Solid, hull
 
 SIDES = 16  # a multiple of 4, at most 24: the engine has no rolling resistance, facets have
-# PhysX's cooking drops corners where a long facet bends a little; what lies on the rest of such a
-# facet rocks for ever. Facets longer than this [m] get a part of their own.
+# PhysX drops corners where a long facet bends slightly, and an object that lies on the rest of
+# such a facet rocks for ever. Facets longer than this [m] get a part of their own.
 LONG = 0.05
 
 Array = NDArray[np.float64]
 
 
 def turned(profile: Outline, sides: int = SIDES) -> Solid:
-    """A profile (N, 2) of (half width, y) about y; ends on the axis close it, see `lathe`."""
+    """A profile (N, 2) of (half width, y) revolved about y; closed as in `lathe`."""
     points = np.array(profile, float)
     points[:, 0] /= np.cos(np.pi / sides)
     return lathe(points, sides).turned("y", 180 / sides)
 
 
 def ring(radius: float, low: float, high: float, depth: float = 0.001) -> Solid:
-    """A sleeve around a turned thing, such as a label: its outside at `radius` [m]."""
+    """A sleeve around a turned solid, such as a label, with its outside at `radius` [m]."""
     inner = radius - depth
     return turned([(radius, low), (radius, high), (inner, high), (inner, low)])
 
@@ -37,7 +37,7 @@ def disc(radius: float, low: float, high: float) -> Solid:
 
 
 def turned_parts(profile: Outline, sides: int = SIDES) -> tuple[Solid, ...]:
-    """Convex parts of a turned solid: as long as the profile bulges it is one part.
+    """Convex parts of a turned solid: one for each convex stretch of the profile.
 
     Args:
         profile: (N, 2) of (half width, y), y never falling, from axis to axis.
@@ -57,7 +57,7 @@ def turned_parts(profile: Outline, sides: int = SIDES) -> tuple[Solid, ...]:
 
 
 def split(profile: Outline, height: float) -> tuple[Array, Array]:
-    """The same profile as two closed ones, below and above `height` (a filling's surface)."""
+    """Split a profile at `height`, such as the level of the contents, into two closed ones."""
     points = np.asarray(profile, float)
     radius = float(np.interp(height, points[:, 1], points[:, 0]))
     cut = [(radius, height), (0, height)]
@@ -78,5 +78,5 @@ def _long(a: tuple[float, float], b: tuple[float, float]) -> bool:
 
 
 def _bends_inward(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
-    """Going up along the outside, does it turn away from the axis at b?"""
+    """Whether the outside, followed upward from a to c, turns away from the axis at b."""
     return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < -1e-12

@@ -1,4 +1,4 @@
-"""Links and joints as URDF, with meshes beside it."""
+"""Writes links and joints as URDF, with mesh files beside it."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 def urdf_text(
     name: str, links: Mapping[str, Body], joints: Sequence[Joint], files: Mapping[str, str]
 ) -> str:
-    """The URDF document.
+    """The text of a URDF file.
 
     Args:
         links: link name -> body, the root first.
@@ -32,7 +32,7 @@ def urdf_text(
             _inertial(link, body.inertial())
         if body.visual:
             _mesh(SubElement(link, "visual"), f"{files[link_name]}.glb")
-        # One element a convex part: loaders take a file as a single hull.
+        # One element per convex part: loaders make a single hull of each file.
         for i in range(len(body.collision)):
             _mesh(SubElement(link, "collision"), f"{files[link_name]}_{i}.stl")
     for joint in joints:
@@ -42,7 +42,7 @@ def urdf_text(
 
 
 def stl_bytes(solid: Solid) -> bytes:
-    """Binary STL of a collision part."""
+    """The binary STL file of a collision part."""
     corners = (np.round(solid.vertices, DECIMALS) + 0.0)[solid.faces]
     record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("count", "<u2")])
     rows = np.zeros(len(corners), record)
@@ -54,7 +54,7 @@ def stl_bytes(solid: Solid) -> bytes:
 
 
 def write_meshes(folder: Path, stem: str, glb: bytes | None, collision: Sequence[Solid]) -> None:
-    """`<stem>.glb` and one STL a collision part."""
+    """Write `<stem>.glb` and one STL per collision part."""
     path = folder / stem
     path.parent.mkdir(parents=True, exist_ok=True)
     if glb is not None:
@@ -108,13 +108,13 @@ def _origin(node: Element, X: Array) -> None:
 
 
 def rpy(X: Array) -> Array:
-    """Roll, pitch, yaw [rad] with R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Roll, pitch, yaw (3,) [rad] of a matrix (4, 4), with R = Rz(yaw) Ry(pitch) Rx(roll)."""
     pitch = np.arctan2(-X[2, 0], np.hypot(X[0, 0], X[1, 0]))
     return np.array([np.arctan2(X[2, 1], X[2, 2]), pitch, np.arctan2(X[1, 0], X[0, 0])])
 
 
 def placed(xyz: ArrayLike, rpy_rad: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
-    """(4, 4) from a URDF origin."""
+    """Matrix (4, 4) of a URDF origin."""
     (a, b, c), X = np.asarray(rpy_rad, float), np.eye(4)
     (sa, sb, sc), (ca, cb, cc) = np.sin([a, b, c]), np.cos([a, b, c])
     X[:3, :3] = [

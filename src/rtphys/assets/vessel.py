@@ -1,6 +1,6 @@
-"""Open turned vessels: what is seen, and the convex parts of wall and floor.
+"""Open lathe-turned vessels such as cups and bowls, with convex parts of wall and floor.
 
-The wall collides as flat sectors, one of which faces each of +-x and +-z, where rims are pinched.
+The wall collides as flat sectors. One faces each of +-x and +-z, where grippers pinch the rim.
 """
 
 from dataclasses import dataclass
@@ -18,38 +18,38 @@ LINER = 0.0003  # [m] by which an inner surface of another colour stands out of 
 
 @dataclass(frozen=True)
 class Vessel:
-    """Sizes [m]."""
+    """Sizes of a vessel [m]."""
 
     outer: tuple[tuple[float, float], ...]  # (radius, y) along the outside, foot to rim
     wall: float  # horizontal thickness
     floor: float  # y of the inside's bottom
-    sides: int = 24  # seen
-    sectors: int = 12  # colliding; a multiple of 4
+    sides: int = 24  # of the visual
+    sectors: int = 12  # of the collision shape; a multiple of 4
 
     @property
     def inner(self) -> tuple[tuple[float, float], ...]:
-        """(radius, y) along the inside, floor to rim."""
+        """Points (radius, y) along the inside, from floor to rim."""
         start = (self.radius(self.floor) - self.wall, self.floor)
         above = [(r - self.wall, y) for r, y in self.outer if y > self.floor + 0.001]
         return (start, *above)
 
     @property
     def rim(self) -> tuple[float, float]:
-        """Middle of the rim, (radius, y)."""
+        """Middle of the rim (radius, y)."""
         r, y = self.outer[-1]
         return r - self.wall / 2, y
 
     def radius(self, y: float) -> float:
-        """Outside at this height."""
+        """Outer radius [m] at height `y`."""
         points = np.array(self.outer)
         return float(np.interp(y, points[:, 1], points[:, 0]))
 
     def shell(self) -> Solid:
-        """All of it, hollow."""
+        """The whole vessel, hollow."""
         return lathe([(0, 0), *self.outer, *self.inner[::-1], (0, self.floor)], self.sides)
 
     def liner(self) -> Solid:
-        """The inner surface again, to be seen in another colour."""
+        """A skin over the inner surface, for another colour."""
         skin = [(r - LINER, y) for r, y in self.inner[:-1]]
         top = (self.inner[-1][0] - LINER, self.inner[-1][1] - 0.001)
         skin = [(0, self.floor + LINER), (skin[0][0], self.floor + LINER), *skin[1:], top]
@@ -60,8 +60,8 @@ class Vessel:
 
     def parts(self) -> tuple[Solid, ...]:
         """Convex parts: foot and floor, then the wall's sectors."""
-        # Corners so far out that a sector's face is as far from the axis as the round wall, on
-        # average.
+        # The corners lie so far out that a sector's flat face is, on average, as far from the axis
+        # as the round wall.
         n = self.sectors
         grow = float(np.sqrt(2 * np.pi / n / np.sin(2 * np.pi / n)))
         edge = (self.radius(self.floor), self.floor)
@@ -76,15 +76,17 @@ class Vessel:
 
 
 def pinch(radius: float, height: float) -> tuple[Array, ...]:
-    """Contact points on a rim, official order: 0, 1 at +z, 2, 3 at -z, from above, fingers
-    closing across the wall."""
+    """Contact points on a rim, from above, with fingers closing across the wall.
+
+    In the official order: 0 and 1 at +z, 2 and 3 at -z.
+    """
     return tuple(
         contact((0, height, z), (0, 1, 0), (x, 0, 0)) for z in (radius, -radius) for x in (1, -1)
     )
 
 
 def band(outer: Outline, low: float, high: float, sides: int = 24) -> Solid:
-    """A painted stripe that follows the outside between two heights."""
+    """A painted stripe around the outside between two heights [m]."""
     points = np.asarray(outer, float)
     levels = [low, *(y for y in points[:, 1] if low < y < high), high]
     radii = np.interp(levels, points[:, 1], points[:, 0])

@@ -1,4 +1,4 @@
-"""Pictures of woven and slatted walls."""
+"""Pictures of wicker and slatted walls."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from rtphys.assets.pictures import plain, to_picture
 
 
 def wicker(colour: Colour, rows: int = 8) -> Picture:
-    """Basketwork: rods that go over and under uprights, around the whole thing."""
+    """Wicker: horizontal rods woven over and under vertical ones."""
     canvas = plain(colour, 64, 4 * rows)
     y, x = np.mgrid[: 4 * rows, :64]
     over = (y // 4 + x // 4) % 2 == 0
@@ -17,7 +17,7 @@ def wicker(colour: Colour, rows: int = 8) -> Picture:
 
 
 def slats(colour: Colour, gap: Colour, count: int = 16) -> Picture:
-    """Upright bars with dark gaps between them and a closed band above and below."""
+    """Vertical bars with dark gaps between them and a closed band above and below."""
     canvas = plain(colour, 64, 32)
     step = 64 // count
     x = np.arange(64)

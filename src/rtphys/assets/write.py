@@ -1,4 +1,4 @@
-"""Things and machines as files in the official layout."""
+"""Writes generated models as files in the official layout."""
 
 import json
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 def write_rigid(folder: Path, index: int, model: AssetModel) -> None:
-    """`<folder>/{visual,collision}/base<index>.glb` and `model_data<index>.json`."""
+    """Write `<folder>/{visual,collision}/base<index>.glb` and `model_data<index>.json`."""
     body = model.body
     for kind in ("visual", "collision"):
         (folder / kind).mkdir(parents=True, exist_ok=True)
@@ -29,15 +29,15 @@ def write_rigid(folder: Path, index: int, model: AssetModel) -> None:
 
 
 def write_articulated(folder: Path, model: ArticulatedModel) -> None:
-    """`<folder>/{mobility.urdf,model_data.json,meshes/}`."""
+    """Write `<folder>/{mobility.urdf,model_data.json,meshes/}`."""
     write_links(folder, folder.parent.name, model)
-    (folder / "model_data.json").write_text(_json(_machine_data(model)))
+    (folder / "model_data.json").write_text(_json(_articulated_data(model)))
 
 
 def write_links(
     folder: Path, name: str, model: ArticulatedModel, file: str = "mobility.urdf"
 ) -> None:
-    """A model's URDF and meshes. Links with the same Body object share their meshes."""
+    """Write a model's URDF and meshes. Links with the same Body object share mesh files."""
     stems: dict[int, str] = {}
     files = {}
     for link, body in model.links.items():
@@ -51,7 +51,7 @@ def write_links(
 
 
 def visual_glb(parts: Sequence[Part]) -> bytes:
-    """Parts of one finish become one mesh: a mesh is a draw call."""
+    """The GLB file of visual parts. Parts of one finish become one mesh, to save draw calls."""
     groups: dict[int, tuple[Finish, list[Part]]] = {}
     for part in parts:
         groups.setdefault(id(part.finish), (part.finish, []))[1].append(part)
@@ -63,7 +63,7 @@ def visual_glb(parts: Sequence[Part]) -> bytes:
 
 
 def bounds(body: Body) -> Array:
-    """(2, 3) box around the visible parts [m]."""
+    """Lowest and highest corner (2, 3) of the box around the visual parts [m]."""
     corners = np.array([p.solid.bounds for p in body.visual])
     return np.array([corners[:, 0].min(0), corners[:, 1].max(0)])
 
@@ -94,7 +94,7 @@ def _model_data(model: AssetModel) -> dict[str, object]:
     }
 
 
-def _machine_data(model: ArticulatedModel) -> dict[str, object]:
+def _articulated_data(model: ArticulatedModel) -> dict[str, object]:
     offset = np.eye(4)
     offset[2, 3] = model.root_height
     moving = [j for j in model.joints if j.kind != "fixed"]
@@ -118,7 +118,7 @@ def _machine_data(model: ArticulatedModel) -> dict[str, object]:
 
 
 def _round(values: Array) -> list[object]:
-    """Coarser than a processor's last bit, finer than any tolerance."""
+    """Round so coarsely that the last bit of a processor does not show: to 1e-7."""
     return (np.round(np.asarray(values, float), 7) + 0.0).tolist()
 
 

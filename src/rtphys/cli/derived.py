@@ -10,7 +10,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Union, cast, get_args, get_origin, get_type_hints
 
 import typer
 
@@ -69,7 +69,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
     for field in fields(kind):
         hint = hints[field.name]
         if is_dataclass(hint) and field.default_factory is MISSING:
-            yield from _parameters(hint)
+            yield from _parameters(cast(type, hint))
         elif (option := _option(hint)) is not None:
             spelled = _spelled_type(hint)
             default = _default(field)

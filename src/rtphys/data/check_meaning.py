@@ -68,6 +68,9 @@ def _calibration(frames: Frames) -> list[str]:
 
 def _limits(frames: Frames) -> list[str]:
     low, high = np.asarray(ALOHA_LIMITS, float).T
+    if frames.layout.numbers_per_arm != len(ALOHA_LIMITS):
+        told = f"{frames.layout.numbers_per_arm} joints, not {len(ALOHA_LIMITS)}"
+        return [f"the arms have {told}: they are not the aloha's"]
     found = []
     for arm in ("left", "right"):
         targets = getattr(frames, f"{arm}_arm")

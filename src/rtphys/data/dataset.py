@@ -85,12 +85,12 @@ class Episode:
 
     @property
     def state(self) -> NDArray[np.float64]:
-        """(T, 14) commanded: left arm (6) [rad], left gripper 0..1, then the right ones."""
+        """(T, N) commanded: left arm [rad], left gripper 0..1, then the right ones."""
         return self.frames.vector
 
     @property
     def action(self) -> NDArray[np.float64]:
-        """(T - 1, 14), row t is the command of frame t + 1."""
+        """(T - 1, N), row t is the command of frame t + 1."""
         return self.frames.vector[1:]
 
     def __len__(self) -> int:

@@ -8,6 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.assets.action_layout import ActionLayout
+
 JSON: TypeAlias = Mapping[str, "JSON"] | Sequence["JSON"] | str | int | float | bool | None
 Floats: TypeAlias = NDArray[np.floating]
 Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
@@ -40,8 +42,8 @@ class Frames:
     """T frames, uniformly spaced by 15 control steps. Poses are xyz [m] + wxyz, world frame."""
 
     time: Floats  # (T,) since the policy stage began [s]
-    left_arm: Floats  # (T, 6) commanded joint targets [rad]
-    right_arm: Floats  # (T, 6) [rad]
+    left_arm: Floats  # (T, k) commanded targets of an arm's k joints [rad]
+    right_arm: Floats  # (T, k) [rad]
     left_gripper: Floats  # (T,) commanded opening, 0 closed .. 1 open
     right_gripper: Floats  # (T,)
     left_endpose: Floats  # (T, 7) measured pose of the ee frame (link6)
@@ -60,18 +62,23 @@ class Frames:
         return len(self.time)
 
     @property
+    def layout(self) -> ActionLayout:
+        """Where each arm and gripper stands in `vector`."""
+        return ActionLayout(self.left_arm.shape[-1])
+
+    @property
     def vector(self) -> NDArray[np.float64]:
-        """(T, 14) commanded `[left_arm(6), left_gripper, right_arm(6), right_gripper]`."""
+        """(T, N) commanded: left arm, left gripper, right arm, right gripper (see `layout`)."""
         return np.column_stack(
             [self.left_arm, self.left_gripper, self.right_arm, self.right_gripper]
         ).astype(np.float64)
 
     def shapes(self) -> dict[str, tuple[NDArray[np.generic], tuple[int, ...]]]:
         """Every array by name with the shape it must have."""
-        T, n = len(self), len(self.joint_names)
+        T, n, joints = len(self), len(self.joint_names), self.layout.numbers_per_arm
         table: dict[str, tuple[NDArray[np.generic], tuple[int, ...]]] = {"time": (self.time, (T,))}
         for arm in ARMS:
-            table[f"{arm}_arm"] = (getattr(self, f"{arm}_arm"), (T, 6))
+            table[f"{arm}_arm"] = (getattr(self, f"{arm}_arm"), (T, joints))
             table[f"{arm}_gripper"] = (getattr(self, f"{arm}_gripper"), (T,))
             table[f"{arm}_endpose"] = (getattr(self, f"{arm}_endpose"), (T, 7))
         for key in ("qpos", "qvel", "effort"):

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtphys.core.timing import Laps
+from rtphys.core.timing import PhaseTimer
 from rtphys.data import files, schema
 from rtphys.data.encode import EncodedImages, encode_images
 from rtphys.data.episode import JSON, Episode, Frames
@@ -45,7 +45,7 @@ class EncodedEpisode:
 
 
 def stage_episode(
-    folder: Path, episode: Episode, layout: str = "native", laps: Laps | None = None
+    folder: Path, episode: Episode, layout: str = "native", timer: PhaseTimer | None = None
 ) -> StagedEpisode:
     """Encodes an episode into `folder`, syncs, re-reads and checks every file.
 
@@ -53,7 +53,7 @@ def stage_episode(
         folder: `TaskWriter.staging(seed)`; whatever lies there is removed first.
         episode: its `images` are consumed.
         layout: "native" or "legacy".
-        laps: takes the time of the phases render, encode and write.
+        timer: takes the time of the phases render, encode and write.
 
     Raises:
         BadEpisode: the arrays contradict each other, a picture is missing.
@@ -68,11 +68,11 @@ def stage_episode(
     )
     if found := episode.frames.problems():  # before hours of rendering, not after
         raise BadEpisode(found)
-    clock = laps or Laps()
-    with clock.phase("render"):  # pictures are drawn as they are consumed
+    timer = timer or PhaseTimer()
+    with timer.phase("render"):  # pictures are drawn as they are consumed
         images = encode_images(episode.images)
-    clock.shift(images.cpu_s, "render", "encode")
-    with clock.phase("write"):
+    timer.shift(images.cpu_s, "render", "encode")
+    with timer.phase("write"):
         return stage_encoded(folder, EncodedEpisode(episode.frames, images, *checked), layout)
 
 

@@ -111,13 +111,15 @@ def _verdict(recording: Recording, outcome: Outcome) -> dict[str, object]:
 def _frames(recording: Recording, photographs: Photographs) -> Frames:
     rows = recording.rows
     arms = np.array([row.arms for row in rows])
+    left_arm, right_arm = recording.layout.arms
+    left_gripper, right_gripper = recording.layout.grippers
     ends = np.array([row.ee for row in rows])
     return Frames(
         time=np.array([row.time for row in rows]),
-        left_arm=arms[:, :6],
-        right_arm=arms[:, 7:13],
-        left_gripper=arms[:, 6],
-        right_gripper=arms[:, 13],
+        left_arm=arms[:, left_arm],
+        right_arm=arms[:, right_arm],
+        left_gripper=arms[:, left_gripper],
+        right_gripper=arms[:, right_gripper],
         left_endpose=ends[:, 0],
         right_endpose=ends[:, 1],
         qpos=np.array([row.qpos for row in rows]),

@@ -1,10 +1,12 @@
 """The policy interface: what an action does (design section 8, RoboTwin's `take_action`)."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
+from rtphys.assets.action_layout import ActionLayout
+from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.core.seeds import stream
@@ -15,19 +17,29 @@ from rtphys.sim.recorder import FRAME_STEPS
 from rtphys.sim.rollout import Rollout
 
 ActionKind = Literal["qpos", "ee", "delta_ee", "tracked_qpos"]
-_JOINTS = (14, "left arm 6 [rad], left gripper 0..1, right arm 6, right gripper")
-SHAPES = {
-    "qpos": _JOINTS,
-    "ee": (16, "left ee xyz [m] + wxyz, left gripper 0..1, right ee, right gripper"),
-    "delta_ee": (16, "left ee shift xyz [m] + turn wxyz, left gripper 0..1, right ee and gripper"),
-    "tracked_qpos": _JOINTS,
+KINDS: tuple[ActionKind, ...] = get_args(ActionKind)
+POSES = ActionLayout(7)
+# What an action of ee poses holds.
+POSE_KINDS = {
+    "ee": "left ee xyz [m] + wxyz, left gripper 0..1, right ee, right gripper",
+    "delta_ee": "left ee shift xyz [m] + turn wxyz, left gripper 0..1, right ee and gripper",
 }
-POSE_KINDS = ("ee", "delta_ee")
-QUATERNIONS = np.array([[3, 4, 5, 6], [11, 12, 13, 14]])  # where they stand in 16 numbers
-ACTION_SIZE = SHAPES["qpos"][0]
-# [rad/s], [rad/s^2] of one action: no harsher than the expert, whose loads would be shaken loose.
-LIMITS = JointLimits(np.full(6, 3.0), np.full(6, 10.0))
+# Of one action: no harsher than the expert, whose loads would be shaken loose.
+VELOCITY, ACCELERATION = 3.0, 10.0  # [rad/s], [rad/s^2] of every joint
 LOST_STEPS = 50  # what an action takes when no arm can do it (RoboTwin idles as long)
+
+
+def shape_of(kind: str, embodiment: Embodiment) -> tuple[int, str]:
+    """How many numbers an action of this kind has, and what they are.
+
+    Raises:
+        UnknownName: no such kind.
+    """
+    if kind not in KINDS:
+        raise UnknownName("kind of action", kind, KINDS)
+    if kind in POSE_KINDS:
+        return POSES.size, POSE_KINDS[kind]
+    return embodiment.action_layout.size, str(embodiment.action_layout)
 
 
 @dataclass
@@ -47,6 +59,9 @@ class PolicyControl:
 
     def __post_init__(self) -> None:
         self._rng = stream(self.seed, "policy", "kinematics")
+        self._embodiment = self.rollout.world.robot.embodiment
+        n = self._embodiment.action_layout.numbers_per_arm
+        self._limits = JointLimits(np.full(n, VELOCITY), np.full(n, ACCELERATION))
 
     def act(self, action: Array, kind: ActionKind = "qpos") -> bool:
         """One action; True as soon as the success condition holds.
@@ -55,8 +70,9 @@ class PolicyControl:
         command is interpolated over the same time. An action lasts at least one frame.
 
         Args:
-            action: "qpos": (14,) absolute joint targets and openings. "ee": (16,) absolute world
-                poses of the ee frames (link6) and openings; an arm that cannot get there keeps
+            action: "qpos": (14,) absolute joint targets and openings, in the order of the robot's
+                `ActionLayout`; 14 with six joints an arm. "ee": (16,) absolute world
+                poses of the ee frames and openings; an arm that cannot get there keeps
                 still. "delta_ee": as "ee", the shift in world axes and the turn about the ee's
                 origin in world axes, both from the pose that is commanded now. "tracked_qpos":
                 as "qpos", but the arms head for the targets for one frame only, and the next
@@ -70,45 +86,43 @@ class PolicyControl:
         action = self._checked(action, kind)
         arms = self.rollout.world.robot.arms
         if kind not in POSE_KINDS:
-            goals, grips = [action[:6], action[7:13]], action[[6, 13]]
-            lost = 0
+            layout, lost = self._embodiment.action_layout, 0
+            goals = [action[part] for part in layout.arms]
         else:
-            found = [self._posture(0, action[:7], kind), self._posture(1, action[8:15], kind)]
-            grips = action[[7, 15]]
-            lost = sum(goal is None for goal in found)
-            goals = [arm.target if q is None else q for arm, q in zip(arms, found, strict=True)]
+            layout = POSES
+            postures = [self._posture(i, action[part], kind) for i, part in enumerate(layout.arms)]
+            lost = sum(q is None for q in postures)
+            goals = [arm.target if q is None else q for arm, q in zip(arms, postures, strict=True)]
         self.actions += 1
         self.unreachable += lost
         paths = self._tracked(goals) if kind == "tracked_qpos" else self._paths(goals)
         least = LOST_STEPS if lost == len(arms) else FRAME_STEPS
-        return self._run(paths, np.clip(grips, 0.0, 1.0), least)
+        return self._run(paths, np.clip(action[list(layout.grippers)], 0.0, 1.0), least)
 
     def commanded_ee(self) -> tuple[Pose, Pose]:
         """World poses of the ee frames at the commanded postures, left and right."""
-        robot = self.rollout.world.robot
-        known = arm_kinematics(robot.embodiment)
-        left, right = (known[arm.side].ee_pose(arm.target) for arm in robot.arms)
+        kinematics = arm_kinematics(self._embodiment)
+        arms = self.rollout.world.robot.arms
+        left, right = (kinematics[arm.side].ee_pose(arm.target) for arm in arms)
         return left, right
 
     def _posture(self, index: int, numbers: Array, kind: ActionKind) -> Array | None:
-        robot = self.rollout.world.robot
         goal = Pose(numbers[:3], numbers[3:])
         if kind == "delta_ee":
             now = self.commanded_ee()[index]
             goal = Pose(now.p + goal.p, (Pose(q=goal.q) @ Pose(q=now.q)).q)
-        arm = robot.arms[index]
-        return arm_kinematics(robot.embodiment)[arm.side].solve_near(goal, arm.target, self._rng)
+        arm = self.rollout.world.robot.arms[index]
+        return arm_kinematics(self._embodiment)[arm.side].solve_near(goal, arm.target, self._rng)
 
-    @staticmethod
-    def _checked(action: Array, kind: str) -> Array:
-        if kind not in SHAPES:
-            raise UnknownName("kind of action", kind, SHAPES)
-        size, what = SHAPES[kind]
+    def _checked(self, action: Array, kind: str) -> Array:
+        size, what = shape_of(kind, self._embodiment)
         action = np.asarray(action, float)
         if action.shape != (size,) or not np.isfinite(action).all():
             raise BadValue("action", action.tolist(), f"it is {size} finite numbers: {what}")
-        if kind in POSE_KINDS and np.linalg.norm(action[QUATERNIONS], axis=1).min() < 0.1:
-            raise BadValue("action", action.tolist(), "its quaternions have length 1")
+        if kind in POSE_KINDS:
+            quaternions = [action[part][3:] for part in POSES.arms]
+            if np.linalg.norm(quaternions, axis=1).min() < 0.1:
+                raise BadValue("action", action.tolist(), "its quaternions have length 1")
         return action
 
     def _paths(self, goals: list[Array]) -> list[Trajectory]:
@@ -120,7 +134,7 @@ class PolicyControl:
         self._trackers = []
         arms = self.rollout.world.robot.arms
         ways = [
-            Straight(arm.target, np.clip(goal, *arm.limb.limits.T), LIMITS)
+            Straight(arm.target, np.clip(goal, *arm.limb.limits.T), self._limits)
             for arm, goal in zip(arms, goals, strict=True)
         ]
         steps = max(FRAME_STEPS, *(way.steps for way in ways))
@@ -130,7 +144,7 @@ class PolicyControl:
         """The next frame of motions towards these targets, from whatever speed the arms have."""
         arms = self.rollout.world.robot.arms
         if not self._trackers:
-            self._trackers = [Tracker(arm.target, LIMITS) for arm in arms]
+            self._trackers = [Tracker(arm.target, self._limits) for arm in arms]
         for arm, tracker, goal in zip(arms, self._trackers, goals, strict=True):
             tracker.follow(np.clip(goal, *arm.limb.limits.T))
         return [tracker.advance(FRAME_STEPS) for tracker in self._trackers]

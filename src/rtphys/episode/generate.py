@@ -5,14 +5,15 @@ from dataclasses import dataclass
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import Infeasible
 from rtphys.core.seeds import stream
-from rtphys.core.timing import Laps
+from rtphys.core.timing import PhaseTimer
 from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.expert.robot import ExpertRobot
 from rtphys.setting.setting import Recipe
 from rtphys.sim.recorder import FRAME_STEPS, Recording
-from rtphys.sim.rollout import Outcome, Rollout
+from rtphys.sim.rollout import Outcome, Rollout, RolloutOptions
 from rtphys.task.spec import Task
 
+NO_LIMIT = RolloutOptions()  # of a policy, whose actions are counted and not its steps
 POLL = FRAME_STEPS  # a demonstration's first success is known to one recorded frame, 60 ms
 
 
@@ -32,28 +33,27 @@ class Attempt:
         return not self.reason
 
 
-def attempt(recipe: Recipe, task: Task, pack: Pack, laps: Laps | None = None) -> Attempt:
+def attempt(recipe: Recipe, task: Task, pack: Pack, timer: PhaseTimer | None = None) -> Attempt:
     """Let the scripted expert try one episode. Never renders.
 
     Infeasibility is a result, not an error: this is the only place that catches it.
 
     Args:
-        laps: takes the time of the phases build, settle, plan and simulate.
+        timer: takes the time of the phases build, settle, plan and simulate.
     """
     instance = rollout = None
-    clock = laps or Laps()
+    phases = timer or PhaseTimer()
     try:
-        with clock.phase("build"):
+        with phases.phase("build"):
             instance = prepare(recipe, task, pack)
-        with clock.phase("settle"):
+        with phases.phase("settle"):
             settle(instance)
-        with clock.phase("plan"):
-            rollout = start(instance, POLL)
-            if laps is not None:  # every step, which is too often for those who do not ask
-                rollout.tick = laps.timed("simulate", rollout.tick)
+        with phases.phase("plan"):
+            # The rollout times every step, which is too often for those who do not ask.
+            rollout = start(instance, RolloutOptions(task.step_limit, POLL, timer=timer))
             chance = stream(recipe.seed, "expert")
             task.script(ExpertRobot(rollout, chance, recipe.setting.recovery))
-        with clock.phase("simulate"):
+        with phases.phase("simulate"):
             outcome = rollout.finish()
     except Infeasible as problem:
         recording = rollout.recorder.recording if rollout else None
@@ -65,8 +65,7 @@ def attempt(recipe: Recipe, task: Task, pack: Pack, laps: Laps | None = None) ->
     return Attempt(recipe, reason, "; ".join(outcome.missing), instance, recording, outcome)
 
 
-def start(instance: Instance, poll: int = 1) -> Rollout:
+def start(instance: Instance, options: RolloutOptions = NO_LIMIT) -> Rollout:
     """Begin the policy stage of a settled instance."""
-    task, world = instance.task, instance.world
-    condition = task.condition(list(instance.props))
-    return Rollout(world, instance.physics, condition, task.step_limit, poll)
+    condition = instance.task.condition(list(instance.props))
+    return Rollout(instance.world, instance.physics, condition, options)

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.assets.embodiment import Embodiment
 from rtphys.core.poses import Array
 
 
@@ -28,16 +29,18 @@ class Observation:
     """
 
     time: float  # [s] since the policy stage began
-    vector: Array  # (14,) drive targets: left arm 6 [rad], left gripper, right arm 6, right gripper
-    endposes: Mapping[str, Array]  # "left", "right": measured pose (7,) of the ee frame (link6)
-    measured: Array  # (14,) joint positions and openings measured, in the order of `vector`
-    velocities: Array  # (12,) joint velocities measured, left then right [rad/s]
+    embodiment: Embodiment
+    vector: Array  # (N,) drive targets [rad] and openings, in the embodiment's `action_layout`
+    endposes: Mapping[str, Array]  # "left", "right": measured pose (7,) of the ee frame
+    measured: Array  # (N,) joint positions [rad] and openings measured, in the order of `vector`
+    velocities: Array  # (N - 2,) joint velocities measured, left then right [rad/s]
     draw: Callable[[], Mapping[str, CameraView]] = field(repr=False)
 
     @property
     def grippers(self) -> tuple[float, float]:
         """Commanded openings, left and right."""
-        return float(self.vector[6]), float(self.vector[13])
+        left, right = self.embodiment.action_layout.grippers
+        return float(self.vector[left]), float(self.vector[right])
 
     @cached_property
     def cameras(self) -> Mapping[str, CameraView]:

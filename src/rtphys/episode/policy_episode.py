@@ -57,7 +57,6 @@ class PolicyEpisode:
         self.task, self.protocol, self.seed = task.name, recipe.protocol, recipe.seed
         self.step_limit = task.step_limit
         self.rollout: Rollout = start(instance)
-        self.rollout.max_steps = 10**9  # actions are what is limited here, not physics steps
         self._control = PolicyControl(self.rollout, recipe.seed)
         self._mirror = Mirror(instance, pack, cameras)
         self._outcome: Outcome | None = None
@@ -104,6 +103,7 @@ class PolicyEpisode:
         frame = self.rollout.steps // FRAME_STEPS
         return Observation(
             time=self.rollout.scene.time,
+            embodiment=robot.embodiment,
             vector=np.concatenate([np.append(arm.target, arm.gripper) for arm in robot.arms]),
             endposes={arm.side: flat(arm.ee()) for arm in robot.arms},
             measured=np.concatenate([np.append(qpos[a.index], a.opening()) for a in robot.arms]),
@@ -141,8 +141,6 @@ class PolicyEpisode:
         if self._outcome is None:
             for arm in self.rollout.world.robot.arms:
                 arm.stop()
-            touched = self.rollout.first_success
-            self._outcome = self.rollout.finish()
             # What succeeds only after the policy has stopped is not its success.
-            self.rollout.first_success = touched
+            self._outcome = self.rollout.finish(counts_success=False)
         return self._outcome

@@ -10,11 +10,12 @@ from rtphys.episode.generate import start
 from rtphys.episode.instance import prepare, settle
 from rtphys.setting.setting import Recipe
 from rtphys.sim.recorder import Recording
+from rtphys.sim.rollout import RolloutOptions
 from rtphys.task.spec import Task
 
 
 def actions_of(recording: Recording) -> Array:
-    """(T - 1, 14) absolute targets: the commands in force one frame later."""
+    """Absolute targets (T - 1, N) in the recording's layout: what is in force one frame later."""
     return np.array([row.arms for row in recording.rows[1:]])
 
 
@@ -26,9 +27,7 @@ def replay(recipe: Recipe, task: Task, pack: Pack, actions: Array) -> bool:
     try:
         instance = prepare(recipe, task, pack)
         settle(instance)
-        rollout = start(instance)
-        rollout.max_steps = 10**9  # actions are what is limited here, not steps
-        rollout.records = False
+        rollout = start(instance, RolloutOptions(record=False))
         control = PolicyControl(rollout)
         return any(control.act(action) for action in actions[: task.step_limit])
     except Infeasible:

@@ -1,39 +1,74 @@
 """The verbs of one arm (`rtphys.task.arm.Arm`): from words to steps, with feasible poses."""
 
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rtphys.core.errors import Infeasible
-from rtphys.core.poses import Pose, axis_angle
+from rtphys.core.poses import Array, Pose, axis_angle
+from rtphys.expert.feasibility import Feasibility, Intent, Path
 from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, candidates
 from rtphys.expert.place import Held, goals
 from rtphys.task.arm import Aim, Follow, Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
 from rtphys.task.props import TABLE_TOP
 
-if TYPE_CHECKING:
-    from rtphys.expert.robot import ExpertRobot
-
-Posture = tuple[float, ...]  # (6,) [rad]
-Placed = tuple[Pose, Pose, Posture]  # hand poses before and at a placement, the first's posture
+Posture = tuple[float, ...]  # (n,) [rad]
 LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
 ROOM = 0.01  # [m] round a load that is brought into something: servos lag, and loads sag
 TURNED = 0.35  # [rad] of a load in its hand that keeps it from being placed as it was meant to be
 HANGING = 0.05  # [m] by which it may then hang lower
-MOST_AIMED = 30  # graspable ways that are tested for what they allow later
+MOST_AIMED = 30  # grasps that are tested for what they allow later
 _PLACE_YAWS = (0.0, 0.4, -0.4, 0.8, -0.8, 1.57, -1.57)  # [rad] tried where the yaw is free
 
 
-class ExpertArm:
-    """Verbs of one arm. Everything that depends on the moment is read when the verb is said."""
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Hand poses before and at a placement, and the postures there."""
 
-    def __init__(self, robot: "ExpertRobot", side: str) -> None:
-        self.robot, self.side = robot, side
+    before: Pose
+    at: Pose
+    path: Path
+
+
+class ExpertArm:
+    """Verbs of one arm. What depends on the moment is read when the verb is called.
+
+    Args:
+        feasibility: what verbs ask.
+        intents: by side, what verbs have decided since the robot last moved. A verb asks with the
+            other arm's and writes its own as soon as a path is found; one that then fails leaves
+            the last that it wrote.
+    """
+
+    def __init__(self, side: str, feasibility: Feasibility, intents: dict[str, Intent]) -> None:
+        self.side, self._feasibility, self._intents = side, feasibility, intents
+        self._world, self._scene = feasibility.world, feasibility.scene
+        self._hands = feasibility.hands
+        self._hand = self._world.robot.embodiment.hand
 
     def ee(self) -> Pose:
-        return self.robot.commanded_ee(self.side)
+        return self._feasibility.commanded_ee(self.side)
+
+    @property
+    def _other(self) -> Intent | None:
+        """What the other arm is about to do."""
+        return self._intents.get("right" if self.side == "left" else "left")
+
+    def _intend(self, path: Path, around: str = "") -> None:
+        """State where this arm will go; what its hand is around stays until it is told anew."""
+        before = self._intents.get(self.side)
+        around = around or (before.around if before else "")
+        self._intents[self.side] = Intent(path.end, around)
+
+    def _clear(self, path: Path) -> bool:
+        """Nothing touches at either end of a path."""
+        ends = path.start, path.end
+        return all(self._feasibility.clear(self.side, q, self._other) for q in ends)
+
+    def _clear_but_for(self, prop: str, q: Array) -> bool:
+        """Nothing touches at a posture, but that the hand may touch the prop."""
+        return self._feasibility.clear(self.side, q, self._other, prop)
 
     # ---- taking hold -----------------------------------------------------------------------------
 
@@ -46,10 +81,10 @@ class ExpertArm:
         grip: float = 0.0,
         aim: Aim | None = None,
     ) -> Motion:
-        way, posture = self._feasible_grasp(prop, contacts, (pre, depth), aim)
+        choice, posture = self._feasible_grasp(prop, contacts, (pre, depth), aim)
         steps = (
-            Reach((way.backed_off(pre),), posture),
-            Line(way.backed_off(depth)),
+            Reach((choice.backed_off(pre),), posture),
+            Line(choice.backed_off(depth)),
             Grip(grip, holds=prop),
         )
         return self._motion(f"grasp {prop}", *steps)
@@ -57,39 +92,38 @@ class ExpertArm:
     def hover(
         self, prop: str, contact: int = 0, gap: float = 0.1, straight_down: bool = False
     ) -> Motion:
-        point = self.robot.scene.contact(prop, contact)
+        point = self._scene.contact(prop, contact)
         if straight_down:
-            back = Pose(point.p + np.array([0, 0, 0.12 + gap]), STRAIGHT_DOWN)
+            back = Pose(point.p + np.array([0, 0, self._hand.tcp + gap]), STRAIGHT_DOWN)
             return self._motion(f"hover {prop}", Reach((back,)))
         # Unlike a grasp, a hover must not be shifted away from thin things: nothing is held.
-        ways = candidates([(contact, point)], self.side, -np.inf)
-        self.robot.refresh()
-        poses = tuple(way.backed_off(gap) for way in ways)
+        grasps = candidates([(contact, point)], self.side, -np.inf, self._hand)
+        self._feasibility.refresh()
+        poses = tuple(grasp.backed_off(gap) for grasp in grasps)
         return self._motion(f"hover {prop}", Reach(poses))
 
     def _feasible_grasp(
         self, prop: str, contacts: Sequence[int], depths: tuple[float, float], aim: Aim | None
     ) -> tuple[Grasp, Posture]:
-        self.robot.refresh()
-        scene = self.robot.scene
-        known = len(self.robot.world.object(prop).contact_points)
-        numbers = list(contacts) or list(range(known))
+        self._feasibility.refresh()
+        numbers = list(contacts) or list(range(len(self._world.object(prop).contact_points)))
         if not numbers:
             raise Infeasible("ungraspable", f"{prop} has no contact points")
-        points = [(i, scene.contact(prop, i)) for i in numbers]
+        points = [(i, self._scene.contact(prop, i)) for i in numbers]
         points += self._around(prop, points)
         first = None
-        tried = 0
-        for way in candidates(points, self.side, TABLE_TOP):
-            before, at = (way.backed_off(d) for d in depths)
-            q = self.robot.grasp_posture(self.side, prop, before, at)
-            if q is None:
+        tested = 0
+        for grasp in candidates(points, self.side, TABLE_TOP, self._hand):
+            before, at = (grasp.backed_off(d) for d in depths)
+            path = self._feasibility.grasp(self.side, prop, (before, at), self._other)
+            if path is None:
                 continue
-            found = way, tuple(q.tolist())
+            self._intend(path, prop)
+            choice = grasp, tuple(path.start.tolist())
             if aim is None or self._allows(prop, at, aim):
-                return found
-            first, tried = first or found, tried + 1
-            if tried >= MOST_AIMED:
+                return choice
+            first, tested = first or choice, tested + 1
+            if tested >= MOST_AIMED:
                 break
         if first is None:
             raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
@@ -97,18 +131,18 @@ class ExpertArm:
 
     def _around(self, prop: str, points: list[tuple[int, Pose]]) -> list[tuple[int, Pose]]:
         """Contact points between those at 45 deg of a round thing, which lies as it rolled."""
-        axis = self.robot.world.object(prop).prop.rolling_axis
+        axis = self._world.object(prop).prop.rolling_axis
         if axis is None:
             return []
-        X_TP = self.robot.scene.pose(prop)
+        X_TP = self._scene.pose(prop)
         turn = Pose((0, 0, 0), axis_angle(axis, np.pi / 8))
         return [(i, X_TP @ turn @ X_TP.inverse() @ point) for i, point in points]
 
     def _allows(self, prop: str, hand: Pose, aim: Aim) -> bool:
-        """Whether a thing grasped at this hand pose can be placed as aimed."""
-        with self.robot.supposing(self.side):
-            held = self._held(prop, hand, aim.point)
-            return self._placement(held, aim.target, aim.how) is not None
+        """Whether a prop grasped at this hand pose can be placed as aimed."""
+        load = self._held(prop, hand, aim.point)
+        placements = self._placements(load, aim.target, aim.how)
+        return any(not aim.how.clear or self._clear(each.path) for each in placements)
 
     # ---- letting go ------------------------------------------------------------------------------
 
@@ -118,61 +152,67 @@ class ExpertArm:
         how = how or Placing()
         # The commanded hand, not the measured one: the load's droop is then in the grasp, and the
         # thing itself arrives where it should.
-        found = self._placement(self._held(prop, self.ee(), point), target, how)
-        if self.robot.hands.turned(self.side) > TURNED:
-            found = self._despite_turn(prop, found, (target, point, how))
-        if found is None:
+        placement = self._placement(self._held(prop, self.ee(), point), target, how)
+        if self._hands.turned(self.side) > TURNED:
+            placement = self._despite_turn(prop, placement, (target, point, how))
+        if placement is None:
             raise Infeasible("unreachable", f"the {self.side} hand cannot place {prop} there")
-        before, after, posture = found
+        before, at = placement.before, placement.at
+        posture = tuple(placement.path.start.tolist())
         steps: list[Step] = [Reach((before,), posture, ROOM if how.clear else 0.0, how.speed)]
         if how.pre != how.gap:
-            steps.append(Line(after, until=how.until))
+            steps.append(Line(at, until=how.until))
         if how.until:
-            way = after.p - before.p
-            lean = LEAN * way / max(float(np.linalg.norm(way)), 1e-9)
+            last = at.p - before.p
+            lean = LEAN * last / max(float(np.linalg.norm(last)), 1e-9)
             steps += [Shift((float(lean[0]), float(lean[1]), float(lean[2]))), Wait(0.12)]
         if how.release:
             steps.append(Grip(1.0, releases=prop))
         return self._motion(f"place {prop}", *steps)
 
     def _held(self, prop: str, hand: Pose, point: int | None) -> Held:
-        scene = self.robot.scene
-        functional = None if point is None else scene.functional(prop, point)
-        return Held(self.side, hand, scene.pose(prop), functional)
+        functional = None if point is None else self._scene.functional(prop, point)
+        return Held(self.side, hand, self._scene.pose(prop), functional)
 
     def _despite_turn(
-        self, prop: str, found: Placed | None, meant: tuple[Pose, int | None, Placing]
-    ) -> Placed:
-        """A way to place a load that hangs askew: as it hangs, or else as it was grasped."""
-        if found is not None and self.robot.clear_at(self.side, np.array(found[2]), prop):
-            return found
-        target, point, how = meant
+        self, prop: str, as_it_hangs: Placement | None, wanted: tuple[Pose, int | None, Placing]
+    ) -> Placement:
+        """A placement of a load that hangs askew: as it hangs, or else as it was grasped."""
+        if as_it_hangs is not None and self._clear_but_for(prop, as_it_hangs.path.start):
+            return as_it_hangs
+        target, point, how = wanted
         higher = replace(how, pre=how.pre + float(np.copysign(HANGING, how.pre)))
-        found = self._placement(self._as_grasped(prop, point), target, higher)
-        if found is None or not self.robot.clear_at(self.side, np.array(found[2]), prop):
+        placement = self._placement(self._as_grasped(prop, point), target, higher)
+        if placement is None or not self._clear_but_for(prop, placement.path.start):
             raise Infeasible("slipped", f"{prop} has turned in the {self.side} hand, past placing")
-        return found
+        return placement
 
     def _as_grasped(self, prop: str, point: int | None) -> Held:
         """The load as it was when the hand closed; what it stands on will turn it back to that."""
-        hand, scene = self.ee(), self.robot.scene
-        thing = hand @ self.robot.hands.grasped[self.side]
-        X_TP = scene.pose(prop).inverse()
-        functional = None if point is None else thing @ X_TP @ scene.functional(prop, point)
-        return Held(self.side, hand, thing, functional)
+        hand, scene = self.ee(), self._scene
+        load = hand @ self._hands.grasped[self.side]
+        X_PT = scene.pose(prop).inverse()
+        functional = None if point is None else load @ X_PT @ scene.functional(prop, point)
+        return Held(self.side, hand, load, functional)
 
-    def _placement(self, held: Held, target: Pose, how: Placing) -> Placed | None:
-        """Hand poses before and at the placement and the first one's posture, or None."""
+    def _placement(self, load: Held, target: Pose, how: Placing) -> Placement | None:
+        """The first placement that is reachable, and clear where it must be, or None."""
+        for placement in self._placements(load, target, how):
+            self._intend(placement.path)
+            if not how.clear or self._clear(placement.path):
+                return placement
+        return None
+
+    def _placements(self, load: Held, target: Pose, how: Placing) -> Iterator[Placement]:
+        """Reachable placements, each sought when it is asked for."""
         yaws = how.yaws
         if yaws == (0.0,) and how.mode in ("free", "auto"):
             yaws = _PLACE_YAWS
         for yaw in yaws:
-            before, after = goals(held, target, how, yaw)
-            q = self.robot.path_posture(self.side, (before, after))
-            if q is None or (how.clear and not self.robot.way_is_clear(self.side, q)):
-                continue
-            return before, after, tuple(q.tolist())
-        return None
+            before, at = goals(load, target, how, yaw)
+            path = self._feasibility.path(self.side, (before, at))
+            if path is not None:
+                yield Placement(before, at, path)
 
     # ---- moving ----------------------------------------------------------------------------------
 
@@ -210,19 +250,22 @@ class ExpertArm:
     def sweep(
         self, *paths: Sequence[Pose], seconds: float = 0.0, prop: str = "", speed: float = 1.0
     ) -> Motion:
-        self.robot.refresh()
-        for path in paths:
-            q = self.robot.path_posture(self.side, path)
-            if q is not None and self.robot.clear_at(self.side, q, prop):
-                reach = Reach((path[0],), tuple(q.tolist()), speed=speed)
-                steps = (reach, Follow(tuple(path[1:]), seconds))
+        self._feasibility.refresh()
+        for poses in paths:
+            path = self._feasibility.path(self.side, poses)
+            if path is None:
+                continue
+            self._intend(path)
+            if self._clear_but_for(prop, path.start):
+                reach = Reach((poses[0],), tuple(path.start.tolist()), speed=speed)
+                steps = (reach, Follow(tuple(poses[1:]), seconds))
                 return self._motion(f"sweep {prop}".strip(), *steps)
         raise Infeasible("unreachable", f"no way for the {self.side} hand along {prop or 'a path'}")
 
     def carry(
         self, prop: str, *paths: Sequence[Pose], seconds: float = 0.0, speed: float = 1.0
     ) -> Motion:
-        X_PE = self.robot.scene.pose(prop).inverse() @ self.ee()
+        X_PE = self._scene.pose(prop).inverse() @ self.ee()
         hands = [[pose @ X_PE for pose in path] for path in paths]
         return self.sweep(*hands, seconds=seconds, prop=prop, speed=speed)
 
@@ -230,8 +273,8 @@ class ExpertArm:
         return self._motion("close", Grip(opening, holds=holds))
 
     def open(self, opening: float = 1.0) -> Motion:
-        held = self.robot.holding.get(self.side, "")
-        return self._motion("open", Grip(opening, releases=held))
+        load = self._hands.holding.get(self.side, "")
+        return self._motion("open", Grip(opening, releases=load))
 
     def home(self) -> Motion:
         return self._motion("home", Home())

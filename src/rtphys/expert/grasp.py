@@ -8,12 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.assets.embodiment import Hand
 from rtphys.core.poses import Array, Pose, axis_angle, quat_multiply
 
-TCP_OFFSET = 0.12  # [m] ee to TCP along x
-TIP_OFFSET = 0.1556  # [m] ee to fingertip along x (aloha-agilex)
-PAD_HALF_WIDTH = 0.0305  # [m] finger pad, along the ee's z
-PAD_REACH = 0.07  # [m] outside of an open finger from the middle, along the ee's y
 TILTS = tuple(0.1 * i for i in range(10))  # [rad] towards the robot (RoboTwin: 0 .. 0.9)
 
 # Preferred orientations (approach, camera-up): straight down with the wrist turned 30 deg
@@ -54,11 +51,11 @@ class Grasp:
         return self.ee.moved(-distance * self.ee.R[:, 0])
 
 
-def ee_of_contact(contact: Pose) -> Pose:
+def ee_of_contact(contact: Pose, hand: Hand) -> Pose:
     """ee pose whose TCP is at a contact frame: approach = -y, closing = -z, camera-up = x."""
     C = contact.R
     R = np.column_stack([-C[:, 1], -C[:, 2], C[:, 0]])
-    return Pose(contact.p + TCP_OFFSET * C[:, 1], Pose.from_matrix(R).q)
+    return Pose(contact.p + hand.tcp * C[:, 1], Pose.from_matrix(R).q)
 
 
 def tilted(ee: Pose, pivot: Array, angle: float) -> list[Pose]:
@@ -71,14 +68,14 @@ def tilted(ee: Pose, pivot: Array, angle: float) -> list[Pose]:
     return sorted(poses, key=lambda pose: float(pose.p[1]))
 
 
-def raised_clear(ee: Pose, table_top: float, clearance: float = 0.003) -> Pose:
+def raised_clear(ee: Pose, table_top: float, hand: Hand, clearance: float = 0.003) -> Pose:
     """Shift back along the approach until the fingertips clear the table.
 
     Official contact points on thin things lie deeper than the fingertips may go.
     """
     R = ee.R
-    tip = ee.p + TIP_OFFSET * R[:, 0]
-    spread = PAD_HALF_WIDTH * abs(R[2, 2]) + 0.01 * abs(R[2, 1])
+    tip = ee.p + hand.tip * R[:, 0]
+    spread = hand.pad_half_width * abs(R[2, 2]) + hand.pad_half_thickness * abs(R[2, 1])
     missing = table_top + clearance - (tip[2] - spread)
     descent = -R[2, 0]
     if missing <= 0 or descent < 0.2:  # a level hand cannot help itself by backing off
@@ -102,12 +99,12 @@ def preference(ee: Pose, side: str) -> float:
 
 
 def candidates(
-    contacts: Sequence[tuple[int, Pose]], side: str, table_top: float
+    contacts: Sequence[tuple[int, Pose]], side: str, table_top: float, hand: Hand
 ) -> Iterator[Grasp]:
     """Ways to grasp, best first: every contact point, both flips of the hand, ten tilts."""
     found: list[tuple[float, int, Pose, Array, float, int]] = []
     for number, contact in contacts:
-        straight = ee_of_contact(contact)
+        straight = ee_of_contact(contact, hand)
         flip = Pose(straight.p, quat_multiply(straight.q, axis_angle((1, 0, 0), np.pi)))
         for ee, extra in ((straight, 0.0), (flip, 0.05)):
             base = preference(ee, side) + extra
@@ -120,7 +117,7 @@ def candidates(
     for cost, number, ee, pivot, tilt, farther in sorted(found, key=lambda way: way[0]):
         # Poses are made when asked for: one of the first few is usually taken.
         turned = tilted(ee, pivot, tilt)[farther] if tilt else ee
-        way = Grasp(number, raised_clear(turned, table_top), cost)
+        way = Grasp(number, raised_clear(turned, table_top, hand), cost)
         if _new_way(way, seen):
             yield way
 

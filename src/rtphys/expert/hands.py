@@ -5,10 +5,11 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.expert.pace import hold_margin, pace_of
-from rtphys.expert.planner import SIDES, DualArmPlanner
+from rtphys.expert.planner import DualArmPlanner
 from rtphys.plan.online import gripper_ramp
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.rollout import Rollout
@@ -17,6 +18,7 @@ from rtphys.task.arm import Grip
 STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
 GRIP_LIMIT = 400  # [steps] for the fingers to stop: damped ones creep over thin things
 OPEN_LIMIT = 250  # [steps] for them to open: thrice the damping makes them lag by 0.6 s
+CLOSED = 0.3  # commanded opening; hands that are made slim for a purpose stay wider
 OPENED = 0.05  # of the stroke that may be missing
 STOPPED = 0.003  # [m/s] a finger slower than this has stopped
 CALM = 0.1  # [rad/s] a load that turns slower hangs still
@@ -63,7 +65,8 @@ class Hands:
             if not self.presses(side, grip.holds):
                 raise Infeasible("grasp_missed", f"{grip.holds} is not between the fingers")
             self._take(side, grip.holds)
-        self.planner.fingers[side] = float(np.clip(arm.gap() / 2, 0.0, 0.0475))
+        travel = self.planner.hand.finger_travel
+        self.planner.fingers[side] = float(np.clip(arm.gap() / 2, 0.0, travel))
 
     def _wait_for_grip(self, side: str) -> None:
         index = self.world.robot.arm(side).finger_index
@@ -131,6 +134,13 @@ class Hands:
             return True
         held = self.holding.get(side)
         return held is not None and held != prop and self.scene.touching(held, prop)
+
+    def lost(self, side: str) -> bool:
+        """What the hand held is gone, or it has just closed on nothing."""
+        prop = self.holding.get(side)
+        if prop is None:
+            return self.world.robot.arm(side).gripper < CLOSED
+        return not self.scene.touching(f"{side}_gripper", prop)
 
     def still_held(self) -> None:
         """Everything carried is still in its hand, and has stopped swinging there.

@@ -2,21 +2,22 @@
 
 import numpy as np
 
+from rtphys.assets.embodiment import Embodiment
 from rtphys.core.poses import Array
 from rtphys.physics.handles import GRAVITY
 from rtphys.sim.body import SimBody
 from rtphys.sim.engine import from_sapien
 from rtphys.sim.world import World
 
-GRIP_STIFFNESS = 1000.0  # [N/m] of a finger's servo (official config)
-OVERCLOSE = 0.01  # [m] a closed command lies 1 cm inside, so an empty hand still presses 10 N
 SHARE = 0.7  # of the commanded force that both pads really exert (measured: 24 N of 35 N)
 PATCH = 0.015  # [m] arm with which friction on a pad resists turning
 
 
-def grip_force(gap: float) -> float:
-    """Normal force of one finger on a thing that keeps the pads `gap` [m] apart [N]."""
-    return SHARE * GRIP_STIFFNESS * (gap / 2 + OVERCLOSE)
+def grip_force(gap: float, embodiment: Embodiment) -> float:
+    """Normal force of one finger on a load that keeps the pads `gap` [m] apart [N]."""
+    # A closed command lies past the middle, so an empty hand still presses.
+    closed, _ = embodiment.gripper_scale
+    return SHARE * embodiment.gripper_stiffness * (gap / 2 - closed)
 
 
 def hold_margin(world: World, prop: str, sides: list[str]) -> float:
@@ -25,7 +26,7 @@ def hold_margin(world: World, prop: str, sides: list[str]) -> float:
     weight = max(sum(body.mass for body in bodies) * GRAVITY, 1e-6)
     mu = min((m[0] for pad in world.robot.pads for m in pad.materials()), default=0.5)
     arms = [world.robot.arm(side) for side in sides]
-    friction = sum(2 * mu * grip_force(arm.gap()) for arm in arms)
+    friction = sum(2 * mu * grip_force(arm.gap(), world.robot.embodiment) for arm in arms)
     margin = friction / weight
     if len(arms) == 1:
         offset = _centre(bodies) - arms[0].tcp().p

@@ -7,19 +7,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from rtphys.assets.embodiment import Embodiment, Limb
+from rtphys.assets.action_layout import SIDES
+from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose
 from rtphys.plan.arms import arm_kinematics
 from rtphys.plan.collision import CollisionChecker, Obstacle
 from rtphys.plan.path import TIME_STEP, JointLimits, Trajectory, retime
-from rtphys.plan.robot_shapes import ArmJoints
 from rtphys.plan.rrt import connect, straight_is_clear
 
-SIDES = ("left", "right")
-# The arm's real servos reach about 3 rad/s; accelerations keep finger loads near 1 g.
-VELOCITY = np.array([2.5, 2.5, 2.5, 3.0, 3.0, 3.0])  # [rad/s]
-ACCELERATION = np.array([10.0, 10.0, 10.0, 12.0, 12.0, 14.0])  # [rad/s^2]
 LINE_SPEED = 0.7  # straight lines end in contact: a share of the usual pace
 
 
@@ -27,7 +23,7 @@ LINE_SPEED = 0.7  # straight lines end in contact: a share of the usual pace
 class ArmGoal:
     """Where one arm should go. Exactly one of `line` and `q` is set."""
 
-    q: Array | None = None  # (6,) along any clear path
+    q: Array | None = None  # (n,) along any clear path
     line: tuple[Pose, ...] = ()  # straight lines of the ee through these world poses
     speed: float = 1.0
     seconds: float = 0.0  # take at least this long
@@ -35,12 +31,7 @@ class ArmGoal:
 
 @lru_cache(maxsize=4)
 def _checker(embodiment: Embodiment) -> CollisionChecker:
-    joints = {limb.side: _arm_joints(limb) for limb in embodiment.limbs}
-    return CollisionChecker(embodiment.urdf, embodiment.bases[0], joints)
-
-
-def _arm_joints(limb: Limb) -> ArmJoints:
-    return ArmJoints(limb.joints, limb.finger_joints)
+    return CollisionChecker(embodiment)
 
 
 class DualArmPlanner:
@@ -49,9 +40,16 @@ class DualArmPlanner:
     def __init__(self, embodiment: Embodiment, rng: np.random.Generator) -> None:
         self.kinematics = arm_kinematics(embodiment)
         self.checker = _checker(embodiment)
+        self.hand = embodiment.hand
+        self.columns = dict(zip(SIDES, embodiment.action_layout.joints_alone, strict=True))
         self.limits = {limb.side: limb.limits for limb in embodiment.limbs}
+        self._fastest = JointLimits(
+            np.concatenate([limb.velocity for limb in embodiment.limbs]),
+            np.concatenate([limb.acceleration for limb in embodiment.limbs]),
+        )
         self._rng = rng
-        self.fingers = {"left": 0.045, "right": 0.045}  # [m] each finger, for collision checks
+        # [m] each finger of a hand from closed, for collision checks
+        self.fingers = dict.fromkeys(SIDES, embodiment.hand.finger_open)
         self._tolerated: frozenset[str] = frozenset()
         self.forget()
 
@@ -89,12 +87,12 @@ class DualArmPlanner:
         """One motion of the named arms, both in the same time.
 
         Args:
-            start: (6,) postures of both arms.
+            start: (n,) postures of both arms.
             goals: of the arms that move.
             pace: share of the usual speed.
 
         Returns:
-            Trajectory over 12 joints, left then right.
+            Trajectory over the joints of both arms, left then right.
 
         Raises:
             Infeasible: "unreachable", "no_path" or "retime_failed".
@@ -116,12 +114,11 @@ class DualArmPlanner:
         if free and not self._path_clear(waypoints):
             waypoints = self._detour(start, paths, free)
         speed = pace * min(LINE_SPEED * g.speed if g.line else g.speed for g in goals.values())
-        limits = JointLimits(np.tile(VELOCITY, 2), np.tile(ACCELERATION, 2))
-        motion = retime(waypoints, limits.scaled(float(np.clip(speed, 0.02, 1.0))))
+        motion = retime(waypoints, self._fastest.scaled(float(np.clip(speed, 0.02, 1.0))))
         least = max(goal.seconds for goal in goals.values()) / TIME_STEP
         if len(motion) >= least:
             return motion
-        slower = limits.scaled(max(speed * len(motion) / least, 1e-3))
+        slower = self._fastest.scaled(max(speed * len(motion) / least, 1e-3))
         return retime(waypoints, slower)
 
     def _path(self, side: str, start: dict[str, Array], goal: ArmGoal) -> Array:
@@ -133,7 +130,7 @@ class DualArmPlanner:
         return path
 
     def lines(self, side: str, q: Array, poses: Sequence[Pose]) -> Array | None:
-        """Postures (n, 6) along straight lines from q through world ee poses, or None."""
+        """Postures (k, n) along straight lines from q through world ee poses, or None."""
         path = [np.asarray(q, float)[None]]
         for pose in poses:
             part = self.kinematics[side].line(path[-1][-1], pose)
@@ -144,10 +141,14 @@ class DualArmPlanner:
 
     def _path_clear(self, waypoints: Array) -> bool:
         def is_clear(q: Array) -> bool:
-            return self.clear({"left": q[:6], "right": q[6:]})
+            return self.clear(self._by_side(q))
 
         pairs = itertools.pairwise(waypoints)
         return all(straight_is_clear(a, b, is_clear) for a, b in pairs)
+
+    def _by_side(self, q: Array) -> dict[str, Array]:
+        """The postures of both arms (n,) in a vector of both (2 n,)."""
+        return {side: q[columns] for side, columns in self.columns.items()}
 
     def _detour(self, start: dict[str, Array], paths: dict[str, Array], free: list[str]) -> Array:
         """A clear path by RRT-Connect in the joints of the arms that may move freely."""
@@ -156,8 +157,9 @@ class DualArmPlanner:
         end = {side: paths[side][-1] if side in paths else start[side] for side in SIDES}
         if pairs := self.contact(end):
             raise Infeasible("no_path", f"at the goal: {pairs}")
-        columns = np.concatenate([np.arange(6) + 6 * SIDES.index(s) for s in sorted(free)])
-        base = np.concatenate([start["left"], start["right"]])
+        base = np.concatenate([start[side] for side in SIDES])
+        every = np.arange(len(base))
+        columns = np.concatenate([every[self.columns[side]] for side in sorted(free)])
 
         def full(q: Array) -> Array:
             both = base.copy()
@@ -165,8 +167,7 @@ class DualArmPlanner:
             return both
 
         def is_clear(q: Array) -> bool:
-            both = full(q)
-            return self.clear({"left": both[:6], "right": both[6:]})
+            return self.clear(self._by_side(full(q)))
 
         goal = np.concatenate([end["left"], end["right"]])[columns]
         limits = np.vstack([self.limits[side] for side in sorted(free)])
@@ -177,13 +178,13 @@ class DualArmPlanner:
 
 
 def _joined(paths: dict[str, Array], start: dict[str, Array]) -> Array:
-    """Paths of both arms over a common parameter, (n, 12); an arm without a path keeps still."""
+    """Paths of both arms over a common parameter, (k, 2 n); an arm without a path keeps still."""
     shares = {side: _share_of_length(path) for side, path in paths.items()}
     u = np.unique(np.round(np.concatenate(list(shares.values())), 9))
     columns = []
     for side in SIDES:
         if side in paths:
-            columns += [np.interp(u, shares[side], paths[side][:, j]) for j in range(6)]
+            columns += [np.interp(u, shares[side], joint) for joint in paths[side].T]
         else:
             columns += [np.full(len(u), q) for q in start[side]]
     return np.column_stack(columns)

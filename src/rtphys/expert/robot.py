@@ -1,19 +1,19 @@
 """The robot that scripts command (`rtphys.task.arm.Robot`): plans steps and carries them out."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterable
 from functools import partial
 
 import numpy as np
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Hand
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose
 from rtphys.expert.arm import ExpertArm
+from rtphys.expert.feasibility import Feasibility, Intent
 from rtphys.expert.hands import Hands
-from rtphys.expert.planner import SIDES, ArmGoal, DualArmPlanner
-from rtphys.expert.recovery import PLANNING, retake
-from rtphys.expert.surroundings import obstacles_of
+from rtphys.expert.planner import ArmGoal, DualArmPlanner
+from rtphys.expert.recovery import PLANNING, Recovery
 from rtphys.plan.path import Trajectory
 from rtphys.sim.recorder import RECOVER
 from rtphys.sim.rollout import Rollout
@@ -36,13 +36,14 @@ class ExpertRobot:
         self.rollout, self.scene, self.world = rollout, rollout.scene, rollout.world
         self.planner = DualArmPlanner(self.world.robot.embodiment, rng)
         self.hands = Hands(rollout, self.planner)
-        self.may_recover, self.recovering = may_recover, False
+        self.recovery = Recovery(self.hands, may_recover)
+        self._feasibility = Feasibility(rollout, self.planner, self.hands)
         self._moving: set[str] = set()  # arms of the step being carried out
-        self._intended: dict[str, Array] = {}  # where verbs said since the last `do` will end
-        self._at: dict[str, str] = {}  # and around which prop
-        self._told: tuple[int, set[str]] | None = None  # when the planner last saw everything
-        self.left, self.right = ExpertArm(self, "left"), ExpertArm(self, "right")
-        self.refresh()
+        self._intents: dict[str, Intent] = {}  # by side, of verbs called since the last `do`
+        self.left, self.right = (
+            ExpertArm(side, self._feasibility, self._intents) for side in SIDES
+        )
+        self._feasibility.refresh()
 
     # ---- what scripts say ------------------------------------------------------------------------
 
@@ -69,10 +70,9 @@ class ExpertRobot:
         queues: dict[str, list[Step]] = {side: [] for side in SIDES}
         for motion in motions:
             queues[motion.side].extend(motion.steps)
-        self._intended.clear()
-        self._at.clear()
+        self._intents.clear()
         stage = " + ".join(dict.fromkeys(m.stage for m in motions))
-        self.rollout.recorder.enter(f"{RECOVER} {stage}" if self.recovering else stage)
+        self.rollout.recorder.enter(f"{RECOVER} {stage}" if self.recovery.begun else stage)
         for i in range(max((len(q) for q in queues.values()), default=0)):
             self._together({side: q[i] for side, q in queues.items() if i < len(q)})
 
@@ -93,95 +93,13 @@ class ExpertRobot:
         return None
 
     def retake(self, action: Callable[[], None]) -> None:
-        retake(self, action)
-
-    # ---- questions of the verbs ------------------------------------------------------------------
-
-    def commanded(self, side: str) -> Array:
-        """Commanded posture (6,)."""
-        return self.world.robot.arm(side).target
-
-    def commanded_ee(self, side: str) -> Pose:
-        """Commanded ee pose, task frame."""
-        ee = self.planner.kinematics[side].ee_pose(self.commanded(side))
-        return self.world.to_task(ee)
-
-    def grasp_posture(self, side: str, prop: str, before: Pose, at: Pose) -> Array | None:
-        """Posture for the first pose, if both are reachable on one branch and clear.
-
-        At the second, the hand may touch the prop.
-        """
-        q = self._posture(side, before)
-        if q is None or not self._clear_with(side, q):
-            return None
-        line = self.planner.lines(side, q, [self.world.X_WT @ at])
-        if line is None:
-            return None
-        with self.hands.may_touch(side, prop):
-            if not self._clear_with(side, line[-1]):
-                return None
-        self._intended[side], self._at[side] = line[-1], prop
-        return q
-
-    def path_posture(self, side: str, poses: Sequence[Pose]) -> Array | None:
-        """Posture for the first pose, if the others follow from it by straight lines."""
-        q = self._posture(side, poses[0])
-        if q is None:
-            return None
-        path = self.planner.lines(side, q, [self.world.X_WT @ pose for pose in poses[1:]])
-        if path is not None:
-            self._intended[side] = path[-1]
-        return None if path is None else q
-
-    def way_is_clear(self, side: str, q: Array) -> bool:
-        """Nothing touches at the start `q` of the last path asked about, nor where it ends."""
-        return all(self._clear_with(side, at) for at in (q, self._intended[side]))
-
-    @contextmanager
-    def supposing(self, side: str) -> Iterator[None]:
-        """Within: questions about this arm do not count as where it will go."""
-        said = self._intended.get(side)
-        try:
-            yield
-        finally:
-            self._intended.pop(side, None)
-            if said is not None:
-                self._intended[side] = said
-
-    def clear_at(self, side: str, q: Array, prop: str) -> bool:
-        """Nothing in the way at a posture, the prop aside."""
-        with self.hands.may_touch(side, prop):
-            return self._clear_with(side, q)
-
-    def _posture(self, side: str, ee: Pose) -> Array | None:
-        return self.planner.posture(side, self.world.X_WT @ ee, self.commanded(side))
-
-    def _clear_with(self, side: str, q: Array) -> bool:
-        postures = {s: self.commanded(s) for s in SIDES}
-        other = "right" if side == "left" else "left"
-        if other in self._intended:
-            postures[other] = self._intended[other]
-        elif not self.hands.holding.get(other):
-            # Whether the other arm is in the way now does not matter: it can move first.
-            postures[other] = self.world.robot.arm(other).limb.home
-        postures[side] = q
-        around = self._at.get(other, "")
-        with self.hands.may_touch(other, around) if around else nullcontext():
-            return self.planner.clear(postures)
+        self.recovery.retake(self, action)
 
     # ---- carrying out ----------------------------------------------------------------------------
 
-    def refresh(self) -> None:
-        """Tell the planner where everything is now."""
-        held = set(self.hands.holding.values())
-        now = self.rollout.steps, held
-        if now != self._told:  # nothing moves between two steps
-            self.planner.set_obstacles(obstacles_of(self.world, without=held))
-            self._told = now
-
     def _together(self, steps: dict[str, Step]) -> None:
         """One step of one or both arms, at the same time."""
-        self.refresh()
+        self._feasibility.refresh()
         goals = {s: g for s, step in steps.items() if (g := self._goal(s, step)) is not None}
         grips = {s: step for s, step in steps.items() if isinstance(step, Grip)}
         waits = [step.seconds for step in steps.values() if isinstance(step, Wait)]
@@ -202,7 +120,7 @@ class ExpertRobot:
             self.hands.still_held()
 
     def _plan(self, goals: dict[str, ArmGoal], room: float) -> Trajectory:
-        start = {side: self.commanded(side) for side in SIDES}
+        start = {side: self._feasibility.commanded(side) for side in SIDES}
         if not room:
             return self.planner.motion(start, goals, self.hands.pace())
         self.planner.checker.keep_carried_clear(room)
@@ -225,22 +143,23 @@ class ExpertRobot:
             if step.posture:
                 return ArmGoal(q=np.array(step.posture), speed=step.speed)
             for pose in step.candidates:
-                q = self._posture(side, pose)
-                if q is not None and (len(step.candidates) == 1 or self._clear_with(side, q)):
+                q = self._feasibility.posture(side, pose)
+                only = len(step.candidates) == 1
+                if q is not None and (only or self._feasibility.clear(side, q, other=None)):
                     return ArmGoal(q=q, speed=step.speed)
             raise Infeasible("unreachable", f"no posture of the {side} arm")
         return None
 
     def _shift_goal(self, side: str, step: Shift) -> ArmGoal:
-        ee = self.commanded_ee(side)
+        start, ee = self._feasibility.commanded(side), self._feasibility.commanded_ee(side)
         offset = ee.R @ np.asarray(step.offset) if step.tool else np.asarray(step.offset)
         for share in step.shares:
             goal = Pose(ee.p + share * offset, step.turn or ee.q)
             world = self.world.X_WT @ goal
-            if self.planner.kinematics[side].line(self.commanded(side), world) is not None:
+            if self.planner.kinematics[side].line(start, world) is not None:
                 return ArmGoal(line=(world,), speed=step.speed)
             if step.turn:  # a large turn may need another branch: go there freely
-                q = self._posture(side, goal)
+                q = self._feasibility.posture(side, goal)
                 if q is not None:
                     return ArmGoal(q=q, speed=step.speed)
         raise Infeasible("unreachable", f"the {side} hand cannot move by {step.offset}")
@@ -250,7 +169,7 @@ class ExpertRobot:
     ) -> set[str]:
         arms = {side: self.world.robot.arm(side) for side in SIDES}
         openings = {side: ramp.tolist() for side, ramp in ramps.items()}
-        paths = {side: _path_of(trajectory, side) for side in SIDES if side in self._moving}
+        paths = {side: self._path_of(trajectory, side) for side in SIDES if side in self._moving}
         length = max(
             [len(trajectory) if trajectory is not None else 0]
             + [len(r) for r in ramps.values()]
@@ -277,6 +196,13 @@ class ExpertRobot:
             arm.stop()
         return stopped
 
+    def _path_of(
+        self, trajectory: Trajectory, side: str
+    ) -> tuple[list[list[float]], list[list[float]]]:
+        """Positions and velocities of one arm, a row a step, as plain floats."""
+        columns = self.planner.columns[side]
+        return trajectory.q[:, columns].tolist(), trajectory.qd[:, columns].tolist()
+
     def _settle(self) -> None:
         """Wait until both arms are where they were told to be."""
         for _ in range(SETTLE_STEPS):
@@ -284,10 +210,3 @@ class ExpertRobot:
             if max(errors) < SETTLED:
                 return
             self.rollout.tick()
-
-
-def _path_of(trajectory: Trajectory, side: str) -> tuple[list[list[float]], list[list[float]]]:
-    """Positions and velocities of one arm, a row a step, as plain floats."""
-    first = 6 * SIDES.index(side)
-    part = slice(first, first + 6)
-    return trajectory.q[:, part].tolist(), trajectory.qd[:, part].tolist()

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data.dataset import Episode
 
@@ -22,18 +23,8 @@ RATE = Fraction(250, 15)  # [Hz] frames: one every 15 of 250 control steps per s
 ROBOT = "aloha-agilex"
 CHUNK = 1000  # files in a folder (v3.0), episodes in a folder (v2.1)
 
-JOINTS = [
-    f"{side}_{part}"
-    for side in ("left", "right")
-    for part in (*(f"joint_{k}" for k in range(1, 7)), "gripper")
-]
-POSE = [
-    f"{side}_{part}"
-    for side in ("left", "right")
-    for part in ("x", "y", "z", "qw", "qx", "qy", "qz")
-]
+POSE = [f"{side}_{part}" for side in SIDES for part in ("x", "y", "z", "qw", "qx", "qy", "qz")]
 INDICES = ("frame_index", "episode_index", "index", "task_index")
-VECTORS = {"observation.state": JOINTS, "observation.ee_pose": POSE, "action": JOINTS}
 
 
 @dataclass(frozen=True)
@@ -41,8 +32,9 @@ class Plan:
     """Options of one export, resolved for its dataset."""
 
     version: str
-    cameras: Mapping[str, str]  # RoboTwin's name -> name in the export
-    size: tuple[int, int]  # height, width of every picture [px]
+    cameras: Mapping[str, str]  # official name -> name in the export
+    size: tuple[int, int]  # height, width of every picture
+    layout: ActionLayout  # of states and actions
 
     def video_key(self, camera: str) -> str:
         """Feature name of a camera's video."""
@@ -61,9 +53,11 @@ class Plan:
             "video.channels": 3,
             "has_audio": False,
         }
+        joints = list(self.layout.names)
+        vectors = {"observation.state": joints, "observation.ee_pose": POSE, "action": joints}
         features: dict[str, dict[str, object]] = {
             name: {"dtype": "float32", "shape": [len(parts)], "names": parts}
-            for name, parts in VECTORS.items()
+            for name, parts in vectors.items()
         }
         for camera in self.cameras:
             features[self.video_key(camera)] = {
@@ -78,7 +72,7 @@ class Plan:
 
 
 def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
-    """Plan an export from the cameras and picture size of one episode.
+    """Reads one episode to see which cameras there are, how large their pictures, how many joints.
 
     Args:
         episode: any episode of the dataset.
@@ -97,7 +91,7 @@ def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
     if len({*sizes.values()}) != 1:
         raise BadValue("cameras", sizes, "all pictures of an export must have one size")
     height, width, _ = next(iter(sizes.values()))
-    return Plan(version, chosen, (height, width))
+    return Plan(version, chosen, (height, width), episode.frames.layout)
 
 
 def _names(naming: str, cameras: tuple[str, ...]) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.data.dataset import Episode
 from rtphys.data.files import make_folder, write_synced
 from rtphys.data.json_text import compact, plain, pretty
@@ -68,13 +69,12 @@ class WriterV2:
         write_synced(meta / "info.json", pretty(plain(self._info()), sort=False))
 
     def _modality(self) -> dict[str, object]:
-        """Content of GR00T's modality.json: named slices of the vectors."""
-        parts = {
-            "left_arm": {"start": 0, "end": 6},
-            "left_gripper": {"start": 6, "end": 7},
-            "right_arm": {"start": 7, "end": 13},
-            "right_gripper": {"start": 13, "end": 14},
-        }
+        """GR00T's slices of the vectors."""
+        parts: dict[str, object] = {}
+        layout = self.plan.layout
+        for side, arm, gripper in zip(SIDES, layout.arms, layout.grippers, strict=True):
+            parts[f"{side}_arm"] = {"start": arm.start, "end": arm.stop}
+            parts[f"{side}_gripper"] = {"start": gripper, "end": gripper + 1}
         videos = {
             name: {"original_key": self.plan.video_key(c)} for c, name in self.plan.cameras.items()
         }

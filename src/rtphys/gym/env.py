@@ -28,7 +28,7 @@ MOST_SEEDS = 100  # consecutive seeds without a world after which `reset` fails
 
 
 class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
-    """Environment of one task; actions are absolute joint targets (14,).
+    """Environment of one task; actions are absolute joint targets and openings (`ActionLayout`).
 
     The reward is 1 at the instant of success, which terminates the episode, and 0 otherwise; the
     task's action limit truncates it. `info` always holds the physics, observations on request.
@@ -119,7 +119,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         """Carry out one action, clipped to the limits.
 
         Raises:
-            BadValue: the action is not 14 finite numbers.
+            BadValue: an action of the wrong length, or with numbers that are not finite.
             gymnasium.error.ResetNeeded: before the first `reset`.
         """
         episode = self._running()

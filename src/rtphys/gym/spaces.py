@@ -6,17 +6,17 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Embodiment
 from rtphys.physics import attributes
 from rtphys.task.props import Articulated, Prop
 
 SHAPE = (240, 320, 3)  # of a picture, RGB
-SIDES = ("left", "right")
 Limits = NDArray[np.float32]
 
 
 def limits(embodiment: Embodiment) -> Limits:
-    """Lower and upper limits (2, 14): joints [rad], gripper openings 0 closed .. 1 open."""
+    """(2, N) lower and upper: real joint limits [rad], openings 0 closed .. 1 open."""
     arms = [np.vstack([limb.limits, [0.0, 1.0]]) for limb in embodiment.limbs]
     return np.concatenate(arms).astype(np.float32).T
 
@@ -33,10 +33,11 @@ def _numbers(*shape: int) -> spaces.Box:
 def state(bounds: Limits, props: Sequence[Prop]) -> dict[str, spaces.Space]:
     """Parts of a state observation: commands, measurements, and poses of the task's objects."""
     articulated = [prop.name for prop in props if isinstance(prop, Articulated)]
+    size = bounds.shape[1]
     found: dict[str, spaces.Space] = {
         "agent_pos": commands(bounds),
-        "measured": _numbers(14),
-        "velocities": _numbers(12),
+        "measured": _numbers(size),
+        "velocities": _numbers(size - len(SIDES)),
         "endposes": spaces.Dict({side: _numbers(7) for side in SIDES}),
         "objects": spaces.Dict({prop.name: _numbers(7) for prop in props}),
     }

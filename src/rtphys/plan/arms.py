@@ -14,8 +14,6 @@ def arm_kinematics(embodiment: Embodiment) -> dict[str, ArmKinematics]:
         BadFile, UnknownName: the URDF does not hold the arms that the embodiment names.
     """
     return {
-        limb.side: ArmKinematics.from_urdf(
-            embodiment.urdf, limb.joints, limb.ee_link, embodiment.bases[0], limb.limits
-        )
+        limb.side: ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.bases[0])
         for limb in embodiment.limbs
     }

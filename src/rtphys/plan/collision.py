@@ -2,15 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
+from rtphys.assets.action_layout import SIDES
+from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.poses import Array, Pose
-from rtphys.plan.kinematics import HOME_SEED
 from rtphys.plan.pair_model import Item, PairModel
 from rtphys.plan.pairs import (
     OBSTACLE,
@@ -18,11 +18,11 @@ from rtphys.plan.pairs import (
     Body,
     Rules,
     own_margins,
+    robot_bodies,
     robot_pairs,
 )
-from rtphys.plan.robot_shapes import ALOHA, HAND_DEPTH, SIDES, ArmJoints, RobotShapes, Side, hull
+from rtphys.plan.robot_shapes import RobotShapes, Side, hull
 
-OPEN_FINGERS = (0.045, 0.045)  # [m] each finger of a hand from closed: the nominal opening
 _KEPT_PAIRS = 24_000  # of all models kept for use again: 5 KB each
 _KEPT_HULLS = 512  # shapes seen before are not made again; objects change size every episode
 
@@ -45,33 +45,32 @@ class CollisionChecker:
 
     Margins are those of `rtphys.plan.pairs`. Never checked: neighbours in the chain, the parts of
     one hand among themselves, static parts with one another, pairs too far apart to meet in any
-    posture, and pairs of the robot's own shapes that touch at q = 0 or in the home posture (hulls
+    posture, and pairs of the robot's own shapes that touch at q = 0 or in the bent posture (hulls
     of concave links overlap at their joints).
     """
 
-    def __init__(self, urdf: Path, X_WB: Pose, arms: dict[Side, ArmJoints] = ALOHA) -> None:
+    def __init__(self, embodiment: Embodiment) -> None:
         """Read the robot.
 
         Args:
-            urdf: dual-arm robot with `<collision>` primitives or meshes (stl, obj, dae, glb).
-            X_WB: pose of its root link in the world.
-            arms: joint names by side.
+            embodiment: its URDF has `<collision>` primitives or meshes (stl, obj, dae, glb).
 
         Raises:
-            BadFile, UnknownName: see `RobotShapes.from_urdf`.
+            BadFile, UnknownName: see `RobotShapes.of`.
         """
-        self._robot = RobotShapes.from_urdf(urdf, X_WB, arms)
+        self._robot = RobotShapes.of(embodiment)
+        self._bent = [limb.bent for limb in embodiment.limbs]
+        self._open = embodiment.hand.finger_open
         self._q = pin.neutral(self._robot.model)
         self._data = self._robot.model.createData()
-        self._wrists = {s.owner: s.joint for s in self._robot.shapes if s.depth == HAND_DEPTH}
+        self._wrists = {s.owner: s.joint for s in self._robot.shapes if s.hand and not s.finger}
         self._obstacles: list[Item] = []
         self._carried: list[Item] = []
         self._hulls: dict[tuple, coal.CollisionGeometry] = {}
         self._rules = Rules()
         self._models: dict[tuple, PairModel] = {}  # by the kinds of items, latest last
         self._model: PairModel | None = None  # None when items have changed since
-        own = [Body(s.link, s.owner, s.depth) for s in self._robot.shapes]
-        self._own_margins = own_margins(own, robot_pairs(self._robot))
+        self._own_margins = own_margins(robot_bodies(self._robot), robot_pairs(self._robot))
         for pair in self._touching_at_rest():
             self._own_margins[pair] = np.nan
         self._model = None
@@ -111,8 +110,8 @@ class CollisionChecker:
         Args:
             side: "left" or "right".
             name: of the body.
-            vertices: (n, 3) hull points in the frame of the sixth joint's link, which is the
-                end-effector frame (link6) [m].
+            vertices: (n, 3) hull points in the frame of the last arm joint's link, which is the
+                end-effector frame [m].
         """
         self._check_side(side)
         item = Item(
@@ -130,7 +129,7 @@ class CollisionChecker:
         self._model = None
 
     def ignore(self, side: Side, obstacle_name: str) -> None:
-        """Let one hand (link6, camera, fingers, and what it carries) touch a body.
+        """Let one hand (its last arm link, camera, fingers, and what it carries) touch a body.
 
         Raises:
             UnknownName: neither an obstacle nor a carried body has this name.
@@ -156,20 +155,21 @@ class CollisionChecker:
     # The question.
 
     def clear(
-        self, q_left: Array, q_right: Array, fingers: tuple[float, float] = OPEN_FINGERS
+        self, q_left: Array, q_right: Array, fingers: tuple[float, float] | None = None
     ) -> bool:
         """True when nothing is nearer than its margin.
 
         Args:
-            q_left: (6,) [rad].
-            q_right: (6,) [rad].
+            q_left: (n,) [rad].
+            q_right: (n,) [rad].
             fingers: position of each finger of the left and of the right hand [m], 0 closed;
-                the opening between them is twice that. Clamped to the joint's range.
+                the opening between them is twice that. Clamped to the joint's range. None: both
+                hands are open.
         """
         return self._asked(q_left, q_right, fingers).clear(self._data, self._q)
 
     def first_contact(
-        self, q_left: Array, q_right: Array, fingers: tuple[float, float] = OPEN_FINGERS
+        self, q_left: Array, q_right: Array, fingers: tuple[float, float] | None = None
     ) -> str | None:
         """The first pair nearer than its margin, as "fl_link4 and table", or None."""
         model = self._asked(q_left, q_right, fingers)
@@ -177,7 +177,7 @@ class CollisionChecker:
         return model.names(touching[0]) if touching else None
 
     def contacts(
-        self, q_left: Array, q_right: Array, fingers: tuple[float, float] = OPEN_FINGERS
+        self, q_left: Array, q_right: Array, fingers: tuple[float, float] | None = None
     ) -> frozenset[str]:
         """All pairs nearer than their margins, each as "fl_link4 and table"."""
         model = self._asked(q_left, q_right, fingers)
@@ -196,9 +196,12 @@ class CollisionChecker:
         if side not in SIDES:
             raise BadValue("side", side, "it is 'left' or 'right'")
 
-    def _asked(self, q_left: Array, q_right: Array, fingers: tuple[float, float]) -> PairModel:
+    def _asked(
+        self, q_left: Array, q_right: Array, fingers: tuple[float, float] | None
+    ) -> PairModel:
         """The model in force, with its robot put at these postures."""
         robot, q = self._robot, self._q
+        fingers = fingers or (self._open, self._open)
         for side, angles, finger in zip(SIDES, (q_left, q_right), fingers, strict=True):
             q[robot.arm_index[side]] = angles
             low, high = robot.finger_limits[side]
@@ -235,8 +238,8 @@ class CollisionChecker:
         """Pairs of the robot's own shapes that touch while it rests."""
         self._model = model = PairModel(self._robot, self._own_margins, [])
         touching: set[int] = set()
-        for q in (np.zeros(6), HOME_SEED):
-            for opening in (0.0, OPEN_FINGERS[0]):
-                asked = self._asked(q, q, (opening, opening))
+        for postures in ([np.zeros_like(q) for q in self._bent], self._bent):
+            for opening in (0.0, self._open):
+                asked = self._asked(postures[0], postures[1], (opening, opening))
                 touching.update(asked.touching(self._data, self._q))
         return {model.pair(k) for k in touching}

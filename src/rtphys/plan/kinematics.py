@@ -1,4 +1,4 @@
-"""One six-joint arm: forward kinematics, inverse kinematics, straight tool lines."""
+"""One arm: forward kinematics, inverse kinematics, straight tool lines."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,17 +10,10 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 from scipy.linalg import get_lapack_funcs
 
+from rtphys.assets.embodiment import Limb
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.core.seeds import stream
-
-# A posture with the elbow up and the tool pitched down, from which most of the table is reached.
-HOME_SEED = np.array([0.0, 1.2, 1.0, -0.8, 0.0, 0.0])
-HOME_SEED.setflags(write=False)
-
-# Radians of one joint are not worth the same: the base swings the whole arm, the last joint only
-# turns the fingers. Used to say which of two solutions is nearer.
-_JOINT_WEIGHTS = np.array([1.5, 1.5, 1.25, 1.0, 0.75, 0.5])
 
 (_SOLVE_POSITIVE,) = get_lapack_funcs(("posv",))
 
@@ -70,58 +63,57 @@ class _Goal:
 class ArmKinematics:
     """Kinematics of one arm in the world frame.
 
-    `q` is always (6,) in radians, in the order of `joints`. The end-effector frame is `ee_link`'s;
-    for the aloha that is link6, whose x is the approach and whose y the closing direction.
+    `q` is always (n,) in radians, one number for each of the limb's n joints. The end-effector
+    frame is its `ee_link`'s, whose x is the approach and whose y the closing direction.
     """
 
-    def __init__(self, model: pin.Model, ee_link: str, limits: Array) -> None:
+    def __init__(self, model: pin.Model, limb: Limb) -> None:
         self._model = model
         self._data = model.createData()
-        self._frame = model.getFrameId(ee_link)
+        self._frame = model.getFrameId(limb.ee_link)
         self._X_JE = pin.SE3(model.frames[self._frame].placement)
         self._joint = model.frames[self._frame].parentJoint
-        self.limits = np.array(limits, float)
+        self._bent, self._weights = limb.bent, limb.weights
+        self.limits = np.array(limb.limits, float)
         self.limits.setflags(write=False)
         self._low, self._high = self.limits[:, 0].copy(), self.limits[:, 1].copy()
         self._ranges = self.limits.tolist()  # plain floats: at this size they beat arrays
-        self._atlas = stream(0, "kinematics").uniform(self._low, self._high, (_ATLAS, 6))
+        self._atlas = stream(0, "kinematics").uniform(self._low, self._high, (_ATLAS, model.nq))
         poses = np.array([self.ee_matrix(q) for q in self._atlas])
         self._atlas_p, self._atlas_R = poses[:, :3, 3], poses[:, :3, :3].reshape(-1, 9)
 
     @classmethod
-    def from_urdf(
-        cls, urdf: Path, joints: Sequence[str], ee_link: str, X_WB: Pose, limits: Array
-    ) -> "ArmKinematics":
+    def from_urdf(cls, urdf: Path, limb: Limb, X_WB: Pose) -> "ArmKinematics":
         """Read one arm from a URDF of any size; all other joints are locked at zero.
+
+        The limits are the limb's. The file's own are not used: the official model states ±10 rad,
+        which invites solutions wound round by 2 pi.
 
         Args:
             urdf: file; parsed once per process.
-            joints: the six revolute joints, base first.
-            ee_link: link whose frame is the end effector.
+            limb: the arm; its joints form a serial chain, base first.
             X_WB: pose of the URDF's root link in the world.
-            limits: (6, 2) lower and upper angle [rad]. The file's own limits are not used: the
-                official model states ±10 rad, which invites solutions wound round by 2 pi.
 
         Raises:
             BadFile: no URDF, or the joints are no chain.
             UnknownName: a joint or link that the URDF lacks.
         """
-        model = _reduced(Path(urdf), tuple(joints), X_WB)
-        if not model.existBodyName(ee_link):
+        model = _reduced(Path(urdf), limb.joints, X_WB)
+        if not model.existBodyName(limb.ee_link):
             links = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
-            raise UnknownName("link", ee_link, links, urdf)
-        return cls(model, ee_link, limits)
+            raise UnknownName("link", limb.ee_link, links, urdf)
+        return cls(model, limb)
 
     def _forward(self, q: Array) -> pin.SE3:
         pin.forwardKinematics(self._model, self._data, q)
         return self._data.oMi[self._joint] * self._X_JE
 
     def ee_pose(self, q: Array) -> Pose:
-        """World pose of the end-effector frame at q (6,)."""
+        """World pose of the end-effector frame at q (n,)."""
         return Pose.from_matrix(self._forward(np.asarray(q, float)).homogeneous)
 
     def ee_matrix(self, q: Array) -> Array:
-        """World pose of the end-effector frame at q (6,) as a (4, 4) matrix."""
+        """World pose of the end-effector frame at q (n,) as a (4, 4) matrix."""
         return self._forward(np.asarray(q, float)).homogeneous
 
     def solve(
@@ -136,12 +128,12 @@ class ArmKinematics:
 
         Args:
             X_WE: wanted world pose of the end-effector frame.
-            seeds: (n, 6) or (6,) start angles [rad], clamped to the limits.
+            seeds: (k, n) or (n,) start angles [rad], clamped to the limits.
             position_tolerance: [m].
             angle_tolerance: [rad].
 
         Returns:
-            q (6,), or None when no seed converges.
+            q (n,), or None when no seed converges.
         """
         goal = _Goal(pin.SE3(X_WE.R, X_WE.p), position_tolerance, angle_tolerance)
         return self._first(goal, np.atleast_2d(np.asarray(seeds, float)))
@@ -185,7 +177,7 @@ class ArmKinematics:
         return None
 
     def _step(self, q: Array, e: Array, error: float, clamped: bool) -> Array:
-        """The next step (6,) of `_descend` from where its Jacobian was computed."""
+        """The next step (n,) of `_descend` from where its Jacobian was computed."""
         J = pin.getFrameJacobian(self._model, self._data, self._frame, pin.LOCAL)
         push = e.dot(J)
         if clamped:
@@ -195,7 +187,7 @@ class ArmKinematics:
                 if (at <= low and towards < 0) or (at >= high and towards > 0):
                     J[:, i] = push[i] = 0
         H = J.T.dot(J)
-        diagonal = H.reshape(36)[::7]
+        diagonal = H.reshape(-1)[:: len(H) + 1]
         diagonal += 0.02 * error + 1e-6
         step = _SOLVE_POSITIVE(H, push)[1]
         size = max(map(abs, step.tolist()))
@@ -206,25 +198,25 @@ class ArmKinematics:
     ) -> Array | None:
         """The solution nearest to q_near (weighted joint distance) among several searches.
 
-        Searches start at q_near, at the home seed and at the `restarts` postures of a fixed atlas
-        whose tool is nearest to the goal; random postures are tried last, if nothing was found.
-        Of 1000 poses that the arms do reach, 99.8 % are found this way, 97 % by as many random
-        restarts. The generator always advances by the same number of draws.
+        Searches start at q_near, at the limb's bent posture and at the `restarts` postures of a
+        fixed atlas whose tool is nearest to the goal; random postures are tried last, if nothing
+        was found. Of 1000 poses that the aloha's arms do reach, 99.8 % are found this way, 97 % by
+        as many random restarts. The generator always advances by the same number of draws.
 
         Args:
             X_WE: wanted world pose of the end-effector frame.
-            q_near: (6,) posture to stay close to [rad].
+            q_near: (n,) posture to stay close to [rad].
             rng: source of the random postures.
             restarts: postures from the atlas; half as many are random.
 
         Returns:
-            q (6,) inside the limits, or None.
+            q (n,) inside the limits, or None.
         """
         near = np.asarray(q_near, float)
-        random = rng.uniform(self._low, self._high, (restarts // 2, 6))
+        random = rng.uniform(self._low, self._high, (restarts // 2, len(self._low)))
         goal = _Goal(pin.SE3(X_WE.R, X_WE.p))
         nearest, least = None, np.inf
-        for seed in (near, HOME_SEED, *self._atlas_near(X_WE, restarts)):
+        for seed in (near, self._bent, *self._atlas_near(X_WE, restarts)):
             q = self._descend(goal, seed)
             if q is None:
                 continue
@@ -236,7 +228,7 @@ class ArmKinematics:
         return self._first(goal, random) if nearest is None else nearest
 
     def _atlas_near(self, X_WE: Pose, n: int) -> Array:
-        """The n postures (n, 6) of the atlas whose tool pose is nearest."""
+        """The n postures (k, n) of the atlas whose tool pose is nearest."""
         offset = self._atlas_p - X_WE.p
         # 3 - trace(R_a^T R_b) is 2 (1 - cos of the angle between).
         turn = 3 - self._atlas_R @ X_WE.R.reshape(9)
@@ -244,10 +236,9 @@ class ArmKinematics:
         few = np.flatnonzero(cost <= np.partition(cost, n - 1)[n - 1]) if n else np.arange(0)
         return self._atlas[few[np.argsort(cost[few], kind="stable")[:n]]]
 
-    @staticmethod
-    def distance(a: Array, b: Array) -> float:
-        """Weighted joint distance of two postures (6,)."""
-        offset = (np.asarray(a) - b) * _JOINT_WEIGHTS
+    def distance(self, a: Array, b: Array) -> float:
+        """Weighted joint distance of two postures (n,)."""
+        offset = (np.asarray(a) - b) * self._weights
         return sqrt(offset.dot(offset))
 
     def line(self, q_start: Array, X_goal: Pose, step: float = 0.01) -> Array | None:
@@ -257,12 +248,12 @@ class ArmKinematics:
         `step` metres and 0.05 rad apart.
 
         Args:
-            q_start: (6,) start posture [rad].
+            q_start: (n,) start posture [rad].
             X_goal: world pose of the end-effector frame at the end.
             step: largest distance between neighbours [m].
 
         Returns:
-            (n, 6) postures, the first equal to q_start, or None when the line leaves the reach or
+            (k, n) postures, the first equal to q_start, or None when the line leaves the reach or
             would have to change branch.
         """
         q = np.asarray(q_start, float)

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
 from rtphys.core.poses import Array
-from rtphys.plan.pairs import Body, Rules, margins
+from rtphys.plan.pairs import Body, Rules, margins, robot_bodies
 from rtphys.plan.robot_shapes import RobotShapes, bounding_sphere
 
 _SLACK = 1e-4  # [m] more than any rounding
@@ -43,7 +43,7 @@ class PairModel:
         """
         self._robot, self._own_margins = robot, own_margins
         self._items = list(items)
-        own = [Body(s.link, s.owner, s.depth) for s in robot.shapes]
+        own = robot_bodies(robot)
         self.bodies = [*own, *(item.body for item in items)]
         self.geometry = pin.GeometryModel()
         for i, shape in enumerate((*robot.shapes, *items)):

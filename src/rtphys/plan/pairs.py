@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from rtphys.core.poses import Array
-from rtphys.plan.robot_shapes import HAND_DEPTH, STATIC, RobotShapes, Side
+from rtphys.plan.robot_shapes import STATIC, RobotShapes, Side
 
 OBSTACLE = "obstacle"
 
@@ -25,12 +25,9 @@ class Body:
 
     name: str
     owner: str
-    depth: int = 0  # joints between it and the base, see `Shape`
+    hand: bool = False  # part of the hand, see `Shape`
+    finger: bool = False
     carried: bool = False
-
-    @property
-    def in_hand(self) -> bool:
-        return self.carried or self.depth >= HAND_DEPTH
 
 
 @dataclass
@@ -39,6 +36,11 @@ class Rules:
 
     ignored: set[tuple[Side, str]] = field(default_factory=set)
     carried_margin: float = RESTING_MARGIN  # [m]
+
+
+def robot_bodies(robot: RobotShapes) -> list[Body]:
+    """The robot's own shapes, in their order."""
+    return [Body(s.link, s.owner, s.hand, s.finger) for s in robot.shapes]
 
 
 def robot_pairs(robot: RobotShapes) -> list[tuple[int, int]]:
@@ -52,9 +54,7 @@ def robot_pairs(robot: RobotShapes) -> list[tuple[int, int]]:
         gap = float(np.linalg.norm(balls[i][0] - balls[j][0]))
         if gap > balls[i][1] + balls[j][1] + ARM_MARGIN:
             continue
-        # The hand is one piece: link6, what is fixed to it, and the fingers.
-        steps = abs(min(a.depth, HAND_DEPTH) - min(b.depth, HAND_DEPTH))
-        if a.owner == b.owner and steps <= 1:
+        if a.owner == b.owner and abs(a.depth - b.depth) <= 1:
             continue
         pairs.append((i, j))
     return pairs
@@ -65,8 +65,7 @@ def own_margins(bodies: Sequence[Body], pairs: Sequence[tuple[int, int]]) -> Arr
     table = np.full((len(bodies), len(bodies)), np.nan)
     for i, j in pairs:
         a, b = bodies[i], bodies[j]
-        finger = max(a.depth, b.depth) > HAND_DEPTH
-        between = FINGER_MARGIN if finger else ARM_MARGIN
+        between = FINGER_MARGIN if a.finger or b.finger else ARM_MARGIN
         table[i, j] = SELF_MARGIN if a.owner == b.owner else between
     return table
 
@@ -94,9 +93,9 @@ def _item_margins(bodies: Sequence[Body], own: int, rules: Rules) -> Array:
     """Columns of the table for what is not the robot's (n, n - own); all at once, for speed."""
     owner = np.array([body.owner for body in bodies])
     name = np.array([body.name for body in bodies])
-    hand = np.array([body.in_hand for body in bodies])
+    hand = np.array([body.carried or body.hand for body in bodies])
     carried = np.array([body.carried for body in bodies])
-    finger = np.array([body.depth > HAND_DEPTH for body in bodies])
+    finger = np.array([body.finger for body in bodies])
     still, obstacle = (owner == OBSTACLE) | (owner == STATIC), owner == OBSTACLE
 
     loaded = carried[:, None] | carried[own:]

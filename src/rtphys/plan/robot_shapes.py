@@ -3,49 +3,35 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
+from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.core.poses import Array, Pose
+from rtphys.core.poses import Array
 
 Side = str  # "left" or "right"
-SIDES = ("left", "right")
 STATIC = "static"
 _FLAT = 1e-6  # [m] spread in the thinnest direction below which a cloud has no volume
-HAND_DEPTH = 6  # link6 and whatever hangs on it
-
-
-@dataclass(frozen=True)
-class ArmJoints:
-    """Joint names of one arm: six revolute ones, base first, and two prismatic fingers."""
-
-    joints: tuple[str, ...]
-    fingers: tuple[str, ...]
-
-    @classmethod
-    def prefixed(cls, prefix: str) -> "ArmJoints":
-        """The aloha's naming: <prefix>_joint1 to 6, then 7 and 8 for the fingers."""
-        names = [f"{prefix}_joint{i}" for i in range(1, 9)]
-        return cls(tuple(names[:6]), tuple(names[6:]))
-
-
-ALOHA = {"left": ArmJoints.prefixed("fl"), "right": ArmJoints.prefixed("fr")}
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
     """One convex shape of the robot.
 
-    `owner` is "left", "right" or "static". `depth` counts the joints between it and the base:
-    0 static, 1 to 6 arm links, 7 fingers. So `depth >= HAND_DEPTH` is the hand.
+    `owner` is "left", "right" or "static". `depth` counts the joints between it and the base: 0 for
+    static shapes. The hand is one piece: the last link of the arm, what is fixed to it, and the
+    fingers have the depth of that link.
     """
 
     link: str
     owner: str
     depth: int
+    hand: bool  # a part of the hand, fingers included
+    finger: bool
     joint: int  # pin joint that moves it
     geometry: coal.CollisionGeometry
     placement: pin.SE3  # in the joint's frame; in the world for static shapes
@@ -59,12 +45,12 @@ class RobotShapes:
 
     model: pin.Model
     shapes: tuple[Shape, ...]
-    arm_index: dict[Side, Array]  # (6,) positions of the arm's joints in the model's q
+    arm_index: dict[Side, Array]  # (n,) positions of the arm's joints in the model's q
     finger_index: dict[Side, Array]  # (2,)
     finger_limits: dict[Side, Array]  # (2,) lower and upper position of a finger [m]
 
     @classmethod
-    def from_urdf(cls, urdf: Path, X_WB: Pose, arms: dict[Side, ArmJoints]) -> "RobotShapes":
+    def of(cls, embodiment: Embodiment) -> "RobotShapes":
         """Read `<collision>` primitives and meshes; a mesh becomes its convex hull.
 
         All joints that belong to neither arm are locked at zero and their links become static.
@@ -73,8 +59,9 @@ class RobotShapes:
             BadFile: no readable URDF or mesh.
             UnknownName: a joint that the URDF lacks.
         """
-        model, geometry = _read(Path(urdf))
-        kept = [name for side in SIDES for name in (*arms[side].joints, *arms[side].fingers)]
+        urdf, X_WB = embodiment.urdf, embodiment.bases[0]
+        model, geometry = _read(urdf)
+        kept = [name for limb in embodiment.limbs for name in (*limb.joints, *limb.finger_joints)]
         for name in kept:
             if not model.existJointName(name):
                 raise UnknownName("joint", name, list(model.names)[1:], urdf)
@@ -85,25 +72,23 @@ class RobotShapes:
             if model.parents[i] == 0:
                 model.jointPlacements[i] = root * model.jointPlacements[i]
 
-        owners = {0: (STATIC, 0)}
-        for side in SIDES:
-            for depth, name in enumerate(arms[side].joints, 1):
-                owners[model.getJointId(name)] = (side, depth)
-            for name in arms[side].fingers:
-                owners[model.getJointId(name)] = (side, len(arms[side].joints) + 1)
+        owners = {0: _Owner(STATIC)}
+        for limb in embodiment.limbs:
+            n = len(limb.joints)
+            for depth, name in enumerate(limb.joints, 1):
+                owners[model.getJointId(name)] = _Owner(limb.side, depth, hand=depth == n)
+            for name in limb.finger_joints:
+                owners[model.getJointId(name)] = _Owner(limb.side, n, hand=True, finger=True)
         shapes = [_shape(o, owners[o.parentJoint], root) for o in geometry.geometryObjects]
 
-        fingers = {side: _indices(model, arms[side].fingers) for side in SIDES}
+        fingers = {limb.side: _indices(model, limb.finger_joints) for limb in embodiment.limbs}
         limits = {
             side: np.array(
-                [
-                    model.lowerPositionLimit[fingers[side]].min(),
-                    model.upperPositionLimit[fingers[side]].max(),
-                ]
+                [model.lowerPositionLimit[index].min(), model.upperPositionLimit[index].max()]
             )
-            for side in SIDES
+            for side, index in fingers.items()
         }
-        arm_index = {side: _indices(model, arms[side].joints) for side in SIDES}
+        arm_index = {limb.side: _indices(model, limb.joints) for limb in embodiment.limbs}
         return cls(model, tuple(shapes), arm_index, fingers, limits)
 
     def reach(self, shape: Shape) -> tuple[Array, float]:
@@ -115,7 +100,7 @@ class RobotShapes:
             placement = self.model.jointPlacements[joint]
             length += float(np.linalg.norm(placement.translation))
             joint = self.model.parents[joint]
-        if shape.depth > HAND_DEPTH:  # a finger slides as well
+        if shape.finger:  # it slides as well
             length += float(self.finger_limits[shape.owner].max())
         return np.array(self.model.jointPlacements[joint].translation), length
 
@@ -156,17 +141,23 @@ def _read(urdf: Path) -> tuple[pin.Model, pin.GeometryModel]:
         raise BadFile(urdf, f"no readable collision geometry: {error}") from error
 
 
-def _shape(read: pin.GeometryObject, owner: tuple[str, int], root: pin.SE3) -> Shape:
-    side, depth = owner
+class _Owner(NamedTuple):
+    """Which part of the robot a joint moves; the fields are those of `Shape`."""
+
+    owner: str
+    depth: int = 0
+    hand: bool = False
+    finger: bool = False
+
+
+def _shape(read: pin.GeometryObject, owner: _Owner, root: pin.SE3) -> Shape:
     geometry = read.geometry
     if isinstance(geometry, coal.BVHModelBase):
         geometry = hull(geometry.vertices())  # the file's scale is already in the points
-    placement = root * read.placement if side == STATIC else pin.SE3(read.placement)
+    placement = root * read.placement if owner.owner == STATIC else pin.SE3(read.placement)
     centre, radius = bounding_sphere(geometry)
     link = read.name.rsplit("_", 1)[0]  # pin appends the index of the <collision>
-    return Shape(
-        link, side, depth, read.parentJoint, geometry, placement, placement.act(centre), radius
-    )
+    return Shape(link, *owner, read.parentJoint, geometry, placement, placement.act(centre), radius)
 
 
 def _indices(model: pin.Model, names: Sequence[str]) -> Array:

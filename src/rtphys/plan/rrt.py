@@ -85,7 +85,7 @@ def connect(
     rng: np.random.Generator,
     max_nodes: int = 4000,
 ) -> Array | None:
-    """A clear polyline between two postures of d joints (6 for one arm, 12 for both).
+    """A clear polyline between two postures of d joints, of one arm or of both.
 
     The straight way is tried first. Otherwise two trees grow towards random postures and each
     other (Kuffner and LaValle 2000); the result is shortened by random shortcuts. Its corners are

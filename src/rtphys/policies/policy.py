@@ -68,7 +68,7 @@ class Stepwise(ABC):
 
     @abstractmethod
     def act(self, observation: Observation) -> Array:
-        """The next actions (n, 14) or one action (14,), absolute joint targets; n >= 1."""
+        """The next actions (k, N) or one action (N,), absolute joint targets, openings; k >= 1."""
 
     def play(self, episode: PolicyEpisode) -> None:
         """Alternately observe and carry out all actions that `act` returns."""

@@ -29,7 +29,7 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
         raise UnknownName(f"attribute of {module_name}", attribute, known)
     policy = getattr(module, attribute)(setup)
     if not callable(getattr(policy, "play", None)):
-        problem = f"it returned a {type(policy).__name__}, which has no play(episode)"
+        problem = f"it returned type {type(policy).__name__}, which has no play(episode)"
         raise BadValue("policy", f"python:{argument}", problem)
     return policy
 

@@ -18,8 +18,8 @@ class Walk:
     """Random walk of joint targets and gripper openings with drift, reflected at the limits.
 
     Args:
-        seed: of the episode; the walk has its own random stream.
-        limits: (2, 6, 2) [rad] joint limits of the left and right arm.
+        seed: episode seed; the walk has a stream of its own.
+        limits: (2, n, 2) [rad] of the left and right arm's joints.
     """
 
     def __init__(self, seed: int, limits: Array) -> None:
@@ -27,11 +27,11 @@ class Walk:
         gripper = np.array([[0.0, 1.0]])
         low_high = np.concatenate([limits[0], gripper, limits[1], gripper])
         self._low, self._high = low_high.T
-        self._scale = np.array(([ARM_STEP] * 6 + [GRIP_STEP]) * 2)
+        self._scale = np.array(([ARM_STEP] * len(limits[0]) + [GRIP_STEP]) * 2)
         self._step = self._rng.normal(size=len(self._scale)) * self._scale
 
     def after(self, command: Array) -> Array:
-        """Command (14,) that follows a command (14,)."""
+        """The command that follows another, in the robot's `ActionLayout`."""
         fresh = self._rng.normal(size=len(self._scale)) * self._scale
         self._step = DRIFT * self._step + np.sqrt(1 - DRIFT**2) * fresh
         target = command + self._step

@@ -14,7 +14,7 @@ STEP = 0.1  # [rad]
 
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     trials = []
-    for joint in range(6):
+    for joint in range(len(lab.pack.embodiment().left.joints)):
         world = lab.world([], {**others, "arm_joint_damping": value})
         body = world.robot.embodiment
         tau = number(value) * body.joint_damping / body.joint_stiffness

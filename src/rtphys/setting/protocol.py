@@ -1,8 +1,9 @@
-"""What differs between episodes beside the layout: one table, to which a library may add rows."""
+"""Protocols: what varies between episodes besides the layout. A library may add its own."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
@@ -10,30 +11,31 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 
 @dataclass(frozen=True)
 class VisualRules:
-    """What the look of an episode may be. Every default is "as in clean".
+    """How the visual appearance varies. Every default is that of protocol clean: it does not.
 
-    Rates are shares of episodes. Numbers are RoboTwin's randomised configuration's, except the
-    camera's, which it leaves at zero.
+    Rates are shares of episodes. The numbers of OFFICIAL are those of RoboTwin's randomised
+    configuration, except the camera's, which it leaves at zero.
     """
 
-    textures: bool = False  # a picture on the table and one on the wall
-    clean_background_rate: float = 0.0  # table and wall, each: no picture after all
-    light_colours: bool = False  # of the directional and the point lights, uniform in [0, 1]^3
-    flicker_rate: float = 0.0  # light colours drawn anew for every picture
-    table_drop: float = 0.0  # [m] the table is lower by up to this, below where physics has it
-    camera_shift: float = 0.0  # [m] head camera, uniform in a ball of this radius
-    camera_turn_deg: float = 0.0  # head camera, up to this about any axis
-    clutter: int = 0  # at most so many objects that the task does not need
+    textures: bool = False  # random pictures on table and wall
+    clean_background_rate: float = 0.0  # table and wall, each: keeps its clean colour
+    light_colours: bool = False  # random colours of directional and point lights, in [0, 1]^3
+    flicker_rate: float = 0.0  # light colours change with every picture
+    table_drop: float = 0.0  # [m] largest lowering of the table below its physical height
+    camera_shift: float = 0.0  # [m] radius of the ball of random head camera shifts
+    camera_turn_deg: float = 0.0  # largest random rotation of the head camera, any axis
+    clutter: int = 0  # largest number of objects that the task does not need
 
     def to_json(self) -> dict[str, bool | int | float]:
+        """The rules as plain JSON, one key per field."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @staticmethod
     def from_json(data: Mapping[str, object], where: str | Path = "") -> "VisualRules":
-        """Inverse of `to_json`; what is left out is as in clean.
+        """Inverse of `to_json`; a missing key has its default, as in protocol clean.
 
         Raises:
-            UnknownName, BadValue: name the key.
+            UnknownName, BadValue: a wrong key or value; they name the key.
         """
         known = {f.name: f.default for f in fields(VisualRules)}
         values: dict[str, bool | int | float] = {}
@@ -69,11 +71,11 @@ def _checked(key: str, value: object, where: str | Path) -> bool | int | float:
 
 @dataclass(frozen=True)
 class Protocol:
-    """A row of the table. The layout of a seed is the same under every one."""
+    """A named choice of what varies. The layout of a seed is the same under every protocol."""
 
     name: str
-    visual: VisualRules | None  # None: everything looks as in clean
-    physics: bool  # whether the task's domain is drawn from
+    visual: VisualRules | None  # None: the appearance does not vary
+    physics: bool  # whether the physics is drawn from the task's domain
     what: str
 
 
@@ -98,7 +100,7 @@ BUILTIN = (
 
 
 def protocols() -> dict[str, Protocol]:
-    """Every protocol by name: the builtin ones, then those of the libraries.
+    """All protocols by name: the builtin ones, then those of the libraries.
 
     Raises:
         BadFile, BadValue, UnknownName: a library's file cannot be read.
@@ -114,7 +116,7 @@ def protocol_names() -> tuple[str, ...]:
 
 
 def load_protocol(name: str) -> Protocol:
-    """A protocol by name.
+    """The protocol of this name.
 
     Raises:
         UnknownName: with the nearest match.
@@ -129,10 +131,10 @@ def load_protocol(name: str) -> Protocol:
 
 
 def read_protocol(path: Path) -> Protocol:
-    """`what`, `physics: true|false` and `visual`, a mapping of rules or `official`.
+    """Read a protocol: `what`, `physics: true|false`, and `visual`, a mapping or `official`.
 
     Raises:
-        BadFile, BadValue, UnknownName: what is wrong with the file.
+        BadFile, BadValue, UnknownName: a mistake in the file; they name it.
     """
     content = library.read_yaml(path)
     for key in content:
@@ -148,7 +150,7 @@ def read_protocol(path: Path) -> Protocol:
     elif visual is None:
         rules = None
     elif isinstance(visual, Mapping):
-        rules = VisualRules.from_json({str(k): v for k, v in visual.items()}, path)
+        rules = VisualRules.from_json(cast(Mapping[str, object], visual), path)
     else:
         raise BadValue("visual", visual, "a mapping of rules, or `official`", path)
     return Protocol(path.stem, rules, physics, str(content.get("what", "")))

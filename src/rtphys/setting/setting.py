@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field, replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, cast
 
 from pydantic import PlainSerializer, PlainValidator, TypeAdapter, ValidationError
 
@@ -25,7 +25,7 @@ def _domain(raw: object) -> Domain | None:
     if raw is None or isinstance(raw, Domain):
         return raw
     if isinstance(raw, Mapping):
-        return Domain.from_json({str(key): value for key, value in raw.items()})
+        return Domain.from_json(cast(Mapping[str, object], raw))
     return load_domain(str(raw)) if raw else None
 
 

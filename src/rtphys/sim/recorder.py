@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.poses import Array, Pose
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
@@ -20,7 +21,7 @@ class Row:
 
     time: float  # [s]
     stage: int
-    arms: Array  # (14,) commanded: left arm 6, left gripper, right arm 6, right gripper
+    arms: Array  # commands of both arms, see `Recording.layout`
     ee: Array  # (2, 7) measured end-effector poses, left and right
     qpos: Array  # (n,)
     qvel: Array  # (n,)
@@ -35,6 +36,7 @@ class Recording:
     """Rows of one episode, in order, and the names of its stages."""
 
     joint_names: tuple[str, ...]
+    layout: ActionLayout  # of the rows' commands
     rows: list[Row] = field(default_factory=list)
     stages: list[str] = field(default_factory=list)
     hash: str = ""  # SHA-256 over the state vectors of all rows
@@ -52,7 +54,8 @@ class Recorder:
         self._world, self._contacts = world, contacts
         self._digest = hashlib.sha256()
         art = world.robot.articulation
-        self.recording = Recording(tuple(j.name for j in art.active_joints))
+        names = tuple(j.name for j in art.active_joints)
+        self.recording = Recording(names, world.robot.embodiment.action_layout)
         self._dynamic = [o for o in world.objects.values() if o.bodies]
         self.enter("start")
         self.record(0)

@@ -14,7 +14,6 @@ from rtphys.sim.engine import from_sapien
 from rtphys.sim.self_contact import Shapes, chain_shapes, overlook, shapes_of
 from rtphys.sim.urdf import build_robot
 
-TCP_OFFSET = 0.12  # [m] from the ee frame along its x (RoboTwin's virtual wrist)
 # [m] Soft pads: what is this near to them shares in a grip's friction, so that a load does not
 # turn about the one point at which rigid faces would meet.
 PAD_OFFSET = 0.02
@@ -53,16 +52,16 @@ class SimArm:
 
     @property
     def target(self) -> Array:
-        """Commanded joint positions (6,) [rad]."""
+        """Commanded joint positions (n,) [rad]."""
         return np.array(self._q)
 
     @property
     def commanded(self) -> list[float]:
-        """Commanded joint positions [rad] and opening, 7 numbers."""
+        """Commanded joint positions [rad] and opening, n + 1 numbers."""
         return [*self._q, self.gripper]
 
     def drive(self, q: list[float], qd: list[float]) -> None:
-        """Six drive targets [rad] and their velocities [rad/s] from the next step on.
+        """Set the joints' drive targets [rad] and velocities [rad/s] from the next step on.
 
         Only changes are sent. The lists are kept: do not write into them.
         """
@@ -105,7 +104,7 @@ class SimArm:
             yield column, target, 0.0
 
     def measured(self) -> Array:
-        """Joint positions (6,) [rad]."""
+        """Measured joint positions (n,) [rad]."""
         return np.asarray(self._articulation.qpos, float)[self.index]
 
     def gap(self) -> float:
@@ -115,8 +114,7 @@ class SimArm:
 
     def opening(self) -> float:
         """Measured opening 0..1: the gap over the gap that a fully open command makes."""
-        _, open_target = self._embodiment.gripper_scale
-        return min(max(self.gap() / (2 * open_target), 0.0), 1.0)
+        return min(max(self.gap() / (2 * self._embodiment.hand.finger_open), 0.0), 1.0)
 
     def ee(self) -> Pose:
         """Measured end-effector pose, world."""
@@ -124,7 +122,7 @@ class SimArm:
 
     def tcp(self) -> Pose:
         """Measured tool centre point, world."""
-        return self.ee() @ Pose((TCP_OFFSET, 0, 0))
+        return self.ee() @ Pose((self._embodiment.hand.tcp, 0, 0))
 
 
 class SimRobot:
@@ -150,7 +148,7 @@ class SimRobot:
         overlook(self._never_in_contact())
         for arm in self.arms:
             qpos[arm.index] = arm.target
-            qpos[arm.finger_index] = embodiment.gripper_scale[1]
+            qpos[arm.finger_index] = embodiment.hand.finger_open
         art.set_qpos(qpos.astype(np.float32))
         for arm in self.arms:
             for link in arm.finger_links:

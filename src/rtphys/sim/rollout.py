@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from rtphys.core.errors import Infeasible
+from rtphys.core.timing import PhaseTimer
 from rtphys.physics.values import Physics
 from rtphys.sim.engine import RATE
 from rtphys.sim.recorder import FRAME_STEPS, Recorder
@@ -23,55 +24,74 @@ class Outcome:
     missing: tuple[str, ...]  # conditions that do not hold at the end
 
 
+@dataclass(frozen=True)
+class RolloutOptions:
+    """How long a rollout may last, and what is kept of it."""
+
+    # Frames of 15 steps that it may last; a demonstration's frame counts as one policy action.
+    # None: no limit, because whoever drives the robot has one of their own.
+    frame_limit: int | None = None
+    # Steps between two looks at the condition; what it must remember is seen at every step all the
+    # same. Evaluation looks at every step, as officially.
+    poll: int = 1
+    record: bool = True  # false: only the verdict is wanted, so no row but the first is kept
+    timer: PhaseTimer | None = None  # takes the time of all steps, as the phase "simulate"
+
+
 class Rollout:
     """A world in its policy stage. Whoever drives the robot calls `tick` once a step."""
 
     def __init__(
-        self, world: World, physics: Physics, condition: Condition, step_limit: int, poll: int = 1
+        self, world: World, physics: Physics, condition: Condition, options: RolloutOptions
     ) -> None:
-        """
-        Args:
-            step_limit: policy actions (one a frame) that the task allows.
-            poll: steps between two looks at the condition; what it must remember is seen at
-                every step all the same. Evaluation looks at every step, as officially.
-        """
-        self.poll = poll
+        self.options = options
         self.world, self.condition = world, condition
         self._watch = Watch(condition)
         self.scene = SceneView(world, physics)
         self.recorder = Recorder(world, self.scene.contacts)
-        self.records = True  # false: only the verdict is wanted
         self.steps = 0  # of the policy stage
-        self.max_steps = step_limit * FRAME_STEPS
-        self.first_success: float | None = None
+        self.first_success: float | None = None  # [s] first instant at which the condition held
+        self._counts_success = True
         world.policy_stage = True
 
     def tick(self) -> bool:
         """One physics step; True when the success condition holds after it.
 
         Raises:
-            Infeasible: "too_slow", past the task's step limit.
+            Infeasible: "too_slow", past the limit.
         """
+        if self.options.timer is None:
+            return self._tick()
+        with self.options.timer.phase("simulate"):
+            return self._tick()
+
+    def _tick(self) -> bool:
+        options = self.options
         self.world.step()
         self.steps += 1
-        if self.steps % self.poll == 0:
+        if self.steps % options.poll == 0:
             now = self._watch.holds(self.scene)
         else:
             now = False
             self._watch.remember(self.scene)
-        if now and self.first_success is None:
+        if now and self.first_success is None and self._counts_success:
             self.first_success = self.scene.time
-        if self.records:
+        if options.record:
             self.recorder.tick(self.steps)
-        if self.steps > self.max_steps:
-            raise Infeasible("too_slow", f"not done after {self.max_steps / RATE:.1f} s")
+        if options.frame_limit is not None and self.steps > options.frame_limit * FRAME_STEPS:
+            seconds = options.frame_limit * FRAME_STEPS / RATE
+            raise Infeasible("too_slow", f"not done after {seconds:.1f} s")
         return now
 
-    def finish(self) -> Outcome:
+    def finish(self, counts_success: bool = True) -> Outcome:
         """Keep still for HOLD_TIME, then judge.
 
         The episode is padded to whole frames, so that the last row is the judged state.
+
+        Args:
+            counts_success: false: what succeeds only from now on is no `first_success`.
         """
+        self._counts_success = counts_success
         self.recorder.enter("hold")
         for _ in range(int(HOLD_TIME * RATE)):
             self.tick()

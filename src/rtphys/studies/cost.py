@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated
 
 from rtphys.assets.pack import Pack
-from rtphys.core.timing import Laps
+from rtphys.core.timing import PhaseTimer
 from rtphys.data.staging import stage_episode
 from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
@@ -45,26 +45,26 @@ class Spent:
 
     phases: tuple[str, ...]
     count: int = 0
-    laps: Laps = field(default_factory=Laps)
+    timer: PhaseTimer = field(default_factory=PhaseTimer)
     cpu_total: float = 0.0  # [s]
     wall_total: float = 0.0  # [s]
 
     @contextmanager
-    def once(self) -> Iterator[Laps]:
+    def once(self) -> Iterator[PhaseTimer]:
         """Within: the work is done once, and counts its phases on the timer given."""
         began = time.process_time(), time.perf_counter()
-        yield self.laps
+        yield self.timer
         self.cpu_total += time.process_time() - began[0]
         self.wall_total += time.perf_counter() - began[1]
         self.count += 1
 
     def cpu_s(self) -> dict[str, float]:
         """CPU-seconds of one repetition, by phase; they add up to "sum"."""
-        return self._mean(self.laps.cpu_s, self.cpu_total)
+        return self._mean(self.timer.cpu_s, self.cpu_total)
 
     def wall_s(self) -> dict[str, float]:
         """Wall-clock seconds of one repetition. What ran beside another phase counts nothing."""
-        return self._mean(self.laps.wall_s, self.wall_total)
+        return self._mean(self.timer.wall_s, self.wall_total)
 
     def _mean(self, spent: Mapping[str, float], total: float) -> dict[str, float]:
         n = max(self.count, 1)
@@ -133,12 +133,12 @@ class Meter:
         """Cost of attempts, and of drawing the first accepted ones."""
         cost = Cost(setting.task, setting.protocol)
         for seed in seeds:
-            with cost.attempts.once() as laps:
-                tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack, laps)
+            with cost.attempts.once() as timer:
+                tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack, timer)
             cost.accepted += tried.accepted
             if tried.accepted and cost.pictures.count < pictures:
-                with cost.pictures.once() as laps:
-                    self._draw(tried, laps, cost)
+                with cost.pictures.once() as timer:
+                    self._draw(tried, timer, cost)
         return cost
 
     def warm_up(self, setting: Setting, seed: int, pictures: bool) -> None:
@@ -148,13 +148,13 @@ class Meter:
             task = self.tasks[setting.task]
             photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
 
-    def _draw(self, tried: Attempt, laps: Laps, cost: Cost) -> None:
+    def _draw(self, tried: Attempt, timer: PhaseTimer, cost: Cost) -> None:
         assert tried.recording is not None
-        with laps.phase("build"):
+        with timer.phase("build"):
             task = self.tasks[tried.recipe.task]
             taken = photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
             episode = assemble(tried, taken, self.pack)
-        staged = stage_episode(self.folder / "episode", episode, self.layout, laps)
+        staged = stage_episode(self.folder / "episode", episode, self.layout, timer)
         cost.frames += staged.frames
         cost.images += staged.frames * len(self.cameras)
         cost.bytes += sum(facts.size for facts in staged.files.values())

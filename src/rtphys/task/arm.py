@@ -1,4 +1,4 @@
-"""The voice of a script: verbs of one arm, and a robot that does motions of one or both arms.
+"""What a script can say: verbs of one arm, and a robot that carries out motions of both.
 
 A verb returns a `Motion`; nothing moves until `robot.do(...)`. Motions of both arms given to one
 `do` run together, step by step. All poses are task-frame. The expert implements these protocols;

@@ -3,6 +3,9 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import hypot
+from typing import TypeVar, cast
+
+import numpy as np
 
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose
@@ -11,6 +14,7 @@ from rtphys.task.orientation import IDENTITY, yawed
 from rtphys.task.props import TABLE_TOP
 
 Range = tuple[float, float]
+T = TypeVar("T")  # what is drawn from
 
 
 @dataclass(frozen=True)
@@ -47,18 +51,18 @@ class Draw:
     seed: int
     retry: int = 0
 
-    def _stream(self, name: str):
+    def _stream(self, name: str) -> np.random.Generator:
         extra = (f"retry{self.retry}",) if self.retry else ()
         return stream(self.seed, "layout", name, *extra)
 
     def uniform(self, name: str, low: float, high: float) -> float:
         return float(self._stream(name).uniform(low, high))
 
-    def choice(self, name: str, *options):
+    def choice(self, name: str, *options: T) -> T:
         """One of the options, all equally likely."""
         return options[int(self._stream(name).integers(len(options)))]
 
-    def shuffled(self, name: str, options: Sequence) -> list:
+    def shuffled(self, name: str, options: Sequence[T]) -> list[T]:
         return [options[int(i)] for i in self._stream(name).permutation(len(options))]
 
     def spot(
@@ -79,12 +83,12 @@ class Draw:
             Infeasible: "layout", when none of the draws satisfies `where`.
         """
         source = self._stream(name)
-        ranges = [x] if isinstance(x[0], int | float) else list(x)
+        ranges = cast(Sequence[Range], [x] if isinstance(x[0], int | float) else x)
         for _ in range(300):
-            low, high = ranges[int(source.integers(len(ranges)))]  # type: ignore[misc]
-            draw = Spot(*(float(source.uniform(*r)) for r in ((low, high), y, yaw)))
-            if where(draw):
-                return draw
+            range_x = ranges[int(source.integers(len(ranges)))]
+            spot = Spot(*(float(source.uniform(*r)) for r in (range_x, y, yaw)))
+            if where(spot):
+                return spot
         raise Infeasible("layout", f"no free spot for {name}")
 
 

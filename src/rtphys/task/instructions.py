@@ -66,8 +66,8 @@ def check_templates(phrases: Phrases, info: Mapping[str, str], where: str) -> No
     for split in ("seen", "unseen"):
         for template in getattr(phrases, split):
             if not fits(template, info):
-                told = f"its placeholders must be {allowed}, or these without the arms, or none"
-                raise BadValue(split, template, told, where)
+                problem = f"its placeholders must be {allowed}, or these without the arms, or none"
+                raise BadValue(split, template, problem, where)
 
 
 def _fill(
@@ -76,9 +76,9 @@ def _fill(
     """Each template once, in an order of its own, each with phrases of its own."""
     rng = stream(seed, "language", split)
     order = rng.permutation(len(templates))[:SENTENCES]
-    filled = []
+    filled: list[str] = []
     for i in order:
-        words = {letter: said[int(rng.integers(len(said)))] for letter, said in spoken.items()}
+        words = {key: terms[int(rng.integers(len(terms)))] for key, terms in spoken.items()}
         filled.append(_sentence(templates[int(i)].format(**words)))
     return filled
 
@@ -88,13 +88,13 @@ def _sentence(text: str) -> str:
 
 
 def _spoken(value: str, props: Mapping[str, Prop], describe: Describe) -> Sequence[str]:
-    """Every way to say one placeholder's value."""
+    """Every noun phrase, with article, for the value of one placeholder."""
     official = _official(value, props)
     if value in SIDES or value.startswith((ARM, OTHER)):
         return [f"the {official} arm"]
     prop = props[value]
-    said = [prop.phrase] if prop.phrase else list(describe(prop)) or [value.replace("_", " ")]
-    return [f"the {phrase.removeprefix('the ')}" for phrase in said]
+    phrases = [prop.phrase] if prop.phrase else list(describe(prop)) or [value.replace("_", " ")]
+    return [f"the {phrase.removeprefix('the ')}" for phrase in phrases]
 
 
 def _official(value: str, props: Mapping[str, Prop]) -> str:

@@ -1,6 +1,8 @@
 """How often the expert succeeds at each task, as measured and kept with the library."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
+from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile
@@ -14,11 +16,11 @@ class Rate:
 
     seeds: int
     accepted: int
-    replayed: int = 0  # accepted episodes whose actions were tried alone
-    alone: int = 0  # and sufficed
+    replayed: int = 0  # accepted episodes whose recorded actions were replayed open-loop
+    alone: int = 0  # of those, the successes
 
     def __add__(self, other: "Rate") -> "Rate":
-        """Of other seeds."""
+        """Counts of both; `other` is of other seeds."""
         mine, theirs = astuple(self), astuple(other)
         return Rate(*(a + b for a, b in zip(mine, theirs, strict=True)))
 
@@ -45,7 +47,5 @@ def rates() -> dict[str, dict[str, Rate]]:
 def _protocols(rows: object) -> dict[str, Rate]:
     if not isinstance(rows, dict):
         raise TypeError(f"{rows!r} is no mapping")
-    found = {}
-    for protocol, counts in rows.items():
-        found[str(protocol)] = Rate(*map(int, counts))
-    return found
+    counts_of = cast(Mapping[object, Sequence[int]], rows)
+    return {str(protocol): Rate(*map(int, counts)) for protocol, counts in counts_of.items()}

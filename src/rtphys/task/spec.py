@@ -4,6 +4,7 @@ import hashlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile, Infeasible
@@ -48,7 +49,7 @@ class Task:
     success: Condition | Callable[[list[Prop]], Condition]
     step_limit: int
     phrases: Phrases = field(default_factory=lambda: Phrases((), ()))
-    info: dict[str, str] = field(default_factory=dict)
+    info: dict[str, str] = field(default_factory=dict[str, str])
     arms: str = "single"  # "single" | "dual" | "dual, in step" | "dual, in sequence"
     mechanism: str = ""
     table_shift: tuple[float, float] = (0.0, 0.0)
@@ -88,7 +89,7 @@ class Task:
 
     @property
     def digest(self) -> str:
-        """Names the version of the task's file and of its sentences (hex, 16)."""
+        """Digest of the task's file and of its sentences, 16 hex digits."""
         source = hashlib.sha256(self.source.read_bytes())
         if (phrases := self.source.with_suffix(".yaml")).is_file():
             source.update(phrases.read_bytes())
@@ -103,10 +104,11 @@ def _read_phrases(path: Path) -> Phrases:
     content = library.read_yaml(path)
     splits: dict[str, tuple[str, ...]] = {}
     for key in ("seen", "unseen"):
-        lines = content.pop(key, None)
-        if not (isinstance(lines, list) and lines and all(isinstance(x, str) for x in lines)):
+        value = content.pop(key, None)
+        lines = cast(list[object], value) if isinstance(value, list) else []
+        splits[key] = tuple(line for line in lines if isinstance(line, str))
+        if not lines or len(splits[key]) < len(lines):
             raise BadFile(path, f"{key} must be a list of sentences")
-        splits[key] = tuple(str(line) for line in lines)
     if content:
         raise BadFile(path, f"has keys that nobody reads: {', '.join(content)}")
     return Phrases(splits["seen"], splits["unseen"])

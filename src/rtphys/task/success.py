@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.task.props import TABLE_TOP
 from rtphys.task.scene import LEFT, RIGHT, Scene
 
 Vector = Sequence[float]
@@ -103,7 +104,7 @@ def on_table(*props: str) -> Condition:
     """Each prop's lowest point within 1 cm of the table's surface: neither held up nor stacked."""
     return Condition(
         f"{', '.join(props)} on the table",
-        lambda s: all(abs(s.lowest(prop) - 0.74) < 0.01 for prop in props),
+        lambda s: all(abs(s.lowest(prop) - TABLE_TOP) < 0.01 for prop in props),
     )
 
 
@@ -114,7 +115,7 @@ def above(prop: str, height: float) -> Condition:
 
 def lifted(prop: str, by: float) -> Condition:
     """The prop's lowest point at least `by` [m] above the table."""
-    return Condition(f"{prop} lifted by {by} m", lambda s: bool(s.lowest(prop) > 0.74 + by))
+    return Condition(f"{prop} lifted by {by} m", lambda s: bool(s.lowest(prop) > TABLE_TOP + by))
 
 
 def opened(side: str, more_than: float = 0.8) -> Condition:

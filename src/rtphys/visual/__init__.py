@@ -1,4 +1,4 @@
-"""How an episode looks, drawn from its seed alone: never from its physics."""
+"""The visual appearance of an episode, drawn from its seed and independent of its physics."""
 
 from rtphys.visual.clutter import Area, scatter
 from rtphys.visual.disturbed import disturbed

@@ -1,4 +1,4 @@
-"""Clutter: things that a task does not need, put where its own things and areas are not."""
+"""Clutter: objects that a task does not need, placed clear of its own objects and areas."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ from rtphys.task.props import Articulated, Ball, Box, Mesh, Prop
 from rtphys.task.spec import Task
 from rtphys.visual.look_alikes import ROUND, alike
 
-HALF_X, HALF_Y = 0.60, 0.34  # [m] clutter stays inside, about the table's centre (RoboTwin)
-GAP = 0.005  # [m] each, between pieces of clutter (RoboTwin)
-ROOM = 0.08  # [m] around what the task needs: a hand comes down beside it
-LOW = 0.05  # [m] what is higher stands in the far half only (RoboTwin)
-FAILURES = 50  # misplaced pieces after which the table is full (RoboTwin)
-WIDEST = 0.16  # [m] radius of the largest piece; wider models are furniture
-REACH = 0.25  # [m] radius kept free around a thing with joints: its door or lid swings
+HALF_X, HALF_Y = 0.60, 0.34  # [m] half size of the clutter area about the table's centre (RoboTwin)
+GAP = 0.005  # [m] margin of each piece towards other pieces (RoboTwin)
+ROOM = 0.08  # [m] margin around the task's objects: a gripper comes down beside them
+LOW = 0.05  # [m] higher pieces stand in the far half of the table only (RoboTwin)
+FAILURES = 50  # rejected placements after which the table counts as full (RoboTwin)
+WIDEST = 0.16  # [m] radius of the largest piece
+REACH = 0.25  # [m] margin around an articulated object, whose door or lid swings
 
 
 @dataclass(frozen=True)
@@ -33,18 +33,19 @@ class Area:
     y: tuple[float, float]
 
     def distance(self, x: float, y: float) -> float:
-        """From a point to the rectangle; 0 inside."""
+        """Distance [m] from a point to the rectangle; 0 inside."""
         dx = max(self.x[0] - x, 0.0, x - self.x[1])
         dy = max(self.y[0] - y, 0.0, y - self.y[1])
         return hypot(dx, dy)
 
     def grown(self, by: float) -> "Area":
+        """The rectangle with a margin [m] on all sides."""
         return Area((self.x[0] - by, self.x[1] + by), (self.y[0] - by, self.y[1] + by))
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A model that may be clutter: it rests upright by itself, its own y axis up."""
+    """A model that may be clutter: it stays upright by itself, with its y axis up."""
 
     category: str
     model: int
@@ -55,7 +56,7 @@ class Piece:
 @lru_cache(maxsize=4)
 def pieces(pack: Pack) -> tuple[Piece, ...]:
     """Every model of a pack that may be clutter, in a fixed order."""
-    found = []
+    models = []
     for name in pack.names:
         if name in ROUND or pack.is_articulated(name):
             continue
@@ -64,22 +65,22 @@ def pieces(pack: Pack) -> tuple[Piece, ...]:
             low, high = ((box.center + s * box.extents / 2).tolist() for s in (-1, 1))
             radius = max(hypot(x, z) for x in (low[0], high[0]) for z in (low[2], high[2]))
             if box.stable and radius <= WIDEST:
-                found.append(Piece(name, index, radius, float(box.extents[1])))
-    return tuple(found)
+                models.append(Piece(name, index, radius, float(box.extents[1])))
+    return tuple(models)
 
 
 @lru_cache(maxsize=64)
 def _choice(pack: Pack, named: frozenset[str], blocks: bool) -> tuple[tuple[Piece, ...], ...]:
-    """What may stand beside a task's things, by category: sorted by name, then as in `pieces`."""
-    found: dict[str, list[Piece]] = {}
+    """Clutter that no task object resembles, by category: sorted by name, then as in `pieces`."""
+    by_category: dict[str, list[Piece]] = {}
     for piece in pieces(pack):
-        found.setdefault(piece.category, []).append(piece)
-    fit = sorted(category for category in found if not alike(category, named, blocks))
-    return tuple(tuple(found[category]) for category in fit)
+        by_category.setdefault(piece.category, []).append(piece)
+    fit = sorted(category for category in by_category if not alike(category, named, blocks))
+    return tuple(tuple(by_category[category]) for category in fit)
 
 
 def footprint(prop: Prop, pack: Pack) -> Area:
-    """Bounding rectangle of a prop at its nominal size, whatever the physics does to it."""
+    """Bounding rectangle of a prop on the table at its nominal size, independent of physics."""
     x, y = (float(v) for v in prop.pose.p[:2])
     if isinstance(prop, Articulated):
         return Area((x - REACH, x + REACH), (y - REACH, y + REACH))
@@ -103,32 +104,32 @@ def footprint(prop: Prop, pack: Pack) -> Area:
 def scatter(
     seed: int, most: int, task: Task, props: Sequence[Prop], pack: Pack
 ) -> tuple[Mesh, ...]:
-    """Up to `most` pieces, clear of the task's things, of its `keep_clear` and of each other."""
+    """Up to `most` pieces, clear of the props, of `task.keep_clear` and of each other."""
     if not most:
         return ()
     taken = [footprint(prop, pack).grown(ROOM) for prop in props]
     taken += [Area(x, y) for x, y in task.keep_clear]
     named = frozenset(p.category for p in props if isinstance(p, Mesh | Articulated))
     blocks = any(isinstance(p, Box) and not p.visual_only for p in props)
-    # Categories first: else bottles, of which there are twenty, would stand everywhere.
+    # The category is drawn first, or bottles, of which there are twenty, would be everywhere.
     categories = _choice(pack, named, blocks)
-    source = stream(seed, "visual", "clutter")
-    found: list[tuple[Piece, Spot]] = []
+    rng = stream(seed, "visual", "clutter")
+    placed: list[tuple[Piece, Spot]] = []
     failures = 0
-    while categories and len(found) < most and failures < FAILURES:
-        models = categories[int(source.integers(len(categories)))]
-        piece = models[int(source.integers(len(models)))]
-        x, y, yaw = (float(source.uniform(-h, h)) for h in (HALF_X, HALF_Y, pi))
+    while categories and len(placed) < most and failures < FAILURES:
+        models = categories[int(rng.integers(len(categories)))]
+        piece = models[int(rng.integers(len(models)))]
+        x, y, yaw = (float(rng.uniform(-h, h)) for h in (HALF_X, HALF_Y, pi))
         spot = Spot(x + task.table_shift[0], y + task.table_shift[1], yaw)
-        if _fits(piece, spot, task) and _is_clear(piece, spot, taken, found):
-            found.append((piece, spot))
+        if _fits(piece, spot, task) and _is_clear(piece, spot, taken, placed):
+            placed.append((piece, spot))
         else:
             failures += 1
-    return tuple(_mesh(n, piece, spot) for n, (piece, spot) in enumerate(found))
+    return tuple(_mesh(n, piece, spot) for n, (piece, spot) in enumerate(placed))
 
 
 def _fits(piece: Piece, spot: Spot, task: Task) -> bool:
-    """Whole on the table, and no tall thing in the near half, where the arms work."""
+    """Whether a piece is inside the clutter area and not tall in the near half, where arms work."""
     x, y = spot.x - task.table_shift[0], spot.y - task.table_shift[1]
     r = piece.radius
     inside = abs(x) + r <= HALF_X and abs(y) + r <= HALF_Y
@@ -136,11 +137,11 @@ def _fits(piece: Piece, spot: Spot, task: Task) -> bool:
 
 
 def _is_clear(
-    piece: Piece, spot: Spot, taken: Sequence[Area], found: Sequence[tuple[Piece, Spot]]
+    piece: Piece, spot: Spot, taken: Sequence[Area], placed: Sequence[tuple[Piece, Spot]]
 ) -> bool:
     r = piece.radius
     return all(area.distance(spot.x, spot.y) >= r for area in taken) and all(
-        spot.distance(at) >= r + other.radius + 2 * GAP for other, at in found
+        spot.distance(at) >= r + other.radius + 2 * GAP for other, at in placed
     )
 
 

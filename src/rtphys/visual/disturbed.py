@@ -1,4 +1,4 @@
-"""Whether clutter was disturbed: pushed, or tipped over."""
+"""Finds clutter that an episode disturbed: pushed away or tipped over."""
 
 from collections.abc import Mapping
 
@@ -6,15 +6,15 @@ import numpy as np
 
 from rtphys.core.poses import Array, quat_to_matrix
 
-MOVED = 0.02  # [m] from where it stood when the policy stage began, and
-TIPPED = np.radians(15.0)  # that its upright axis leans from where it pointed then
+MOVED = 0.02  # [m] distance from its position when the policy stage began
+TIPPED = np.radians(15.0)  # [rad] angle of its up axis from its direction then
 
 
 def disturbed(tracks: Mapping[str, Array]) -> tuple[str, ...]:
-    """Names of the pieces that were, at any time of the episode.
+    """Names of the pieces that were disturbed at any time of the episode.
 
     Args:
-        tracks: piece -> world poses (T, 7), xyz [m] + wxyz; row 0 is the start.
+        tracks: name of a piece -> its world poses (T, 7), xyz [m] + wxyz, from the start on.
     """
     return tuple(name for name, poses in tracks.items() if _moved(poses) or _tipped(poses))
 

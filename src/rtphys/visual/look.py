@@ -1,4 +1,4 @@
-"""The visual draw of a seed. Each part has a stream of its own, and none reads the physics."""
+"""Draws the visual appearance of an episode; each part has a stream of its own."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,22 +8,23 @@ import numpy as np
 
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import UnknownName
-from rtphys.core.poses import Pose, axis_angle
+from rtphys.core.poses import Array, Pose, axis_angle
 from rtphys.core.seeds import stream
 from rtphys.setting.protocol import VisualRules
 from rtphys.task.props import Mesh, Prop
 from rtphys.task.spec import Task
 from rtphys.visual.clutter import scatter
 
-Colour = tuple[float, float, float]
+Vector = tuple[float, float, float]
+Colour = Vector  # RGB, each 0..1
 
 AMBIENT = (0.5, 0.5, 0.5)  # RoboTwin's clean lighting
-FLICKER_AMBIENT = 0.1  # a flickering ambient light is off by up to this (RoboTwin)
+FLICKER_AMBIENT = 0.1  # largest deviation of a flickering ambient light (RoboTwin)
 
 
 @dataclass(frozen=True)
 class LightColours:
-    """Of the lights that every scene has; None: as in clean."""
+    """Colours of the lights in every scene; None means as in protocol clean."""
 
     ambient: Colour = AMBIENT
     directional: Colour | None = None
@@ -32,18 +33,18 @@ class LightColours:
 
 @dataclass(frozen=True)
 class Backdrop:
-    """What a seed and its rules give without any asset pack: a verifier can draw it again."""
+    """The part of the appearance that needs no asset pack, so that a verifier can draw it again."""
 
     seed: int = 0
     lights: LightColours = LightColours()
     flickers: bool = False
-    table_height: float = 0.0  # [m] on top of what physics says, never positive
-    camera_shift: Colour = (0.0, 0.0, 0.0)  # [m] head camera, in its own frame
-    camera_turn: Colour = (0.0, 0.0, 0.0)  # [rad] head camera, rotation vector in its own frame
+    table_height: float = 0.0  # [m] added to the physical table height, never positive
+    camera_shift: Vector = (0.0, 0.0, 0.0)  # [m] head camera, in its own frame
+    camera_turn: Vector = (0.0, 0.0, 0.0)  # [rad] head camera, rotation vector in its own frame
 
     @property
     def camera(self) -> Pose | None:
-        """The head camera's pose in the frame where physics has it; None: that very frame."""
+        """Visual displacement of the head camera, in its physical frame; None if there is none."""
         angle = float(np.linalg.norm(self.camera_turn))
         if not any(self.camera_shift) and not angle:
             return None
@@ -51,7 +52,7 @@ class Backdrop:
         return Pose(self.camera_shift, q)
 
     def lights_at(self, frame: int) -> LightColours:
-        """Colours in one picture; `frame` counts from 0 at the start of the policy stage."""
+        """Light colours in one picture; `frame` counts from 0 at the start of the policy stage."""
         if not self.flickers:
             return self.lights
         return _light_colours(self.seed, str(frame), FLICKER_AMBIENT)
@@ -59,7 +60,7 @@ class Backdrop:
 
 @dataclass(frozen=True)
 class Look:
-    """Everything that a protocol's visual rules draw for one seed."""
+    """The visual appearance of an episode, as the visual rules of its protocol draw it."""
 
     backdrop: Backdrop
     split: str = "seen"
@@ -68,7 +69,7 @@ class Look:
     clutter: tuple[Mesh, ...] = ()  # task frame, upright; named clutter0, clutter1, ...
 
     def to_json(self) -> dict[str, object]:
-        """The `visual` part of a label file; lengths in m, angles in rad."""
+        """The `visual` part of a label file: lengths in m, angles in rad."""
         back = self.backdrop
         return {
             "split": self.split,
@@ -81,7 +82,7 @@ class Look:
         }
 
     def scene_info(self) -> dict[str, object]:
-        """RoboTwin's own keys of `scene_info.json`."""
+        """The same under RoboTwin's own keys, for `scene_info.json`."""
         return {
             "cluttered_table_info": [
                 {"object_type": p.category, "object_index": str(p.model)} for p in self.clutter
@@ -97,7 +98,7 @@ CLEAN = Look(Backdrop())
 
 
 def backdrop_json(back: Backdrop) -> dict[str, object]:
-    """The part of `Look.to_json` that needs no asset pack."""
+    """A backdrop as plain JSON: the part of `Look.to_json` that needs no asset pack."""
     lights = back.lights
     return {
         "table_height": back.table_height,
@@ -113,28 +114,28 @@ def backdrop_json(back: Backdrop) -> dict[str, object]:
 
 
 def backdrop(rules: VisualRules, seed: int) -> Backdrop:
-    """The draw that needs no asset pack."""
+    """Draw the part of the appearance that needs no asset pack."""
     flickers = _chance(seed, "flicker", rules.flicker_rate)
     height = -rules.table_drop * float(stream(seed, "visual", "table_height").uniform())
-    source = stream(seed, "visual", "camera")
+    rng = stream(seed, "visual", "camera")
     return Backdrop(
         seed=seed,
         lights=_light_colours(seed) if rules.light_colours else LightColours(),
         flickers=flickers,
         table_height=height + 0.0,  # never -0.0
-        camera_shift=_in_ball(source, rules.camera_shift),
-        camera_turn=_in_ball(source, float(np.radians(rules.camera_turn_deg))),
+        camera_shift=_in_ball(rng, rules.camera_shift),
+        camera_turn=_in_ball(rng, float(np.radians(rules.camera_turn_deg))),
     )
 
 
 def draw_look(
     rules: VisualRules | None, seed: int, scene: tuple[Task, Sequence[Prop]], pack: Pack, split: str
 ) -> Look:
-    """Everything for one seed.
+    """Draw the appearance of one episode.
 
     Args:
-        rules: None: as in clean.
-        scene: the task and its props in this very seed, of which clutter keeps clear.
+        rules: visual rules of the protocol; None means as in protocol clean.
+        scene: the task and its props in this episode, of which clutter keeps clear.
         split: "seen" or "unseen" pictures.
 
     Raises:
@@ -153,26 +154,25 @@ def draw_look(
 
 
 def problems(label: Mapping[str, object], rules: VisualRules, seed: int) -> list[str]:
-    """One sentence for each part of a stored `visual` that the seed does not give.
+    """One sentence for each part of a stored `visual` label that the seed does not give.
 
-    Which pictures and clutter a seed gives depends on the pack; of those only the split and the
-    number are checked here, the rest by whoever has the pack.
+    Pictures and clutter depend on the asset pack, so only their split and number are checked here.
     """
-    found = []
+    wrong = []
     for key, expected in backdrop_json(backdrop(rules, seed)).items():
         if label.get(key) != expected:
-            found.append(f"visual.{key} is {label.get(key)!r}, the seed gives {expected!r}")
+            wrong.append(f"visual.{key} is {label.get(key)!r}, the seed gives {expected!r}")
     for key in ("table_texture", "wall_texture"):
         name = label.get(key)
         if name is None:
             continue
         if not rules.textures or not str(name).startswith(f"{label.get('split')}/"):
-            found.append(f"visual.{key} is {name!r}, the protocol does not draw it")
+            wrong.append(f"visual.{key} is {name!r}, the protocol does not draw it")
     clutter = label.get("clutter")
     count = len(clutter) if isinstance(clutter, Sequence) else -1
     if not 0 <= count <= rules.clutter:
-        found.append(f"visual.clutter holds {count} objects, at most {rules.clutter} are drawn")
-    return found
+        wrong.append(f"visual.clutter holds {count} objects, at most {rules.clutter} are drawn")
+    return wrong
 
 
 def _texture(rules: VisualRules, seed: int, place: str, pack: Pack, split: str) -> str | None:
@@ -184,7 +184,7 @@ def _texture(rules: VisualRules, seed: int, place: str, pack: Pack, split: str) 
 
 
 def texture_file(pack: Pack, name: str) -> Path:
-    """The picture that a look names, such as "seen/planks_0".
+    """The file of a picture that a look names, such as "seen/planks_0".
 
     Raises:
         UnknownName, MissingAsset: not in this pack.
@@ -201,18 +201,18 @@ def _chance(seed: int, name: str, rate: float) -> bool:
 
 
 def _light_colours(seed: int, frame: str = "", ambient: float = 0.0) -> LightColours:
-    source = stream(seed, "visual", "lights", *([frame] if frame else []))
-    directional, left, right, shade = (source.uniform(0, 1, 3) for _ in range(4))
+    rng = stream(seed, "visual", "lights", *([frame] if frame else []))
+    directional, left, right, shade = (rng.uniform(0, 1, 3) for _ in range(4))
     glow = np.array(AMBIENT) + ambient * (2 * shade - 1) if ambient else np.array(AMBIENT)
     return LightColours(_plain(glow), _plain(directional), (_plain(left), _plain(right)))
 
 
-def _in_ball(source: np.random.Generator, radius: float) -> Colour:
-    """Uniform in a ball; always takes the same number of draws."""
-    way, share = source.normal(size=3), float(source.uniform())
-    return _plain(way / np.linalg.norm(way) * (radius * share ** (1 / 3)) + 0.0)
+def _in_ball(rng: np.random.Generator, radius: float) -> Vector:
+    """A point uniform in a ball of `radius`; takes the same number of draws for each radius."""
+    v, share = rng.normal(size=3), float(rng.uniform())
+    return _plain(v / np.linalg.norm(v) * (radius * share ** (1 / 3)) + 0.0)
 
 
-def _plain(values: np.ndarray) -> Colour:
+def _plain(values: Array) -> Vector:
     x, y, z = (float(v) for v in values)
     return x, y, z

@@ -1,4 +1,4 @@
-"""Which things could be mistaken for each other, so that an instruction stays unambiguous."""
+"""Which objects look alike: clutter must not, so that an instruction stays unambiguous."""
 
 from collections.abc import Collection
 
@@ -22,20 +22,20 @@ GROUPS = (
     {"036_cabinet", "040_rack", "044_microwave"},
     {"046_alarm-clock", "099_fan"},
 )
-"""By id_name of the pack. A thing is always like others of its own id."""
+"""Groups of id_names that look alike; models of one id_name always do."""
 
 BLOCKS = {"086_woodenblock", "073_rubikscube", "112_tea-box", "113_coffee-box"}
-"""What looks like the plain boxes that tasks stack."""
+"""id_names that look like the plain boxes that tasks stack."""
 
 ROUND = {"035_apple", "130_fruit", "102_roller", "155_marker"}
-"""Stable on a level table, but they roll off a tilted one: never clutter."""
+"""id_names that are never clutter: stable on a level table, they roll off a tilted one."""
 
 
 def alike(category: str, named: Collection[str], blocks: bool) -> bool:
-    """Whether a model of this category could pass for one of the task's things.
+    """Whether a model of this category could be mistaken for one of the task's objects.
 
     Args:
-        named: categories of the task's things.
+        named: categories of the task's objects.
         blocks: whether plain boxes are among them.
     """
     if category in named or (blocks and category in BLOCKS):

@@ -1,7 +1,7 @@
-"""Object generators, one module a family. A module is found by being here; see docs/objects.md.
+"""Object generators, one module for each family; every module in this folder is found.
 
-Each module holds `MODELS`: id_name -> model number -> function without arguments that returns a
-AssetModel (rigid) or a ArticulatedModel (articulated).
+Each module defines `MODELS`: id_name -> model number -> function without arguments that returns an
+`AssetModel` (rigid) or an `ArticulatedModel`. See docs/objects.md.
 """
 
 import pkgutil
@@ -17,18 +17,18 @@ Models = Mapping[str, Mapping[int, Maker]]
 
 @cache
 def catalogue() -> dict[str, dict[int, Maker]]:
-    """All makers, sorted by id_name and number.
+    """All generators, sorted by id_name and model number.
 
     Raises:
-        ValueError: two modules claim the same id_name.
+        ValueError: two modules define the same id_name.
     """
-    found: dict[str, dict[int, Maker]] = {}
+    makers: dict[str, dict[int, Maker]] = {}
     owners: dict[str, str] = {}
     for module in sorted(pkgutil.iter_modules(__path__), key=lambda m: m.name):
         models: Models = import_module(f"{__name__}.{module.name}").MODELS
-        for id_name, makers in models.items():
+        for id_name, numbered in models.items():
             if id_name in owners:
                 raise ValueError(f"{id_name} is made by {owners[id_name]} and by {module.name}")
             owners[id_name] = module.name
-            found[id_name] = dict(sorted(makers.items()))
-    return dict(sorted(found.items()))
+            makers[id_name] = dict(sorted(numbered.items()))
+    return dict(sorted(makers.items()))

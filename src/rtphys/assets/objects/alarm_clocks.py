@@ -1,7 +1,7 @@
 """046_alarm-clock: box clocks with a snooze bar, and round ones with two bells and a button.
 
 The button to press stands 0.9 to 1.2 cm above the contact point: fingertips, which end at the
-point's height, must touch it within 3 cm. Official model 3 is taller, for no use.
+point's height, must touch it within 3 cm. Official model 3 does not keep to this.
 """
 
 from dataclasses import dataclass
@@ -109,7 +109,7 @@ def _digits(glow: Colour) -> Picture:
 
 
 def _dial(ink: Colour) -> Picture:
-    """Twelve marks and two hands."""
+    """A dial with twelve marks and two hands."""
     y, x = np.mgrid[0:64, 0:64] - 31.5
     radius, angle = np.hypot(x, y), np.degrees(np.arctan2(x, -y)) % 360
     canvas = plain((0.97, 0.96, 0.92), 64, 64)

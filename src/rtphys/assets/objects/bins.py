@@ -1,6 +1,6 @@
 """011_dustbin and 063_tabletrashbin: the big floor bin and small desk bins.
 
-The big bin has a raised floor, 21.5 cm up: what lies or stands in it is then between the heights
+The floor of the big bin is raised by 21.5 cm: objects in it are then between the heights
 that the throwing tasks ask for (balls 13 to 25 cm, bottles 20 to 70 cm).
 """
 
@@ -74,7 +74,7 @@ def _bin(body: Body, reach: tuple[float, float], grip: float, words: Words) -> A
 
 
 def _across(axis: str, reach: float, y: float) -> list[Array]:
-    """From above across two walls, both yaws each; official order -x, +x, +z, -z."""
+    """Grasps from above across the walls, both yaws each; official order -x, +x, +z, -z."""
     if axis == "x":
         return [contact((s * reach, y, 0), (0, 1, 0), (0, 0, t)) for s in (-1, 1) for t in (1, -1)]
     return [contact((0, y, s * reach), (0, 1, 0), (t, 0, 0)) for s in (1, -1) for t in (-1, 1)]

@@ -1,4 +1,4 @@
-"""043_book, 092_notebook and 150_paperback: things with pages, lying on their backs."""
+"""043_book, 092_notebook and 150_paperback: books that lie on their backs."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -46,7 +46,7 @@ def book(size: Book, colour: Colour, ink: Colour, title: str, words: tuple[str, 
 def notebook(
     size: Book, colour: Colour, band: Colour, rings: int, words: tuple[str, ...]
 ) -> AssetModel:
-    """A spiral notebook, or with no rings one held shut by a band."""
+    """A spiral notebook, or without rings one with a band around it."""
     x, y, z, t = size.x, size.y, size.z, size.cover
     covers = [box(x, t, z).at(y=v) for v in (t / 2, y - t / 2)]
     pages = box(x - 0.004, y - 2 * t, z - 0.004).at(y=y / 2)
@@ -81,7 +81,7 @@ def _thing(looks: tuple[Part, ...], size: Book, words: tuple[str, ...], kind: st
 
 
 def _title(colour: Colour, ink: Colour, title: str, ratio: float) -> Picture:
-    """A cover: frame, title in lines, a round emblem."""
+    """Picture of a cover: a frame, a title in lines, a round emblem."""
     high = 60
     canvas = plain(colour, max(round(high * ratio), 30), high)
     canvas[2:4, 2:-2], canvas[-4:-2, 2:-2] = ink, ink

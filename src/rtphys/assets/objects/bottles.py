@@ -1,7 +1,7 @@
 """001_bottle: twenty drink and kitchen bottles.
 
 Bodies are 6 to 8 cm wide where the gripper closes (official boxes of up to 15 cm are not the width
-of the glass). Weights are those of bottles with a rest in them. Models 3, 10 and 11 have eight
+of the glass). Masses are those of partly filled bottles. Models 3, 10 and 11 have eight
 contact points where the official ones have the first four.
 """
 
@@ -26,7 +26,7 @@ def bottle(
     points: Points,
     handle: Sequence[tuple[float, float, float]] = (),
 ) -> AssetModel:
-    """One bottle standing on the origin; `handle` is the path of a jug's."""
+    """A bottle that stands on the origin; `handle` is the path of a jug's handle."""
     body = bottle_body(size, look)
     return AssetModel(
         body=with_handle(body, handle) if handle else body,

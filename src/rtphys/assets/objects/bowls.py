@@ -1,4 +1,4 @@
-"""002_bowl: rice, soup and salad bowls, of melamine where nothing else is said.
+"""002_bowl: rice, soup and salad bowls, of melamine unless noted.
 
 The contact points sit 1 cm above the rim, so that the fingertips reach 2.5 cm down: the official
 ones, at the rim, would drive the inner finger into the curved floor. A hand holds a bowl level
@@ -20,7 +20,7 @@ ABOVE = 0.010  # [m] contact points above the rim
 
 @dataclass(frozen=True)
 class Look:
-    """Outside, inside and stripe colours, the stripe's heights [m] and the stuff."""
+    """Outside, inside and stripe colours, the stripe's heights [m] and the material."""
 
     outside: Colour
     inside: Colour

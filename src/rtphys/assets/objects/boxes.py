@@ -1,4 +1,4 @@
-"""062_plasticbox, 007_shoe-box and 008_tray: open boxes to put things into.
+"""062_plasticbox, 007_shoe-box and 008_tray: open boxes that hold objects.
 
 The wall grasps of the plastic box sit in the middle of each wall, where its own walls are; the
 official ones of some models hang beside it.
@@ -34,7 +34,7 @@ def plastic_box(
 
 
 def _walls(size: RoundedTray) -> tuple[Array, ...]:
-    """From above, across the walls at -x, +x, +z, -z, both yaws each."""
+    """Grasps from above across the walls at -x, +x, +z, -z, both yaws each."""
     y = size.y - 0.008
     x = 0.5 * size.x - 0.5 * size.wall
     z = 0.5 * size.z - 0.5 * size.wall

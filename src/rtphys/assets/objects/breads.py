@@ -44,7 +44,7 @@ def _baked(colour: Colour, name: str) -> Finish:
 
 
 def _points(y: float, side: tuple[float, float] | None, yaws: tuple[int, ...]) -> tuple[Array, ...]:
-    """Grasps from above at `y`; `side`: y and z direction of a level one."""
+    """Grasps from above at height `y`, and a horizontal one: `side` is its y and z direction."""
     above = from_above((0, y, 0), yaws)
     if side is None:
         return above

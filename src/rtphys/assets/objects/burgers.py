@@ -32,7 +32,7 @@ SEEDS = (
 
 @dataclass(frozen=True)
 class Burger:
-    """Sizes [m] and what is between the buns, from below."""
+    """Sizes [m] and the layers between the buns, bottom to top."""
 
     radius: float
     height: float

@@ -1,4 +1,4 @@
-"""036_cabinet: a chest of three drawers that slide out to +z and hold things.
+"""036_cabinet: a chest of three drawers that slide out to +z.
 
 The handles stand off the fronts; the grasps, a little further out than the official ones, leave the
 fingertips short of the front. Drawers are counted from below; link_1 is the one that tasks use.
@@ -36,7 +36,7 @@ class Cabinet:
 def cabinet(
     size: Cabinet, wood: Finish, fronts: Colour, words: tuple[str, ...]
 ) -> ArticulatedModel:
-    """Root frame in the middle of the carcass."""
+    """A cabinet with its root frame in the middle of the carcass."""
     rows = [_row(size, i) for i in range(3)]
     links = {"base": Body((), ()), "link_0": _carcass(size, wood)}
     joints = [root_joint("base", "link_0")]
@@ -80,7 +80,7 @@ def _row(size: Cabinet, i: int) -> float:
 
 
 def _face(size: Cabinet) -> float:
-    """z of the drawers' fronts: the carcass is as far behind the root as the handles before it."""
+    """z of the drawers' fronts: carcass and handles reach equally far from the root."""
     return size.depth - 0.1215
 
 
@@ -96,7 +96,7 @@ def _carcass(size: Cabinet, wood: Finish) -> Body:
 
 
 def _drawer(size: Cabinet, y: float, wood: Finish, colour: Colour) -> Body:
-    """A box open above, its front and handle; at q = 0 it is shut."""
+    """A drawer: an open box, its front and handle; at q = 0 it is shut."""
     pitch = (size.height - WALL) / 3
     wide, tall = size.width - 2 * WALL - 2 * CLEAR, pitch - WALL - 2 * CLEAR
     face = _face(size)

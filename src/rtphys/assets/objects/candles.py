@@ -56,7 +56,7 @@ def pillar(radius: float, height: float, wax: Colour, words: tuple[str, ...]) ->
 
 
 def _flame(y: float) -> tuple[Part, ...]:
-    """An unlit wick would hardly be seen; this one is red hot."""
+    """A glowing red wick: an unlit one would hardly be visible."""
     wick = tube([(0, y - 0.002, 0), (0, y + 0.006, 0), (0.002, y + 0.011, 0)], 0.0012, 5)
     return (Part(wick, plastic((0.25, 0.10, 0.06), 0.2), "fabric"),)
 

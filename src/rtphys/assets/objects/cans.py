@@ -1,7 +1,7 @@
 """071_can and 105_sauce-can: tins and drink cans.
 
 Widths are what the gripper closes around, 6 to 8 cm; the official boxes of the wider ones are not
-the width of the tin. Weights are those of opened, partly used cans.
+the width of the tin. Masses are those of partly used cans.
 """
 
 from dataclasses import dataclass
@@ -65,13 +65,13 @@ def can(size: Can, look: Print, words: Words, grips: tuple[Array, ...]) -> Asset
 
 
 def _can(size: Can, look: Print, words: Words, top: float) -> AssetModel:
-    """With the points of 071: sides at 5.2 cm, from above at `top`."""
+    """A can with the grasps of 071: from the sides at 5.2 cm, from above at `top` [m]."""
     sides = from_sides(0.0521, (270, 315, 0, 45, 90, 135, 180, 225))
     return can(size, look, words, sides + from_above((0, top, 0), EIGHT))
 
 
 def _sauce(size: Can, look: Print, words: Words, top: float) -> AssetModel:
-    """With the points of 105."""
+    """A can with the grasps of 105."""
     sides = from_sides(0.0673, (180, 323, 8, 53, 98, 143, 188, 233))
     if top < 0.0885:  # model 0 is held lower
         sides = from_sides(0.0501, (278, 323, 8, 53, 98, 143, 188, 233))

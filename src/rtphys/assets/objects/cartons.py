@@ -1,4 +1,4 @@
-"""038_milk-box, 068_boxdrink and 023_tissue-box: cardboard boxes of the household."""
+"""038_milk-box, 068_boxdrink and 023_tissue-box: household cardboard boxes."""
 
 from dataclasses import dataclass
 from functools import partial

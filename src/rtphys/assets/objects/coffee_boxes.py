@@ -1,5 +1,6 @@
-"""113_coffee-box: coffee in cartons, tins and bags. The official side grasps' 2 mm to -x are left
-out."""
+"""113_coffee-box: coffee in cartons, tins and bags.
+
+Side grasps are centred; the official ones are 2 mm towards -x."""
 
 from functools import partial
 

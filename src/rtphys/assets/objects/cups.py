@@ -43,7 +43,7 @@ class Cup:
 
 @dataclass(frozen=True)
 class Look:
-    """Outside with its print, inside and stuff."""
+    """Colours of outside, print and inside, and the material."""
 
     outside: Colour
     inside: Colour
@@ -75,7 +75,7 @@ def cup(size: Cup, look: Look, words: Words) -> AssetModel:
 
 
 def _handle(size: Cup, vessel: Vessel) -> list[tuple[float, float, float]]:
-    """A D at +x; its ends lie in the wall."""
+    """A D-shaped handle at +x; its ends lie in the wall."""
     low, high, out = 0.25 * size.height, 0.80 * size.height, size.reach - 0.006
     root = np.array([vessel.radius(low), vessel.radius(high)]) - 0.5 * size.wall
     return [

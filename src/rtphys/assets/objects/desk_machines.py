@@ -1,4 +1,4 @@
-"""151_calculator and 116_keyboard: flat things with keys. Official calculators are metres wide."""
+"""151_calculator and 116_keyboard: flat devices with keys; official calculators are metres wide."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -59,7 +59,7 @@ def _wedge(size: Wedge) -> Solid:
 
 
 def _on_top(size: Wedge, wide: float, deep: float, middle: float, thick: float = 0.0016) -> Solid:
-    """A slab on the slanted top; shares of the width and depth, and where along z."""
+    """A slab on the slanted top; `wide`, `deep` and `middle` are shares of its width and depth."""
     slope = (size.front - size.rear) / size.z
     slab = box(wide * size.x, thick, deep * size.z).turned("x", -np.degrees(np.arctan(slope)))
     y = (size.front + size.rear) / 2 + slope * middle * size.z

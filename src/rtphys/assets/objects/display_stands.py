@@ -1,4 +1,4 @@
-"""074_displaystand: low risers with a flat top, on which things are shown."""
+"""074_displaystand: low stands with a flat top, for showing objects."""
 
 from dataclasses import dataclass
 from functools import partial

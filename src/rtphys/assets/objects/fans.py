@@ -82,7 +82,7 @@ def _foot(size: Fan) -> Solid:
 
 
 def _stem(size: Fan, axis_y: float) -> Solid:
-    """From the foot to the back of the cage. Convex."""
+    """The stem from the foot to the back of the cage. Convex."""
     low = box(0.024, 0.010, 0.028).at(0, size.foot[1] - 0.004, -0.10 * size.foot[2])
     back = size.axis_z - size.deep / 2
     high = box(0.018, 0.020, 0.010).at(0, axis_y, back)
@@ -96,7 +96,7 @@ def _ring(radius: float, wire: float) -> Solid:
 
 
 def _hoop(radius: float, deep: float) -> Solid:
-    """The band around the cage that is held."""
+    """The band around the cage, where the fan is grasped."""
     turned = cylinder(radius, deep, SIDES) - cylinder(0.95 * radius, 2 * deep, SIDES)
     return turned.turned("y", 180 / SIDES).turned("x", 90)
 

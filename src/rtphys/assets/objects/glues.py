@@ -80,7 +80,7 @@ def tube(
 
 
 def _label(word: str, ink: Colour) -> Picture:
-    """Goes around; the word is seen from +z, which is three quarters along."""
+    """A label around the bottle; its word faces +z, three quarters along the picture."""
     canvas = plain((0.97, 0.96, 0.92), 64, 24)
     canvas[:3], canvas[-3:] = ink, ink
     return to_picture(np.roll(write(canvas, word, 9, ink), 16, axis=1))

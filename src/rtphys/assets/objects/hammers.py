@@ -28,7 +28,7 @@ def hammer(grip: Colour, words: tuple[str, ...]) -> AssetModel:
     claws = [_claw(side) for side in (-1, 1)]
     shaft = rounded_box(0.017, TOP - 0.02, 0.022, 0.005, 2).at(0, (TOP + 0.02) / 2, 0)
     handle = rounded_box(0.025, 0.104, 0.028, 0.008, 2).at(0, BUTT + 0.052, 0)
-    # The flared end is what the lying hammer rests on: it sets the tilt at which it is found.
+    # The flared end is what the lying hammer rests on: it sets the tilt at which it lies.
     butt = hull([
         *rounded_box(0.026, 0.016, 0.030, 0.006, 1).at(0, BUTT + 0.008, 0).vertices,
         *box(0.026, 0.006, 0.002).at(0, BUTT + 0.006, 0.023).vertices,

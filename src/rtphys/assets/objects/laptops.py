@@ -37,7 +37,7 @@ class Laptop:
 def laptop(
     size: Laptop, shell: Colour, glow: Colour, metallic: bool, word: str
 ) -> ArticulatedModel:
-    """One laptop; `word` is what it is called by its looks."""
+    """A laptop; `word` describes its appearance."""
     cover = metal(shell, 0.4) if metallic else plastic(shell, 0.4)
     hinge = (0.0, size.base + GAP, -size.depth / 2 + 0.008)
     return ArticulatedModel(
@@ -101,14 +101,14 @@ def _lid(size: Laptop, glow: Colour, cover: Finish) -> Body:
 
 
 def _display(picture: Picture) -> Picture:
-    """A black bezel, and turned over: seen from below, the picture's foot is at the hinge."""
+    """Picture of the display in a black bezel, turned over: its lower edge is at the hinge."""
     framed = np.zeros((picture.shape[0] + 4, picture.shape[1] + 4, 3), np.uint8)
     framed[2:-2, 2:-2] = picture
     return framed[::-1, ::-1]
 
 
 def _edge_points(size: Laptop) -> list[np.ndarray]:
-    """0 the lid's free edge, 1 the same a little further open; 2 and 3 with the camera below."""
+    """Contact points: 0 at the lid's free edge, 1 a little further open; 2, 3 with camera below."""
     reach = size.depth - 0.008 - 0.004
     out = []
     for side in (1.0, -1.0):

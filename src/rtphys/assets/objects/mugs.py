@@ -48,7 +48,7 @@ class Mug:
 
 @dataclass(frozen=True)
 class Look:
-    """Outside with its print, inside and handle."""
+    """Colours of outside, print, inside and handle."""
 
     outside: Colour
     inside: Colour
@@ -57,7 +57,7 @@ class Look:
 
 
 def mug(size: Mug, look: Look, words: Words) -> AssetModel:
-    """One mug of melamine, as campers carry: a pinched rim bears stoneware badly."""
+    """A mug of melamine, since a pinched rim cannot carry heavy stoneware."""
     vessel = size.vessel()
     finish = plastic((1, 1, 1) if look.picture is not None else look.outside, 0.7)
     if look.picture is not None:
@@ -102,7 +102,7 @@ def _handle(size: Mug, vessel: Vessel) -> list[tuple[float, float, float]]:
 
 
 def _rim(size: Mug, radius: float) -> tuple[np.ndarray, ...]:
-    """From above: 0, 1 opposite the handle, 2, 3 at +x, 4, 5 at -x, each with both yaws."""
+    """Grasps from above: 0, 1 opposite the handle, 2, 3 at +x, 4, 5 at -x, both yaws each."""
     h, c = size.grip, size.shift
     front = [contact((0, h, c + radius), (0, 1, 0), (s, 0, 0)) for s in (1, -1)]
     sides = [contact((x, h, c), (0, 1, 0), (0, 0, s)) for x in (radius, -radius) for s in (1, -1)]

@@ -1,4 +1,4 @@
-"""089_globe, 090_trophy, 045_sand-clock: what stands on shelves."""
+"""089_globe, 090_trophy and 045_sand-clock: ornaments."""
 
 from functools import partial
 

@@ -1,5 +1,7 @@
-"""029_olive-oil, 031_jam-jar, 065_soy-sauce, 066_vinegar and 109_hydrating-oil: what stands about
-in kitchens and bathrooms. Clutter: the first four have no contact points."""
+"""029_olive-oil, 031_jam-jar, 065_soy-sauce, 066_vinegar, 109_hydrating-oil: household bottles.
+
+They are clutter; the first four have no contact points.
+"""
 
 from functools import partial
 

@@ -82,7 +82,7 @@ def _base(size: Sign) -> np.ndarray:
 
 
 def _on_board(size: Sign, solid: Solid, out: float, along: float = 0.0) -> Solid:
-    """A piece made standing about its middle, put on the leaning board, `along` above its own."""
+    """A part modelled upright about its middle, placed on the leaning board `along` its middle."""
     up, normal = _axes(size)
     middle = _base(size) + (size.length / 2 + along) * up + out * normal
     return solid.turned("x", -size.lean_deg).at(*middle)
@@ -110,7 +110,7 @@ def _page(colour: Colour, word: str, ratio: float) -> Picture:
 
 
 def _code(name: str) -> Picture:
-    """21 x 21 dots; the corner marks are what makes it look like a pay code."""
+    """A code of 21 x 21 dots, with the corner marks of a pay code."""
     dots = stream(0, "assets", "pay code", name).random((21, 21)) < 0.48
     mark = np.ones((7, 7), bool)
     mark[1:6, 1:6] = False

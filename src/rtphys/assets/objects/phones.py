@@ -72,7 +72,7 @@ def phone(
 
 
 def _home(top: Colour, bottom: Colour) -> Picture:
-    """A home screen: clock, rows of icons, a dock. The phone's foot is the picture's."""
+    """Picture of a home screen: clock, rows of icons, dock; its lower edge is the phone's."""
     ramp = np.linspace(0, 1, 64)[:, None, None]
     canvas = np.broadcast_to((1 - ramp) * top + ramp * np.array(bottom), (64, 32, 3)).copy()
     write(canvas, "12:30", 6, (1.0, 1.0, 1.0))

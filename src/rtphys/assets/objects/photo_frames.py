@@ -46,12 +46,12 @@ def photo_frame(
 
 
 def _leaning(solid: Solid, tall: float) -> Solid:
-    """Made standing about its middle; turned back and put over the middle of the stand."""
+    """A part modelled upright about its middle, leaned back over the middle of the stand."""
     return solid.turned("x", -LEAN_DEG).at(0, tall / 2, 0)
 
 
 def _scene(kind: str) -> Picture:
-    """A landscape, a sunset or a portrait, told by a few areas of colour."""
+    """Picture of a landscape, a sunset or a portrait in a few areas of colour."""
     y, x = np.mgrid[0:40, 0:48] / 40.0
     canvas = np.broadcast_to(np.array(SKIES[kind]), (40, 48, 3)).copy()
     if kind == "face":

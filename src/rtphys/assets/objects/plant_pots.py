@@ -1,4 +1,4 @@
-"""012_plant-pot: potted plants. Clutter, without contact points: foliage is nothing to hold by."""
+"""012_plant-pot: potted plants. Clutter, without contact points: foliage cannot be grasped."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -55,7 +55,7 @@ def potted(
 
 
 def _leaves(plant: Plant, name: str) -> list[Solid]:
-    """From upright in the middle to leaning outside, in golden-angle order."""
+    """Leaves from vertical ones in the middle to leaning ones outside, in golden-angle order."""
     rng = stream(0, "assets", "plant", name)
     leaves = []
     for i in range(plant.count):

@@ -1,5 +1,4 @@
-"""003_plate and 019_coaster: what vessels are put on. Both are as wide as usual ones of their kind
-(the official boxes, of round things, are wider)."""
+"""003_plate and 019_coaster, as wide as real ones (the official bounding boxes are wider)."""
 
 from functools import partial
 

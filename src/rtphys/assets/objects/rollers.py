@@ -75,7 +75,7 @@ def _lying(solid: Solid, pin: Pin) -> Solid:
 
 
 def _grip(pin: Pin, distance: float) -> np.ndarray:
-    """From above; the camera looks up along the pin, away from its middle."""
+    """A grasp from above; the camera's up axis points along the pin, away from its middle."""
     axis = np.array([1.0, 0, 0]) if pin.along == "x" else np.array([0, 0, 1.0])
     return contact(distance * axis + [0, pin.height, 0], (0, 1, 0), np.sign(distance) * axis)
 

@@ -92,7 +92,7 @@ def shoe(
 
 
 def _waist(rows: tuple, size: Shoe) -> Solid:
-    """Flat flanks under the fingers: on rounded ones they touch at a point, and the heel sinks."""
+    """Flat sides for the fingers: on rounded ones they touch at a point, and the heel sinks."""
     low, high = 0.012, 0.5 * _at(rows, 0.0, 2) * size.height
     thick = 0.82 * size.width
     return box(thick, high - low, 0.032).at(0, (low + high) / 2, GRIP)

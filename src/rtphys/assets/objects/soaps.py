@@ -40,7 +40,7 @@ def pebble(size: Size, colour: Colour, words: tuple[str, ...]) -> AssetModel:
 
 
 def dished(size: Size, colour: Colour, dish: Colour, words: tuple[str, ...]) -> AssetModel:
-    """A bar stuck on a dish with a rim; what is held is the bar."""
+    """A bar on a dish with a rim; grasps are on the bar."""
     x, y, z = size
     foot = rounded_box(0.9 * x, 0.35 * y, 0.86 * z, 0.003, 1).at(y=0.175 * y)
     rim = rounded_box(x, 0.20 * y, z, 0.003, 1).at(y=0.34 * y)

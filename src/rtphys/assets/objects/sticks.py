@@ -1,4 +1,4 @@
-"""155_marker, 156_paint-brush, 157_toothbrush: long thin things that lie on the table along z."""
+"""155_marker, 156_paint-brush, 157_toothbrush: long thin objects that lie along z."""
 
 from functools import partial
 

@@ -1,8 +1,8 @@
 """056_switch: a plate with one rocker, whose lower half is to be pressed in.
 
 The rocker is bent by the joint's whole range: at q = 0 its upper half lies in the plate's plane and
-the lower half stands out, at the upper limit it is the other way round. Its spring is taken to
-hold it wherever it is put. Ranges and press points are the official ones.
+the lower half stands out, at the upper limit it is the reverse. Its spring is assumed to
+hold it in every position. Ranges and press points are the official ones.
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class Switch:
 
 
 def switch(size: Switch, plate: Colour, rocker: Colour, words: tuple[str, ...]) -> ArticulatedModel:
-    """A wall switch without its wall."""
+    """A wall switch."""
     hinge = (0.0, 0.0, size.face - INSIDE)
     swing = np.tan(size.upper)
     out = INSIDE - swing * size.press  # z of the rocker's lower face where it is pressed

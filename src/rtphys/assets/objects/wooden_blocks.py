@@ -1,6 +1,6 @@
-"""086_woodenblock: large building blocks, in tasks only something to put things beside.
+"""086_woodenblock: large building blocks, in tasks only a landmark for other objects.
 
-They carry no grasps, as officially; the functional point is in the middle of the top.
+They have no grasps, as in the official pack; the functional point is in the middle of the top.
 """
 
 from collections.abc import Callable

@@ -6,6 +6,9 @@ process with the simulator. This file handles what is left: actors that vanish, 
 alone. Their jobs begin again elsewhere.
 """
 
+# pyright: basic
+# Ray tells no types.
+
 import logging
 import os
 import signal

@@ -1,4 +1,4 @@
-"""How sluggish the arms' servos are."""
+"""Damping gain of the arm servos: how fast arm joints follow their targets."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import World
@@ -6,7 +6,7 @@ from rtphys.physics.interval import Interval
 
 
 class ArmJointDamping(Attribute[World, float]):
-    """Factor on the damping gain of every arm joint's servo."""
+    """Factor [1] on the nominal damping gain of the servo of every arm joint."""
 
     key = "arm_joint_damping"
     unit = "×"

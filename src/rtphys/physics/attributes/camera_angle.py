@@ -1,4 +1,4 @@
-"""How far the head camera is turned on the spot."""
+"""Rotation of the head camera about its own position."""
 
 from dataclasses import dataclass
 from math import degrees, radians
@@ -13,16 +13,16 @@ from rtphys.physics.values import Physics, Vector
 
 @dataclass(frozen=True)
 class CameraAngle(Attribute[World, float]):
-    """Rotation about an axis in the camera's frame, on top of what `camera_distance` did.
+    """Angle of a rotation about an axis in the camera's frame, after `camera_distance`.
 
-    The re-gazing of an orbit belongs to `camera_distance`; this angle is then 0.
+    The rotation with which an orbit keeps its gaze point belongs to `camera_distance`, not here.
     """
 
     key = "camera_angle"
     unit = "deg"
     nominal = 0.0
     valid = Interval(0, 90)
-    resolution = 6e-5  # [deg] a few roundings of a single-precision quaternion
+    resolution = 6e-5  # [deg] a few rounding errors of a single-precision quaternion
     auxiliary = ("camera_mode", "camera_direction")
     what = "turn of the head camera on the spot"
 

@@ -1,4 +1,4 @@
-"""How far the head camera stands from its nominal place."""
+"""Distance of the head camera from its nominal position."""
 
 from dataclasses import dataclass
 from typing import cast
@@ -14,9 +14,9 @@ from rtphys.physics.values import Physics, Vector
 
 @dataclass(frozen=True)
 class CameraDistance(Attribute[World, float]):
-    """Straight distance between nominal and actual position.
+    """Straight-line distance between nominal and actual position.
 
-    Mode orbit keeps range and gaze point; mode shift keeps the orientation.
+    Mode orbit keeps the range and the gaze point; mode shift keeps the orientation.
     """
 
     key = "camera_distance"

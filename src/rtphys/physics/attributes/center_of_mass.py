@@ -1,4 +1,4 @@
-"""Where a body balances, as an offset from the asset's own centre of mass."""
+"""Centre of mass of a body, as an offset from the asset's own."""
 
 import numpy as np
 
@@ -9,9 +9,9 @@ from rtphys.physics.values import Vector
 
 
 class CenterOfMass(Attribute[World, Vector]):
-    """Offset in the body's own frame; mass and inertia about the centre of mass stay.
+    """Offset in the body frame; mass and inertia about the centre of mass stay the same.
 
-    A domain's draws are redrawn until the point lies inside every dynamic body (`hull.py`).
+    A domain draws again until the point lies inside every dynamic body (see `hull.py`).
     """
 
     key = "center_of_mass"
@@ -24,7 +24,7 @@ class CenterOfMass(Attribute[World, Vector]):
 
     def apply(self, target: World, value: Vector) -> None:
         for body in target.bodies:
-            # From the asset's own centre, not from the origin: a hammer's is in its head.
+            # Relative to the asset's own centre, not to the origin: a hammer's is in its head.
             body.set_com(body.nominal_com + np.asarray(value))
 
     def read(self, world: World) -> dict[str, Reading]:

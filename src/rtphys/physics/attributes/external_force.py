@@ -1,4 +1,4 @@
-"""A steady push on every dynamic task body, as a fraction of its weight."""
+"""Constant force on every dynamic task body, as a fraction of its weight."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import GRAVITY, World
@@ -6,10 +6,10 @@ from rtphys.physics.interval import Interval
 
 
 class ExternalForce(Attribute[World, float]):
-    """Force c·m·g along world +X at the centre of mass, in the policy stage only.
+    """Force c·m·g along world +X at the centre of mass, during the policy stage only.
 
-    m is the mass in force (after `object_scale` and `object_mass`). The simulator forgets a force
-    after each step, so the world adds it before every one.
+    m is the actual mass, after `object_scale` and `object_mass`. The simulator clears forces after
+    each step, so the world applies it again before each.
     """
 
     key = "external_force"

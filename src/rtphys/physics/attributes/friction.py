@@ -1,4 +1,4 @@
-"""How strongly surfaces resist sliding."""
+"""Coulomb friction of task objects, table top and finger pads."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import World
@@ -6,10 +6,10 @@ from rtphys.physics.interval import Interval
 
 
 class Friction(Attribute[World, float]):
-    """Coulomb coefficient of task objects, table top and finger pads alike.
+    """Coefficient of friction [1], the same on task objects, table top and finger pads.
 
-    PhysX averages the two surfaces in contact, so only the same number on both makes the number of
-    the pair. Static and dynamic are kept equal: unequal ones smear into each other.
+    PhysX averages the coefficients of two surfaces in contact, so both must have the value for the
+    pair to have it. Static and dynamic friction are equal: PhysX blends unequal ones.
     """
 
     key = "friction"
@@ -25,7 +25,7 @@ class Friction(Attribute[World, float]):
             surface.set_material(value, value, restitution)
 
     def read(self, world: World) -> dict[str, Reading]:
-        """At `<surface>` the coefficient; a surface that holds several numbers shows them all."""
+        """Coefficient of each surface; a tuple for a surface with several."""
         out: dict[str, Reading] = {}
         for surface in world.surfaces:
             numbers = {mu for s, d, _ in surface.materials() for mu in (s, d)}

@@ -1,4 +1,4 @@
-"""How sluggish the grippers' servos are."""
+"""Damping gain of the gripper servos: how fast fingers follow their targets."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import World
@@ -6,7 +6,7 @@ from rtphys.physics.interval import Interval
 
 
 class GripperJointDamping(Attribute[World, float]):
-    """Factor on the damping gain of every gripper joint's servo."""
+    """Factor [1] on the nominal damping gain of the servo of every gripper joint."""
 
     key = "gripper_joint_damping"
     unit = "×"

@@ -1,4 +1,4 @@
-"""How thick the oil in an object's hinges and slides is."""
+"""Viscous damping of the joints of articulated task objects."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import World
@@ -6,10 +6,10 @@ from rtphys.physics.interval import Interval
 
 
 class ObjectJointDamping(Attribute[World, float]):
-    """Viscous damping of every joint of articulated task objects; dry friction is set to 0.
+    """Damping of every joint of articulated task objects; their dry friction is set to 0.
 
-    SAPIEN gives each joint a load-dependent friction of 0.05 unasked, which would add a second,
-    unlabelled resistance.
+    SAPIEN gives each joint a load-dependent friction of 0.05 by default, which would be a second
+    resistance without a label.
     """
 
     key = "object_joint_damping"
@@ -25,7 +25,7 @@ class ObjectJointDamping(Attribute[World, float]):
             joint.set_damping(value)
 
     def read(self, world: World) -> dict[str, Reading]:
-        """Damping at `<joint>`, dry friction at `<joint>.friction`."""
+        """Damping as `<joint>`, dry friction as `<joint>.friction`."""
         out: dict[str, Reading] = {}
         for joint in world.joints:
             out[joint.name] = joint.damping

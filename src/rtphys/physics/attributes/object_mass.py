@@ -1,4 +1,4 @@
-"""How heavy every dynamic task body is, relative to the asset's own mass."""
+"""Mass of every dynamic task body, relative to the asset's own."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from rtphys.physics.interval import Interval
 
 
 class ObjectMass(Attribute[World, float]):
-    """Mass and inertia times one factor: a denser material in the same shape."""
+    """Factor [1] on mass and inertia, as if the same shape had another density."""
 
     key = "object_mass"
     unit = "×"
@@ -19,11 +19,11 @@ class ObjectMass(Attribute[World, float]):
     def apply(self, target: World, value: float) -> None:
         for body in target.bodies:
             body.set_mass(body.nominal_mass * value)
-            # SAPIEN's set_mass leaves the inertia stale: without this line only weight changes.
+            # SAPIEN's set_mass leaves the inertia as it was: without this only the weight changes.
             body.set_inertia(body.nominal_inertia * value)
 
     def read(self, world: World) -> dict[str, Reading]:
-        """Mass ratio at `<body>`, the three inertia ratios at `<body>.inertia`."""
+        """Mass ratio as `<body>`, the three inertia ratios as `<body>.inertia`."""
         out: dict[str, Reading] = {}
         for body in world.bodies:
             out[body.name] = body.mass / body.nominal_mass
@@ -32,5 +32,5 @@ class ObjectMass(Attribute[World, float]):
         return out
 
     def expected(self, world: World, value: float) -> dict[str, Reading]:
-        thrice = (value, value, value)
-        return {p: thrice if p.endswith(".inertia") else value for p in self.read(world)}
+        ratios = (value, value, value)
+        return {p: ratios if p.endswith(".inertia") else value for p in self.read(world)}

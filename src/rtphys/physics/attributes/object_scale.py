@@ -1,4 +1,4 @@
-"""How large every task object is, relative to the asset."""
+"""Size of every task object, relative to the asset."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import Blueprint, World
@@ -6,10 +6,10 @@ from rtphys.physics.interval import Interval
 
 
 class ObjectScale(Attribute[Blueprint, float]):
-    """Uniform size factor k, at build: a simulator cannot resize a built body.
+    """Uniform scale factor k [1], applied at build: the simulator cannot resize a built body.
 
-    Geometry, contact and functional points and the spawn height grow with k, mass with k³,
-    inertia with k⁵; `object_mass` multiplies after that.
+    Geometry, contact and functional points and spawn height scale with k, mass with k³, inertia
+    with k⁵; `object_mass` multiplies the result.
     """
 
     key = "object_scale"

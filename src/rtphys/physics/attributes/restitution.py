@@ -1,4 +1,4 @@
-"""How much speed a collision gives back."""
+"""Coefficient of restitution of task objects, table top and finger pads."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import World
@@ -6,10 +6,10 @@ from rtphys.physics.interval import Interval
 
 
 class Restitution(Attribute[World, float]):
-    """Newton's coefficient of task objects, table top and finger pads alike.
+    """Newton's coefficient [1], the same on task objects, table top and finger pads.
 
-    PhysX averages the two surfaces and ignores approaches slower than the scene's bounce threshold
-    (2 m/s by default, 0.2 m/s in every rtphys scene).
+    PhysX averages the coefficients of two surfaces. Slower than the scene's bounce threshold
+    (2 m/s by default, 0.2 m/s in every rtphys scene) nothing bounces.
     """
 
     key = "restitution"
@@ -25,7 +25,7 @@ class Restitution(Attribute[World, float]):
             surface.set_material(static, dynamic, value)
 
     def read(self, world: World) -> dict[str, Reading]:
-        """At `<surface>` the coefficient; a surface that holds several numbers shows them all."""
+        """Coefficient of each surface; a tuple for a surface with several."""
         out: dict[str, Reading] = {}
         for surface in world.surfaces:
             numbers = {e for _, _, e in surface.materials()}

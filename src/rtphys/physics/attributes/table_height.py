@@ -1,4 +1,4 @@
-"""How high the table is, relative to its nominal top at 0.74 m."""
+"""Height of the table top, relative to its nominal 0.74 m."""
 
 from rtphys.physics.attribute import Attribute, Reading
 from rtphys.physics.handles import Blueprint, World
@@ -6,7 +6,7 @@ from rtphys.physics.interval import Interval
 
 
 class TableHeight(Attribute[Blueprint, float]):
-    """The table and all that stands on it moves; robot and cameras stay."""
+    """Vertical shift of the table with everything on it; robot and cameras stay."""
 
     key = "table_height"
     unit = "m"

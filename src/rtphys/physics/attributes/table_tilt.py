@@ -1,4 +1,4 @@
-"""How far the table leans."""
+"""Tilt of the table."""
 
 from math import degrees, radians
 
@@ -8,9 +8,9 @@ from rtphys.physics.interval import Interval
 
 
 class TableTilt(Attribute[Blueprint, float]):
-    """The table turns about its centre, its normal towards azimuth 90 deg (+y, away).
+    """Rotation of the table about its centre; its normal leans towards azimuth 90 deg (+y, away).
 
-    Objects, marks and targets turn with it; robot and cameras stay.
+    Objects, marks and targets rotate with it; robot and cameras stay.
     """
 
     key = "table_tilt"

@@ -1,5 +1,6 @@
 """Observations in the format of RoboTwin's `get_obs`: nested dicts, plain lists, RGB pictures."""
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.episode import Observation
 from rtphys.sim.camera import SHORT
 
@@ -19,8 +20,8 @@ def official(now: Observation, pictures: bool = True) -> Robotwin:
     cameras = {SHORT[name]: vars(view).copy() for name, view in views.items()}
     joints: Robotwin = {}
     ends: Robotwin = {}
-    for i, side in enumerate(("left", "right")):
-        *arm, gripper = now.vector[7 * i : 7 * i + 7].tolist()
+    for side, part in zip(SIDES, now.embodiment.action_layout.sides, strict=True):
+        *arm, gripper = now.vector[part].tolist()
         joints[f"{side}_arm"], joints[f"{side}_gripper"] = arm, gripper
         ends[f"{side}_endpose"], ends[f"{side}_gripper"] = now.endposes[side].tolist(), gripper
     return {

@@ -11,7 +11,6 @@ import numpy as np
 
 from rtphys.core.poses import Array
 from rtphys.episode import Observation, PolicyEpisode
-from rtphys.episode.control import ACTION_SIZE
 from rtphys.policies import options
 from rtphys.policies.policy import PolicySetup
 from rtphys.policies.served.chunk import rows
@@ -24,6 +23,7 @@ from rtphys.policies.served.connection import (
 )
 from rtphys.policies.served.wire import OPENPI
 
+ACTION_SIZE = 14  # numbers of an action of openpi's aloha policies
 CAMERAS = {"head": "cam_high", "left": "cam_left_wrist", "right": "cam_right_wrist"}
 KEY = "OPENPI_API_KEY"  # environment variable; a specification is stored in every result
 

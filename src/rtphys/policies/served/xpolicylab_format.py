@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.core.poses import Array, Pose
 from rtphys.episode import Observation
-from rtphys.episode.control import SHAPES, ActionKind
+from rtphys.episode.control import ActionKind, shape_of
 from rtphys.episode.observation import CameraView
 from rtphys.policies.served.connection import ServerFailed
 
@@ -17,9 +18,8 @@ CAMERAS = {
     "front": "cam_third_view",
 }
 KINDS: dict[str, ActionKind] = {"joint": "qpos", "qpos": "qpos", "ee": "ee", "endpose": "ee"}
-FREQUENCY = 30  # [Hz] default of RoboTwin's client; servers use it as a label only
-TCP = Pose((0.12, 0.0, 0.0))  # tool centre point in the ee frame
-# Keys that may hold an action, the current one first (RoboTwin's client accepts all).
+FREQUENCY = 30  # [Hz] what RoboTwin's client says by default; servers use it as a label
+# Names under which an action may come, the present one first (RoboTwin's client accepts all).
 ARM_NAMES: dict[ActionKind, tuple[str, ...]] = {
     "qpos": ("{}_arm_joint_state", "{}_arm_joint", "{}_joint_state"),
     "ee": ("{}_ee_pose", "{}_endpose"),
@@ -30,14 +30,15 @@ GRIPPER_NAMES = ("{}_ee_joint_state", "{}_gripper", "{}_gripper_pos")
 def observation(now: Observation, instruction: str) -> dict[str, object]:
     """Observation of one instant in XPolicyLab's format; poses xyz [m] + wxyz, world frame."""
     state: dict[str, object] = {}
-    for i, side in enumerate(("left", "right")):
-        joints = now.vector[7 * i : 7 * i + 7].astype(np.float32)
+    X_ET = Pose((now.embodiment.hand.tcp, 0.0, 0.0))  # tool centre point in the ee frame
+    for side, part in zip(SIDES, now.embodiment.action_layout.sides, strict=True):
+        joints = now.vector[part].astype(np.float32)
         ee = now.endposes[side]
-        tip = Pose(ee[:3], ee[3:]) @ TCP
-        state[f"{side}_arm_joint_state"] = joints[:6]
-        state[f"{side}_ee_joint_state"] = joints[6:]
+        tcp = Pose(ee[:3], ee[3:]) @ X_ET
+        state[f"{side}_arm_joint_state"] = joints[:-1]
+        state[f"{side}_ee_joint_state"] = joints[-1:]
         state[f"{side}_ee_pose"] = ee.astype(np.float32)
-        state[f"{side}_tcp_pose"] = np.concatenate([tip.p, tip.q]).astype(np.float32)
+        state[f"{side}_tcp_pose"] = np.concatenate([tcp.p, tcp.q]).astype(np.float32)
     return {
         "data_format_version": "v1.0",
         "instruction": instruction,
@@ -97,13 +98,13 @@ def action(answer: object, kind: str, now: Observation, where: str) -> tuple[Arr
     ours = KINDS[action_type]
     try:
         if named:
-            parts = [part for side in ("left", "right") for part in _side(named, side, ours, now)]
+            parts = [part for side in SIDES for part in _side(named, side, ours, now)]
             row = np.concatenate(parts)
         else:
             row = np.asarray(answer, float).reshape(-1)
     except (TypeError, ValueError) as error:
         raise ServerFailed(f"{where}: an action holds no numbers: {error}") from error
-    size, what = SHAPES[ours]
+    size, what = shape_of(ours, now.embodiment)
     if row.shape != (size,):
         raise ServerFailed(f"{where}: an action has {row.size} numbers, not {size} ({what})")
     return row, ours
@@ -112,10 +113,10 @@ def action(answer: object, kind: str, now: Observation, where: str) -> tuple[Arr
 def _side(
     named: Mapping[str, object], side: str, kind: ActionKind, now: Observation
 ) -> tuple[Array, Array]:
-    start = 0 if side == "left" else 7
-    present = now.vector[start : start + 6] if kind == "qpos" else now.endposes[side]
+    numbers = now.vector[now.embodiment.action_layout.sides[SIDES.index(side)]]
+    present = numbers[:-1] if kind == "qpos" else now.endposes[side]
     arm = _first(named, [name.format(side) for name in ARM_NAMES[kind]], present)
-    gripper = _first(named, [n.format(side) for n in GRIPPER_NAMES], now.vector[[start + 6]])
+    gripper = _first(named, [n.format(side) for n in GRIPPER_NAMES], numbers[-1:])
     return arm, gripper
 
 

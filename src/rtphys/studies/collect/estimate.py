@@ -17,7 +17,7 @@ from rtphys.studies.collect.plan import Run, TaskPlan, check, check_assets
 from rtphys.studies.cost import Cost, Meter
 from rtphys.studies.worker import StudyWorker
 
-BATCH, BATCHES = 2, 4  # attempts at a time until one is accepted, and how often
+BATCH, MOST = 2, 8  # attempts; so many if none of the first is accepted
 PRIOR = 2.0  # attempts' worth of belief that a task is accepted as often as all are
 SIDE_BYTES = 15e3  # [bytes] an episode: phys_meta, journal, manifest; measured
 
@@ -205,9 +205,7 @@ class ProbeWorker(StudyWorker[TaskPlan, Measured]):
     def _measure(self, meter: Meter, plan: TaskPlan) -> Cost:
         first = plan.first_seed
         meter.warm_up(plan.setting, first, pictures=True)
-        for batch in range(1, BATCHES + 1):
-            seeds = range(first, first + batch * BATCH)
-            cost = meter.cost(plan.setting, seeds, pictures=1)
-            if cost.accepted:
-                break
+        cost = meter.cost(plan.setting, range(first, first + BATCH), pictures=1)
+        if not cost.accepted:
+            cost = meter.cost(plan.setting, range(first, first + MOST), pictures=1)
         return cost

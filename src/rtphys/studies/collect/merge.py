@@ -89,6 +89,7 @@ def merge(
 
 def _copy_unit(unit: Unit, journals: Journals, dataset: DatasetWriter) -> Tally:
     """Copies each task dataset up to the first seed that no shard came to."""
+    tally = Tally(str(unit.plan["task"]), unit.episodes)
     for folder in unit.folders:
         pieces = journals[folder]
         writer = dataset.task(pieces[0].conditions.unsharded(), unit.episodes)

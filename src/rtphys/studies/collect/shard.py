@@ -60,6 +60,15 @@ class Unit:
         kept = {key: self.plan[key] for key in OF_RUN}
         return Run(out, workers, **kept)  # type: ignore[arg-type] - validated
 
+    def to_json(self) -> dict[str, object]:
+        """As `shard.json` holds it."""
+        return {
+            "leaf": self.folder,
+            "twin": self.twin,
+            "episodes": self.episodes,
+            "plan": self.plan,
+        }
+
     @property
     def folders(self) -> tuple[str, ...]:
         """Folders of the task dataset and of its twin."""
@@ -154,9 +163,6 @@ def claim(out: Path, shard: Shard | None) -> None:
         if [unit.folders for unit in stored.units] != [unit.folders for unit in shard.units]:
             raise DatasetMismatch(out, ["it was a shard of other tasks or configurations"])
     if shard is not None and stored != shard:
-        units = [
-            {"leaf": u.folder, "twin": u.twin, "episodes": u.episodes, "plan": u.plan}
-            for u in shard.units
-        ]
-        content = {"index": shard.index, "of": shard.of, "units": units}
-        files.replace_file(out / SHARD, pretty(plain(content)))
+        content = {"index": shard.index, "of": shard.of}
+        units = [unit.to_json() for unit in shard.units]
+        files.replace_file(out / SHARD, pretty(plain({**content, "units": units})))

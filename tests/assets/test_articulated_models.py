@@ -1,4 +1,4 @@
-"""Switch, microwave and cabinet in the simulator: they stay put, move when pushed, hold things."""
+"""Switch, microwave and cabinet in the simulator: they stay put, move when pushed, hold objects."""
 
 import numpy as np
 import pytest
@@ -24,57 +24,57 @@ def pack(tmp_path_factory):
 
 
 def stood_up(pack, name, index):
-    """A scene with the machine fixed in it, its front towards -y, as nominal physics has it."""
+    """A scene with the model fixed in it, its front towards -y, as nominal physics has it."""
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     scene.set_timestep(1 / 250)
     asset = pack.articulation(name, index)
-    machine = build_articulation(scene, asset.urdf, Pose(), asset.scale)
+    articulation = build_articulation(scene, asset.urdf, Pose(), asset.scale)
     height = float(asset.root_offset[2, 3]) + 0.3
-    machine.set_root_pose(sapien.Pose([0, 0, height], [0.70710678, 0, 0, 0.70710678]))
-    for joint in machine.active_joints:
+    articulation.set_root_pose(sapien.Pose([0, 0, height], [0.70710678, 0, 0, 0.70710678]))
+    for joint in articulation.active_joints:
         joint.set_drive_properties(0.0, asset.joint_damping)
-    for link in machine.links:
+    for link in articulation.links:
         link.disable_gravity = link.name in asset.balanced_links
-    return scene, asset, machine
+    return scene, asset, articulation
 
 
-def link_frame(machine, name):
-    link = next(link for link in machine.links if link.name == name)
+def link_frame(articulation, name):
+    link = next(link for link in articulation.links if link.name == name)
     return link, link.entity_pose.to_transformation_matrix()
 
 
 @pytest.mark.parametrize(("name", "index"), MACHINES)
 def test_nothing_moves_by_itself(pack, name, index):
-    scene, _, machine = stood_up(pack, name, index)
+    scene, _, articulation = stood_up(pack, name, index)
     for _ in range(500):
         scene.step()
-    np.testing.assert_allclose(machine.qpos, 0, atol=1e-3)
+    np.testing.assert_allclose(articulation.qpos, 0, atol=1e-3)
 
 
 @pytest.mark.parametrize(("name", "index"), MACHINES)
 def test_a_few_newtons_at_the_contact_point_move_it_to_its_limit(pack, name, index):
-    scene, asset, machine = stood_up(pack, name, index)
+    scene, asset, articulation = stood_up(pack, name, index)
     point = asset.contact_points[0]
     for _ in range(750):
-        link, X = link_frame(machine, point.link)
+        link, X = link_frame(articulation, point.link)
         p = (X @ point.matrix)[:3, 3]
         # A rocker is pushed in, against the point's outward y; doors and drawers are pulled out.
         push = -(X @ point.matrix)[:3, 1] if name == "056_switch" else X[:3, 2]
         link.add_force_at_point(list(FORCE[name] * push), list(p))
         scene.step()
-    assert machine.qpos[0] == pytest.approx(machine.qlimits[0, 1], abs=0.01)
-    np.testing.assert_allclose(machine.qpos[1:], 0, atol=1e-3)
+    assert articulation.qpos[0] == pytest.approx(articulation.qlimits[0, 1], abs=0.01)
+    np.testing.assert_allclose(articulation.qpos[1:], 0, atol=1e-3)
 
 
-@pytest.mark.parametrize("thing", [("112_tea-box", 0), ("077_phone", 3)])
-def test_the_pulled_drawer_holds_what_is_dropped_into_it(pack, thing):
-    scene, asset, machine = stood_up(pack, "036_cabinet", 46653)
-    q = machine.qpos
+@pytest.mark.parametrize("dropped", [("112_tea-box", 0), ("077_phone", 3)])
+def test_the_pulled_drawer_holds_what_is_dropped_into_it(pack, dropped):
+    scene, asset, articulation = stood_up(pack, "036_cabinet", 46653)
+    q = articulation.qpos
     q[0] = 0.16
-    machine.set_qpos(q)
+    articulation.set_qpos(q)
     point = asset.functional_points[0]
-    floor = (link_frame(machine, point.link)[1] @ point.matrix)[:3, 3]
-    model = pack.model(*thing)
+    floor = (link_frame(articulation, point.link)[1] @ point.matrix)[:3, 3]
+    model = pack.model(*dropped)
     builder = scene.create_actor_builder()
     builder.add_multiple_convex_collisions_from_file(str(model.collision), density=model.density)
     above = [floor[0], floor[1], floor[2] + 0.06]
@@ -82,7 +82,7 @@ def test_the_pulled_drawer_holds_what_is_dropped_into_it(pack, thing):
     entity = builder.build()
     for _ in range(500):
         scene.step()
-    now = (link_frame(machine, point.link)[1] @ point.matrix)[:3, 3]
+    now = (link_frame(articulation, point.link)[1] @ point.matrix)[:3, 3]
     off = entity.pose.p - now
     assert np.abs(off[:2]).max() < 0.03 and 0 <= off[2] + 0.001 < 0.03
 

@@ -10,7 +10,7 @@ from rtphys.data.schema_model import SchemaError
 from rtphys.results.instance_file import read_instances, write_instances
 from rtphys.results.instances import InstanceList, Slot
 
-GROUND = {
+FINGERPRINT = {
     "domain": {"name": "global", "digest": "0" * 64},
     "look": "",
     "assets": "1" * 64,
@@ -23,7 +23,7 @@ SLOTS = (
     Slot(100003, "slipped"),
     Slot(100004, "unreachable"),
 )
-LIST = InstanceList("click_bell", "phys_random", GROUND, SLOTS, ("replay",))
+LIST = InstanceList("click_bell", "phys_random", FINGERPRINT, SLOTS, ("replay",))
 
 
 def test_what_is_written_is_what_is_read(tmp_path: Path) -> None:
@@ -49,13 +49,6 @@ def test_a_hundred_instances_are_compact(tmp_path: Path) -> None:
     write_instances(path, replace(LIST, slots=(*good, *bad)))
     assert path.stat().st_size < 6000
     assert len(read_instances(path).slots) == 140
-
-
-def test_the_first_episodes_keep_the_attempts_they_took() -> None:
-    part = LIST.first(2)
-    assert [slot.seed for slot in part.slots] == [100000, 100001, 100002]
-    assert (part.attempts, len(part.feasible)) == (3, 2)
-    assert LIST.first(9).slots == SLOTS
 
 
 @pytest.mark.parametrize(

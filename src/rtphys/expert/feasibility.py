@@ -1,0 +1,113 @@
+"""What verbs ask before anything moves: can an arm reach, and does it touch anything there?
+
+Questions change neither the world nor the answer to another question; only inverse kinematics
+draws from the episode's generator. What the other arm is about to do is told with each of them.
+"""
+
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+
+from rtphys.assets.action_layout import SIDES
+from rtphys.core.poses import Array, Pose
+from rtphys.expert.hands import Hands
+from rtphys.expert.planner import DualArmPlanner
+from rtphys.expert.surroundings import obstacles_of
+from rtphys.sim.rollout import Rollout
+
+
+@dataclass(frozen=True, eq=False)
+class Intent:
+    """Where an arm will be once the motions are done that its verbs have returned."""
+
+    posture: Array  # (n,) [rad]
+    around: str = ""  # the prop that it will then have between its fingers, and may touch
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Both ends of a sequence of straight lines of the ee."""
+
+    start: Array  # (n,) posture at the first pose [rad]
+    end: Array  # (n,) posture at the last pose [rad]
+
+
+class Feasibility:
+    """Answers for both arms of one rollout. Poses are task-frame poses of the ee."""
+
+    def __init__(self, rollout: Rollout, planner: DualArmPlanner, hands: Hands) -> None:
+        self.rollout, self.planner, self.hands = rollout, planner, hands
+        self.world, self.scene = rollout.world, rollout.scene
+        self._known: tuple[int, set[str]] | None = None  # step and loads of the last `refresh`
+
+    def refresh(self) -> None:
+        """Tell the planner where everything is now."""
+        loads = set(self.hands.holding.values())
+        now = self.rollout.steps, loads
+        if now != self._known:  # nothing moves between two steps
+            self.planner.set_obstacles(obstacles_of(self.world, without=loads))
+            self._known = now
+
+    def commanded(self, side: str) -> Array:
+        """Commanded posture (n,) [rad]."""
+        return self.world.robot.arm(side).target
+
+    def commanded_ee(self, side: str) -> Pose:
+        """Commanded pose of the ee."""
+        ee = self.planner.kinematics[side].ee_pose(self.commanded(side))
+        return self.world.to_task(ee)
+
+    def posture(self, side: str, ee: Pose) -> Array | None:
+        """A posture (n,) with this ee pose, on the branch nearest to the commanded one, or None."""
+        return self.planner.posture(side, self.world.X_WT @ ee, self.commanded(side))
+
+    def path(self, side: str, poses: Sequence[Pose]) -> Path | None:
+        """The path through these poses, if all are reachable without a change of branch."""
+        q = self.posture(side, poses[0])
+        return None if q is None else self._onward(side, q, poses[1:])
+
+    def grasp(
+        self, side: str, prop: str, poses: tuple[Pose, Pose], other: Intent | None
+    ) -> Path | None:
+        """The path from before a grasp to the grasp, if nothing is in the way at either end.
+
+        Args:
+            poses: before and at the grasp; at the second, the hand may touch the prop.
+            other: of the other arm.
+        """
+        q = self.posture(side, poses[0])
+        if q is None or not self.clear(side, q, other):
+            return None
+        path = self._onward(side, q, poses[1:])
+        return path if path and self.clear(side, path.end, other, prop) else None
+
+    def clear(self, side: str, q: Array, other: Intent | None, prop: str = "") -> bool:
+        """Whether an arm touches nothing at a posture.
+
+        Args:
+            q: (n,) [rad].
+            other: of the other arm; None: it stays where it is with its load, and gets out of the
+                way without one.
+            prop: what the hand may touch.
+        """
+        opposite = "right" if side == "left" else "left"
+        postures = {s: self.commanded(s) for s in SIDES}
+        if other is not None:
+            postures[opposite] = other.posture
+        elif not self.hands.holding.get(opposite):
+            # Whether the other arm is in the way now does not matter: it can move first.
+            postures[opposite] = self.world.robot.arm(opposite).limb.home
+        postures[side] = q
+        around = other.around if other is not None else ""
+        with (
+            self.hands.may_touch(side, prop) if prop else nullcontext(),
+            self.hands.may_touch(opposite, around) if around else nullcontext(),
+        ):
+            return self.planner.clear(postures)
+
+    def _onward(self, side: str, q: Array, poses: Sequence[Pose]) -> Path | None:
+        """From a posture through poses by straight lines."""
+        line = self.planner.lines(side, q, [self.world.X_WT @ pose for pose in poses])
+        return None if line is None else Path(np.asarray(q), line[-1])

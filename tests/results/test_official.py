@@ -1,0 +1,26 @@
+"""RoboTwin's result files, as public scripts read them."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+from rtphys.results.official import result_file, result_text, write_result
+
+
+def test_the_official_file_gives_the_successes_back(tmp_path: Path) -> None:
+    """As a public fork reads it: attempts by their label, the rate on the last line."""
+    path = result_file(tmp_path, "click_bell", "pi0", "phys_random_all")
+    assert path.name == "_result_random.txt"
+    assert result_file(tmp_path, "click_bell", "pi0", "clean").name == "_result_clean.txt"
+    text = result_text("unseen", 100, 137, 41, datetime(2026, 1, 2, tzinfo=UTC))
+    lines = [line for line in text.splitlines() if line.strip()]
+    label = "Attempts (rollouts + expert-infeasible):"
+    attempts = int(next(line for line in lines if line.startswith(label)).removeprefix(label))
+    assert round(float(lines[-1]) * attempts) == 41
+    assert 0 <= float(lines[-1]) <= 1 and attempts == 137
+
+
+def test_a_file_without_slots_has_rate_zero(tmp_path: Path) -> None:
+    path = result_file(tmp_path, "click_bell", "idle", "clean")
+    write_result(path, "seen", (0, 0, 0))
+    assert path.read_text().splitlines()[-1] == "0.0"
+    assert "Instruction Type: seen" in path.read_text()

@@ -1,0 +1,46 @@
+"""The summary of an evaluation, from its records and certified lists."""
+
+import pytest
+from evaluations import instances, record
+
+from rtphys.results import summarise
+
+
+def test_a_summary_tells_both_denominators_and_pairs_seeds() -> None:
+    records = {
+        ("clean", "a"): [record(1, task="a"), record(2, task="a"), record(3, task="a")],
+        ("clean", "b"): [record(1, False, task="b"), record(2, task="b")],
+        ("phys_random", "a"): [
+            record(1, False, task="a", protocol="phys_random"),
+            record(3, task="a", protocol="phys_random"),
+        ],
+        ("phys_random", "b"): [],
+    }
+    lists = {
+        ("clean", "a"): instances("a", "clean", 1, 2, 3),
+        ("clean", "b"): instances("b", "clean", 1, 2),
+        ("phys_random", "a"): instances("a", "phys_random", 1, 3),
+        ("phys_random", "b"): instances("b", "phys_random", 5, 6),
+    }
+    found = summarise(records, lists)
+    row = next(row for row in found.tasks if row.protocol == "phys_random" and row.task == "a")
+    assert row.counts.of_feasible.value == 0.5 and row.reasons == {"step_limit": 1}
+    assert row.counts.of_slots is not None
+    assert row.counts.of_slots.value == pytest.approx(1 / 3)  # seed 2 was infeasible
+    clean, physical = found.overall
+    assert clean.mean_of_tasks == pytest.approx((1 + 0.5) / 2)
+    assert clean.counts.of_feasible.value == pytest.approx(4 / 5)
+    assert not physical.counts.complete and physical.counts.of_slots is None
+    (pair,) = found.pairs
+    assert (pair.outcome.trials, pair.outcome.only_first, pair.outcome.both) == (2, 1, 1)
+    assert found.to_json()["attributes"] == {"clean": [], "phys_random": []}
+
+
+def test_the_order_of_records_does_not_matter() -> None:
+    records = [record(seed, seed % 2 == 0, steps=seed) for seed in range(1, 6)]
+    lists = {("clean", "click_bell"): instances("click_bell", "clean", 1, 2, 3, 4, 5)}
+    first, second = (
+        summarise({("clean", "click_bell"): order}, lists) for order in (records, records[::-1])
+    )
+    assert first.to_json() == second.to_json()
+    assert first.tasks[0].steps == 3.0  # mean of 2 and 4: failures do not count
