@@ -207,7 +207,7 @@ def test_the_command_spells_what_certifies(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["evaluate", "--policy", "idle", *options])
     assert done.exit_code == 2
     cure = f"`rtphys certify --task {TASK} --protocol clean --feasible 100 --out FOLDER`"
-    assert f"does not exist; to certify: {cure}, then name it as --instances" in done.stderr
+    assert f"does not exist; to certify: {cure}, then set --instances" in done.stderr
 
 
 def test_a_list_with_another_fingerprint_is_refused(

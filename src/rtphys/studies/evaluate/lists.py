@@ -26,7 +26,7 @@ class NotCertified(RtphysError):
         task, protocol = setting
         fields = f"task={task} protocol={protocol} feasible={wanted} out=FOLDER"
         super().__init__(
-            f"{where}: {problem}; to certify: `rtphys certify {fields}`, then name it as `instances`"
+            f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
         )
 
 
