@@ -118,6 +118,7 @@ def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:
 
 
 def test_a_hopeless_list_is_given_up_wherever_it_was_killed(tmp_path: Path) -> None:
+    made = opened(tmp_path)
     for _ in range(3):
         made = opened(tmp_path)
         for _ in range(80):
