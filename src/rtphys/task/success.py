@@ -146,7 +146,7 @@ def held_by(prop: str, *sides: str) -> Condition:
     names = " and ".join(sides)
     return Condition(
         f"{prop} held by {names}",
-        lambda s: all(s.touching(f"{side}_gripper", prop) for side in sides),
+        lambda s: all(in_hand(s, prop, side) for side in sides),
     )
 
 
