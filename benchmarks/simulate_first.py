@@ -19,7 +19,7 @@ from rtphys.episode.generate import Attempt
 from rtphys.episode.photograph import photograph
 from rtphys.physics.overrides import parse_overrides
 from rtphys.setting.setting import Recipe, Setting
-from rtphys.studies.collect.work import Desk
+from rtphys.studies.collect.work import CollectWorker, Job
 from rtphys.task.spec import load_task
 
 CAMERAS = ("head", "left", "right")
@@ -34,16 +34,16 @@ def cpu(work: Callable[[], object]) -> float:
 
 def main(task: str, protocol: str, seeds: str, *held: str) -> None:
     overrides = parse_overrides(held)
-    desk = Desk(default_pack(), CAMERAS, "native", "slim")
-    desk()
+    worker = CollectWorker(default_pack())
+    worker.start()
     recipes = [Setting(task, protocol, None, overrides).at(s) for s in range(int(seeds) + 1)]
-    warm(desk, recipes[-1])
+    warm(worker, recipes[-1])
     tries, simulated = [], 0.0
     for recipe in recipes[:-1]:
-        simulated += cpu(lambda one=recipe: tries.extend(desk.attempt((one,))))
+        simulated += cpu(lambda one=recipe: tries.extend(worker.attempt((one,))))
     drawn = {True: 0.0, False: 0.0}
     for tried in tries:
-        drawn[tried.accepted] += cpu(lambda one=tried: draw(desk, one))
+        drawn[tried.accepted] += cpu(lambda one=tried: draw(worker, one))
     won = sum(tried.accepted for tried in tries)
     first, always = simulated + drawn[True], simulated + sum(drawn.values())
     each = [t / max(won, 1) for t in (simulated, first, always)]
@@ -52,22 +52,23 @@ def main(task: str, protocol: str, seeds: str, *held: str) -> None:
     print(f"simulate-first against render-always: {always / first:.2f} x")
 
 
-def warm(desk: Desk, recipe: Recipe) -> None:
+def warm(worker: CollectWorker, recipe: Recipe) -> None:
     """Fill the caches that a worker fills once."""
-    (tried,) = desk.attempt((recipe,))
-    draw(desk, tried)
+    (tried,) = worker.attempt((recipe,))
+    draw(worker, tried)
 
 
-def draw(desk: Desk, tried: Attempt) -> None:
+def draw(worker: CollectWorker, tried: Attempt) -> None:
     """Render all recorded states; write files if accepted, else encode and discard."""
     if tried.recording is None or not tried.recording.rows:
         return
     if tried.accepted:
         with tempfile.TemporaryDirectory(prefix="rtphys-simulate-first-") as folder:
-            desk.stage(tried, Path(folder) / "episode")
+            job = Job((tried.recipe,), (Path(folder) / "episode",), CAMERAS, "native")
+            worker.stage([tried], job)
         return
     recipe = tried.recipe
-    taken = photograph(recipe, load_task(recipe.task), desk.pack, tried.recording, CAMERAS)
+    taken = photograph(recipe, load_task(recipe.task), worker.pack, tried.recording, CAMERAS)
     encode_images(taken.images)
 
 

@@ -10,12 +10,15 @@ import os
 import sys
 import tempfile
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-from rtphys.campaign.workers.ray_cluster import connect
-
-from rtphys.studies.collect import CollectPlan, Listener, collect
+from rtphys.campaign.engine import Listener
+from rtphys.campaign.workers.ray import connect
+from rtphys.data.dataset import Dataset
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.run import collect
 
 KINDS = {"one worker": ("local", 1), "two workers": ("local", 2), "two Ray workers": ("ray", 2)}
 TICK = os.sysconf("SC_CLK_TCK")
@@ -65,11 +68,12 @@ def _below_us(pid: int, rows: dict[int, tuple[int, float]]) -> bool:
 def run(task: str, kind: str, episodes: int) -> Spent:
     runner, workers = KINDS[kind]
     with tempfile.TemporaryDirectory(prefix="rtphys-workers-") as folder:
-        plan = CollectPlan((task,), episodes, Path(folder) / "data", protocol="phys_random")
+        plan = TaskPlan(Setting(task, "phys_random"), episodes)
         meter, cpu, wall = Meter(), tree_cpu(), time.perf_counter()
-        summary = collect(replace(plan, runner=runner, workers=workers), meter)
+        summary = collect([plan], Run(Path(folder) / "data", workers, runner), meter)
         wall = time.perf_counter() - wall
-    return Spent(sum(tally.frames for tally in summary.tallies), meter.cpu - cpu, wall)
+        frames = sum(len(episode.frames.time) for episode in Dataset(summary.out))
+    return Spent(frames, meter.cpu - cpu, wall)
 
 
 def main(task: str = "click_bell", few: str = "3", many: str = "15") -> None:

@@ -15,10 +15,11 @@ import typer
 from typer.testing import CliRunner
 
 from rtphys.cli import lazy
+from rtphys.cli.derived import takes
 from rtphys.cli.main import COMMANDS, app
-from rtphys.cli.options import taking
 from rtphys.core.errors import BadValue, NoRenderer, RtphysError
 from rtphys.data.faults import CannotWrite
+from rtphys.setting.option import Option
 
 PACKAGE = Path(lazy.__file__).parent
 RUN = CliRunner()
@@ -154,11 +155,11 @@ def flagged(problem: BaseException, *arguments: str) -> str:
 
     @dataclass
     class Options:
-        most_attempts: Annotated[int, typer.Option("--max-attempts")] = 1
-        held: Annotated[str, typer.Option("--set")] = ""
-        out_folder: Annotated[str, typer.Option()] = ""
+        most_attempts: Annotated[int, Option("how often", "max_attempts")] = 1
+        held: Annotated[str, Option("what is held", "set")] = ""
+        out_folder: Annotated[str, Option("where to")] = ""
 
-    @taking(Options)
+    @takes(Options)
     def fail(_: Options) -> None:
         raise problem
 

@@ -1,17 +1,98 @@
-"""How far a long command is, where there is no terminal."""
+"""How far a campaign is: counts of this run, and lines for logs."""
+
+from collections import Counter
 
 import pytest
 
+from rtphys.campaign.series import Tally
 from rtphys.cli import progress
+from rtphys.cli.progress import Lines, reasons, summary_table, totals
 
 
-def test_a_line_comes_now_and_then(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    now = 0.0
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now)
-    with progress.progress_bar() as told:
-        for done in range(5):
-            now = 4.0 * done  # a line is due every ten seconds
-            told(done, 20, f"{done} of {done} succeed")
-    assert capsys.readouterr().err.splitlines() == ["3 of 20 done, 3 of 3 succeed"]
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """[s], to be put forward."""
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_a_line_comes_now_and_then(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+    tally = Tally("lift_pot", 20)
+    with Lines("episodes") as lines:
+        lines.started([tally])
+        for _ in range(5):
+            lines.ticked()  # a line is due every ten seconds
+            clock[0] += 4.0
+            tally.add("")
+    first, second, last = capsys.readouterr().err.splitlines()
+    assert first == "lift_pot: 20 episodes wanted"
+    assert second == "3 of 20 episodes, 3 attempts, 15.0 episodes/min, 0:01:08 left"
+    assert last == "5 of 20 episodes, 5 attempts, 15.0 episodes/min, 0:01:00 left"
+
+
+def test_rates_are_of_this_run(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+    tally = Tally("lift_pot", 20, accepted=12, attempts=17)
+    with Lines("episodes") as lines:
+        lines.started([tally])
+        clock[0] = 60.0
+        for reason in ("", "", "slipped", "slipped", "unreachable"):
+            tally.add(reason)
+    first, last = capsys.readouterr().err.splitlines()
+    assert first == "lift_pot: 20 episodes wanted, 12 there already"
+    assert last == (
+        "14 of 20 episodes, 5 attempts, 3 rejected (slipped 2, unreachable 1), "
+        "2.0 episodes/min, 0:03:00 left"
+    )
+
+
+def test_many_series_are_not_listed(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+    with Lines("episodes") as lines:
+        lines.started([Tally("task", 1) for _ in range(progress.MOST_ROWS + 1)])
+        assert capsys.readouterr().err == ""
+
+
+def test_what_is_told_at_once(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+    with Lines("episodes") as lines:
+        lines.noticed("a worker died")
+        lines.building(1, 9, "bells")  # too early for a line
+        lines.building(9, 9, "pots")
+    said = ["a worker died", "building assets: 9 of 9, pots"]
+    assert capsys.readouterr().err.splitlines() == said
+
+
+def test_nobody_waits_for_what_was_given_up(clock: list[float]) -> None:
+    lines, given_up = Lines("episodes"), Tally("hard", 100, stopped="hopeless")
+    lines.started([given_up, Tally("easy", 2)])
+    clock[0] = 60.0
+    lines.tallies[1].add("")
+    assert lines.time_left == "0:01:00"
+
+
+def test_more_than_was_asked_for_counts_as_what_was_asked_for() -> None:
+    assert totals([Tally("a", 3, accepted=9), Tally("b", 3, accepted=1)]) == (4, 6, 0)
+
+
+def test_the_most_frequent_reasons_come_first() -> None:
+    counted = Counter(a=1, b=5, c=2, d=3, e=1, f=1)
+    assert reasons(counted) == "b 5, d 3, c 2, a 1, other 2"
+
+
+def test_a_summary_has_a_row_for_each_series() -> None:
+    tally = Tally("lift_pot", 4)
+    for reason in ("", "slipped", ""):
+        tally.add(reason)
+    table = summary_table([tally, Tally("click_bell", 4, accepted=4, attempts=7)])
+    cells = [list(column.cells) for column in table.columns]
+    assert [column[0] for column in cells] == ["lift_pot", "2 / 4", "3", "67 %", "slipped 1"]
+    assert [column[1] for column in cells] == ["click_bell", "4 / 4", "0", "-", ""]
+
+
+def test_a_terminal_shows_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
+    live = progress.Live("episodes")
+    tally = Tally("lift_pot", 4)
+    with live:
+        live.started([tally])
+        live.ticked()
+        live.noticed("a worker died")
+        live.building(1, 2, "bells")

@@ -10,7 +10,8 @@ from rtphys.episode.generate import Attempt, attempt
 from rtphys.expert.recovery import Recovery
 from rtphys.expert.robot import ExpertRobot
 from rtphys.setting.setting import Setting
-from rtphys.studies.collect.plan import CollectPlan
+from rtphys.studies.collect.plan import TaskPlan
+from rtphys.studies.collect.run import conditions_of
 from rtphys.task import Robot, lifted
 from rtphys.task.reasons import PHYSICS_REASONS, REASONS
 from rtphys.task.spec import load_task
@@ -89,12 +90,13 @@ def test_the_reason_is_typed_and_physical() -> None:
     assert "recovered" in PHYSICS_REASONS
 
 
-def test_collections_with_and_without_it_do_not_mix(tmp_path) -> None:
-    plan = CollectPlan(("click_bell",), 1, tmp_path)
+def test_collections_with_and_without_it_do_not_mix() -> None:
     task, pack = load_task("click_bell"), default_pack()
-    without = replace(plan, recovery=False)
-    assert plan.recipe("click_bell", 0).recovery
-    assert not without.recipe("click_bell", 0).recovery
-    assert plan.conditions(task, pack).recovery is None
-    assert without.conditions(task, pack).recovery is False
-    assert without.conditions(task, pack).to_json() != plan.conditions(task, pack).to_json()
+    kept, without = (
+        conditions_of(TaskPlan(Setting("click_bell", recovery=recovery)), task, pack).to_json()
+        for recovery in (True, False)
+    )
+    assert Setting("click_bell").recovery, "kept unless it is said otherwise"
+    assert kept["recovery"] is None
+    assert without["recovery"] is False
+    assert kept != without

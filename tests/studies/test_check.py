@@ -1,6 +1,7 @@
 """`rtphys check`: what it counts, what it complains about, what it refuses."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from rtphys.cli.check import complaints
 from rtphys.cli.main import app
 from rtphys.policies.random import Walk
 from rtphys.setting.setting import Setting
-from rtphys.studies.check import CheckPlan, Job, Score, Trial, check, solves
+from rtphys.studies.check import CheckPlan, Score, Trial, check, solves
 from rtphys.task.spec import load_task
 
 KEYS = [
@@ -21,9 +22,9 @@ KEYS = [
 
 
 def score_of(*trials: tuple[str, int, Trial]) -> Score:
-    score = Score("click_bell", "clean", 3)
-    for kind, seed, trial in trials:
-        score.add(Job(kind, "click_bell", "clean", seed), trial)  # type: ignore[arg-type]
+    score = Score(Setting("click_bell"), 3)
+    for robot, seed, trial in trials:
+        score.add(robot, seed, trial)  # type: ignore[arg-type]
     return score
 
 
@@ -118,8 +119,8 @@ def test_the_command_writes_the_numbers(tmp_path: Path) -> None:
 @pytest.mark.sim
 def test_scores_do_not_depend_on_the_number_of_workers() -> None:
     pack = default_pack()
-    plan = CheckPlan(("click_bell",), ("phys_random",), seeds=1, robots=0)
-    one, two = check(plan, pack), check(CheckPlan(**{**vars(plan), "workers": 2}), pack)
+    plan = CheckPlan(("click_bell",), ("phys_random",), seeds=1, robots=0, workers=1)
+    one, two = check(plan, pack), check(replace(plan, workers=2), pack)
     assert one[0].hashes == two[0].hashes
     assert one[0].deterministic
 

@@ -35,17 +35,17 @@ def test_what_is_outside_counts_building_and_writing_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    ("plan", "error"),
+    ("changes", "said"),
     [
-        (BenchPlan(("click_bel",)), UnknownName),
-        (BenchPlan(("click_bell",), ("cleen",)), UnknownName),
-        (BenchPlan(("click_bell",), episodes=0), BadValue),
-        (BenchPlan(("click_bell",), first_seed=-1), BadValue),
+        ({"tasks": ("click_bel",)}, "did you mean 'click_bell'"),
+        ({"protocols": ("cleen",)}, "did you mean 'clean'"),
+        ({"episodes": 0}, r"episodes = 0 .*at least 1"),
+        ({"first_seed": -1}, r"first_seed = -1 .*at least 0"),
     ],
 )
-def test_a_plan_is_checked_before_work(plan: BenchPlan, error: type[Exception]) -> None:
-    with pytest.raises(error):
-        plan.check()
+def test_a_plan_is_checked_before_work(changes: dict, said: str) -> None:
+    with pytest.raises((BadValue, UnknownName), match=said):
+        BenchPlan(**{"tasks": ("click_bell",), **changes})
 
 
 @pytest.mark.sim

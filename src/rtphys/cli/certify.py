@@ -20,10 +20,10 @@ def certify(plan: CertifyPlan) -> None:
     interrupted: the same command goes on where it stopped.
     """
     from rtphys.assets.pack import default_pack
-    from rtphys.cli.progress import progress
+    from rtphys.cli.progress import campaign_progress
     from rtphys.studies.certify.run import certify as run_certification
 
-    with resumable(), progress("feasible seeds") as listener:
+    with resumable(), campaign_progress("feasible seeds") as listener:
         lists = run_certification(plan, default_pack(listener.building), listener)
     _show(lists)
     ends = [(one, one.series.halted or one.series.tally.stopped) for one in lists]

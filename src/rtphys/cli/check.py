@@ -48,9 +48,9 @@ def check(plan: CheckPlan, output: Output) -> None:
     plan.check()
     output.check()
     from rtphys.assets.pack import default_pack
-    from rtphys.cli.progress import progress
+    from rtphys.cli.progress import campaign_progress
 
-    with progress("trials") as listener:
+    with campaign_progress("trials") as listener:
         scores = run_check(plan, default_pack(listener.building), listener)
     _show(scores)
     if output.json_file is not None:

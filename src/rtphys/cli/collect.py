@@ -77,10 +77,10 @@ def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:
 def _collect(plans: Sequence[TaskPlan], run: Run) -> None:
     """Raises `Incomplete`: some tasks were given up."""
     from rtphys.cli.fitting import wide_console
-    from rtphys.cli.progress import progress, summary_table
+    from rtphys.cli.progress import campaign_progress, summary_table
     from rtphys.studies.collect.run import collect as run_collection
 
-    with resumable(), progress("episodes") as listener:
+    with resumable(), campaign_progress("episodes") as listener:
         summary = run_collection(plans, run, listener)
     wide_console().print(summary_table(summary.tallies))
     new = sum(tally.new_accepted for tally in summary.tallies)

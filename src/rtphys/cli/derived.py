@@ -102,16 +102,21 @@ def _default(field: Field[Any]) -> Any:
 
 def _spelled_type(hint: object) -> Any:
     """What typer is to read: several words for names and mappings, a word for what is loaded."""
-    plain = hint
-    while get_origin(plain) is Annotated:
-        plain = get_args(plain)[0]
-    options = get_args(plain) if get_origin(plain) in (Union, UnionType) else (plain,)
+    plain = _without_notes(hint)
+    union = get_origin(plain) in (Union, UnionType)
+    options = [_without_notes(one) for one in get_args(plain)] if union else [plain]
     kinds = [get_origin(one) or one for one in options if one is not NoneType]
     if len(kinds) == 1 and kinds[0] in (tuple, Mapping):
-        return list[str] if NoneType not in options and kinds[0] is tuple else list[str] | None
+        return list[str] if not union and kinds[0] is tuple else list[str] | None
     if len(kinds) == 1 and kinds[0] in _READ_BY_TYPER:
-        return plain
+        return kinds[0] | None if union else kinds[0]
     return str | None
+
+
+def _without_notes(hint: object) -> object:
+    while get_origin(hint) is Annotated:
+        hint = get_args(hint)[0]
+    return hint
 
 
 def _value(hint: object, raw: object, option: Option, field: Field[Any]) -> object:

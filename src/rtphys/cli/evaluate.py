@@ -18,10 +18,10 @@ def evaluate(plan: EvaluatePlan) -> None:
     plan.check()
     from rtphys.assets.pack import default_pack
     from rtphys.cli.evaluate_tables import show
-    from rtphys.cli.progress import progress
+    from rtphys.cli.progress import campaign_progress
     from rtphys.studies.evaluate.run import evaluate as run_evaluation
 
-    with resumable(), progress("episodes") as listener:
+    with resumable(), campaign_progress("episodes") as listener:
         summary = run_evaluation(plan, default_pack(listener.building), listener)
     show(summary)
     typer.echo(f"records, summary and figures are in {plan.folder}")

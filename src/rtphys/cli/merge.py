@@ -22,10 +22,10 @@ def merge(
     """
     if any(part.resolve() == out.resolve() for part in parts):
         raise BadValue("out", str(out), "it is one of the shards; name another folder")
-    from rtphys.cli.progress import progress
+    from rtphys.cli.progress import campaign_progress
     from rtphys.studies.collect.merge import merge as merge_shards
 
-    with resumable(), progress("episodes") as listener:
+    with resumable(), campaign_progress("episodes") as listener:
         tallies = merge_shards(parts, out, workers, listener)
     made = sum(tally.new_attempts for tally in tallies)
     episodes = sum(tally.accepted for tally in tallies)

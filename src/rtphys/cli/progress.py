@@ -22,7 +22,7 @@ MOST_ROWS = 12  # series that are shown in a table of their own
 MOST_REASONS = 4
 
 
-def progress(noun: str) -> "Live | Lines":
+def campaign_progress(noun: str) -> "Live | Lines":
     """The listener that fits where standard error goes. `noun`: what is counted, in the plural."""
     return Live(noun) if sys.stderr.isatty() else Lines(noun)
 

@@ -1,15 +1,22 @@
-"""Workers of `certify` that need no simulator, and may be told to die on one seed."""
+"""A worker of `certify` that needs no simulator, and may be told to die on one seed."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from pool_jobs import Trouble, do
-from rtphys.studies.certify.work import Job
+from quick_pool import J, QuickPool, R
 
 from rtphys.assets.pack import Pack
-from rtphys.campaign.workers.pool import Done, Limits, Lost, Workers
 from rtphys.results.instances import FIRST_SEED, Slot
+from rtphys.setting.setting import Recipe
+from rtphys.studies.certify.certified_list import CertifiedList, Job
 
+FINGERPRINT = {
+    "domain": {"name": "nominal", "digest": "0"},
+    "look": "",
+    "assets": "",
+    "versions": {},
+}
 LOST = FIRST_SEED + 4  # the seed whose worker gets into trouble, when clean
 
 
@@ -22,9 +29,24 @@ def verdict(seed: int, baselines: tuple[str, ...]) -> Slot:
     return Slot(seed, "", f"{seed:016x}", replay, twin)
 
 
+def work(made: CertifiedList, most: int = 1000) -> list[tuple[int, tuple[str, ...]]]:
+    """Does at most so many jobs; returns what each was: seed after the first, baselines."""
+    done = []
+    while made.series.wants(1) and len(done) < most:
+        job = made.job(made.series.begin())
+        done.append((job.recipe.seed - FIRST_SEED, job.baselines))
+        made.series.take(job.recipe.seed, verdict(job.recipe.seed, job.baselines))
+    made.series.close_if_over()
+    return done
+
+
+def unlucky(recipe: Recipe) -> bool:
+    return (recipe.seed, recipe.setting.protocol) == (LOST, "clean")
+
+
 @dataclass(frozen=True)
-class QuickBench:
-    """In the place of `rtphys.studies.certify.work.Bench`, in processes."""
+class QuickCertifier:
+    """In the place of `CertifyWorker`, also in processes."""
 
     pack: Pack
     trouble: Trouble = field(default_factory=Trouble)
@@ -33,43 +55,18 @@ class QuickBench:
         return self.do
 
     def do(self, job: Job) -> Slot:
-        if (job.recipe.seed, job.recipe.protocol) == (LOST, "clean"):
+        if unlucky(job.recipe):
             do(self.trouble)
         return verdict(job.recipe.seed, job.baselines)
 
 
-class QuickCrew(Workers[Job, Slot]):
-    """Runs jobs in this process; what began last ends first."""
-
-    reason = ""  # of a loss over `LOST`
-
-    def __class_getitem__(cls, _: object) -> "type[QuickCrew]":
-        return cls  # as if it were generic, as the other is
-
-    def __init__(self, setup: Callable[[], Callable[[Job], Slot]], size: int, _: Limits) -> None:
-        super().__init__(setup, size)
-        self._jobs: list[tuple[Hashable, Job]] = []
-
-    @property
-    def busy(self) -> int:
-        return len(self._jobs)
-
-    def submit(self, name: Hashable, job: Job) -> None:
-        self._jobs.append((name, job))
-
-    def wait(self, timeout: float = 1.0) -> list[Done[Slot] | Lost]:
-        name, job = self._jobs.pop()
-        if self.reason and (job.recipe.seed, job.recipe.protocol) == (LOST, "clean"):
-            return [Lost(name, self.reason, "was killed by SIGKILL")]
-        return [Done(name, verdict(job.recipe.seed, job.baselines))]
-
-    def close(self) -> None:
-        self._jobs.clear()
+class CrashingPool(QuickPool[J, R]):
+    def loss(self, job: J) -> str:
+        assert isinstance(job, Job)
+        return "worker_crash" if unlucky(job.recipe) else ""
 
 
-class CrashingCrew(QuickCrew):
-    reason = "worker_crash"
-
-
-class HangingCrew(QuickCrew):
-    reason = "worker_hang"
+class HangingPool(QuickPool[J, R]):
+    def loss(self, job: J) -> str:
+        assert isinstance(job, Job)
+        return "worker_hang" if unlucky(job.recipe) else ""

@@ -9,20 +9,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from rtphys.studies.certify.ledger import CertifiedOtherwise
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.cli.main import app
-from rtphys.core.errors import BadValue, UnknownName
 from rtphys.episode.generate import attempt
 from rtphys.results.instance_file import instance_file, read_instances
-from rtphys.results.instances import FIRST_SEED, Slot
+from rtphys.results.instances import FIRST_SEED
 from rtphys.setting.setting import Setting
-from rtphys.studies.certify import CertifyPlan, Order, certify
+from rtphys.studies.certify.plan import CertifyPlan
+from rtphys.studies.certify.run import certify
 from rtphys.task.spec import load_task
-
-GROUND = {"domain": {"name": "nominal", "digest": "0"}, "look": "", "assets": "", "versions": {}}
 
 
 @pytest.fixture(scope="module")
@@ -31,103 +28,7 @@ def pack() -> Pack:
 
 
 def plan(out: Path, **changes) -> CertifyPlan:
-    return replace(CertifyPlan(("click_bell",), ("clean",), out, 3), **changes)
-
-
-def order(out: Path, **changes) -> Order:
-    return Order(plan(out, **changes), "click_bell", "clean", dict(GROUND))
-
-
-def good(seed: int) -> Slot:
-    return Slot(FIRST_SEED + seed, "", f"{seed:016x}", True)
-
-
-def bad(seed: int) -> Slot:
-    return Slot(FIRST_SEED + seed, "unreachable")
-
-
-def test_results_are_kept_in_the_order_of_seeds(tmp_path: Path) -> None:
-    made = order(tmp_path, workers=4)
-    for slot in (good(3), bad(0), good(2), good(1), good(4)):
-        made.take(slot)
-    made.close()
-    kept = read_instances(instance_file(tmp_path, "clean", "click_bell"))
-    # The third feasible seed ends the list: what was begun to be on the safe side is dropped.
-    assert kept.slots == (bad(0), good(1), good(2), good(3))
-    assert not list(tmp_path.rglob("*.journal"))
-
-
-def test_it_goes_on_after_the_last_seed_that_was_written(tmp_path: Path) -> None:
-    first = order(tmp_path)
-    for slot in (good(0), bad(1), good(3)):  # seed 2 was under way when it was killed
-        first.take(slot)
-    second = order(tmp_path)
-    assert second.slots == [good(0), bad(1)] and second.begin().recipe.seed == FIRST_SEED + 2
-    second.take(good(2))
-    second.take(good(3))
-    second.close()
-    whole = order(tmp_path)
-    assert whole.complete and not whole.wants
-
-
-def test_a_torn_line_is_forgotten(tmp_path: Path) -> None:
-    order(tmp_path).take(good(0))
-    (journal,) = tmp_path.rglob("*.journal")
-    journal.write_bytes(journal.read_bytes()[:-7])
-    assert order(tmp_path).slots == []
-
-
-def test_a_finished_list_can_be_made_longer(tmp_path: Path) -> None:
-    short = order(tmp_path, feasible=1)
-    short.take(good(0))
-    short.close()
-    longer = order(tmp_path, feasible=2)
-    assert longer.begin().recipe.seed == FIRST_SEED + 1
-    longer.take(good(1))
-    longer.close()
-    kept = read_instances(instance_file(tmp_path, "clean", "click_bell"))
-    assert kept.slots == (good(0), good(1))
-
-
-def test_a_crash_between_the_list_and_its_journal_repeats_no_seed(tmp_path: Path) -> None:
-    made = order(tmp_path, feasible=1)
-    made.take(good(0))
-    (journal,) = tmp_path.rglob("*.journal")
-    left = journal.read_bytes()
-    made.close()
-    journal.write_bytes(left)
-    assert order(tmp_path, feasible=2).slots == [good(0)]
-
-
-@pytest.mark.parametrize("closed", [True, False])
-def test_other_ground_is_refused(tmp_path: Path, closed: bool) -> None:
-    made = order(tmp_path, feasible=1)
-    made.take(good(0))
-    if closed:
-        made.close()
-    with pytest.raises(CertifiedOtherwise, match="first_seed was 100000, now 7"):
-        order(tmp_path, first_seed=7)
-    made = plan(tmp_path)
-    with pytest.raises(CertifiedOtherwise, match="assets was '', now 'else'"):
-        Order(made, "click_bell", "clean", {**GROUND, "assets": "else"})
-
-
-def test_it_gives_up_and_says_why(tmp_path: Path) -> None:
-    made = order(tmp_path, most_attempts=2)
-    made.take(bad(0))
-    made.take(bad(1))
-    made.close()
-    assert "2 seeds were tried" in made.stopped and made.path.is_file()
-    assert read_instances(made.path).rejected == {"unreachable": 2}
-
-
-def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:
-    with pytest.raises(UnknownName, match="did you mean 'twin'"):
-        plan(tmp_path, baselines=("twim",)).check()
-    with pytest.raises(UnknownName, match="did you mean 'clean'"):
-        plan(tmp_path, protocols=("clear",)).check()
-    with pytest.raises(BadValue, match="--feasible"):
-        plan(tmp_path, feasible=0).check()
+    return replace(CertifyPlan(("click_bell",), ("clean",), out, 3, workers=1), **changes)
 
 
 @pytest.mark.sim

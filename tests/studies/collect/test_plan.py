@@ -54,10 +54,13 @@ WRONG = {
 }
 
 
+@pytest.mark.parametrize("more", [(), ("--dry-run",)], ids=["collect", "dry-run"])
 @pytest.mark.parametrize("options", WRONG)
-def test_what_cannot_work_is_one_clear_line_and_no_file(options: str, tmp_path: Path) -> None:
+def test_what_cannot_work_is_one_clear_line_and_no_file(
+    options: str, more: tuple[str, ...], tmp_path: Path
+) -> None:
     out = tmp_path / "data"
-    done = CliRunner().invoke(app, ["collect", *options.split(), "--out", str(out)])
+    done = CliRunner().invoke(app, ["collect", *options.split(), "--out", str(out), *more])
     assert done.exit_code == 2
     assert len(done.stderr.strip().splitlines()) == 1
     assert WRONG[options] in done.stderr
@@ -78,10 +81,12 @@ def test_without_a_renderer_the_cure_is_named(
     broken = Finding("renderer", "fail", "no_driver", "the Vulkan loader finds no device")
     monkeypatch.setattr(plan_module, "check_renderer", lambda command: broken)
     out = tmp_path / "data"
-    done = CliRunner().invoke(app, ["collect", "--task", "click_bell", "--out", str(out)])
-    assert done.exit_code == 3
-    assert "mesa-vulkan-drivers" in done.stderr
-    assert not out.exists()
+    for more in ([], ["--dry-run"], ["--estimate"]):
+        line = ["collect", "--task", "click_bell", "--out", str(out), *more]
+        done = CliRunner().invoke(app, line)
+        assert done.exit_code == 3
+        assert "mesa-vulkan-drivers" in done.stderr
+        assert not out.exists()
 
 
 def test_a_folder_collected_under_other_conditions_is_refused(

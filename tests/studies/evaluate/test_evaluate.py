@@ -1,21 +1,23 @@
 """Evaluation: the same records on every run, whatever the policy and the machine do."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from rtphys.studies.certify.work import Bench
-from rtphys.studies.certify.work import Job as Trial
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import Pack, default_pack
-from rtphys.campaign.workers.pool import Limits, WorkerFailed
+from rtphys.campaign.engine import Listener
+from rtphys.campaign.series import Tally
+from rtphys.campaign.workers.pool import WorkerFailed
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.video import probe
@@ -28,10 +30,12 @@ from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records
 from rtphys.setting.setting import Setting
-from rtphys.studies.evaluate import EvaluatePlan, evaluate
-from rtphys.studies.evaluate.lists import NotCertified, OtherGround
-from rtphys.studies.evaluate.run import OtherRun
-from rtphys.studies.evaluate.work import Job, Stage
+from rtphys.studies.certify.certified_list import Job as Certification
+from rtphys.studies.certify.run import CertifyWorker
+from rtphys.studies.evaluate.lists import ChangedSinceCertified, NotCertified
+from rtphys.studies.evaluate.plan import EvaluatePlan
+from rtphys.studies.evaluate.run import OtherRun, evaluate
+from rtphys.studies.evaluate.work import EvaluateWorker, Job
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
@@ -51,14 +55,19 @@ def lists(pack: Pack, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("lists")
     slots = (Slot(SEEDS[0], state="0"), Slot(SEEDS[0] + 1, "slipped"), Slot(SEEDS[1], state="0"))
     for protocol in PROTOCOLS:
-        ground = fingerprint_of(load_task(TASK), protocol, pack).to_json()
-        made = InstanceList(TASK, protocol, ground, slots)
+        fingerprint = fingerprint_of(load_task(TASK), protocol, pack).to_json()
+        made = InstanceList(TASK, protocol, fingerprint, slots)
         write_instances(instance_file(out, protocol, TASK), made)
     return out
 
 
 def plan(out: Path, lists: Path, **changes) -> EvaluatePlan:
-    return replace(EvaluatePlan(FEW, (TASK,), PROTOCOLS, out, 2, lists), **changes)
+    return replace(EvaluatePlan(FEW, (TASK,), PROTOCOLS, 2, out, lists), **changes)
+
+
+class Counts(Listener):
+    def started(self, tallies: Sequence[Tally]) -> None:
+        self.tallies = tallies
 
 
 def files_of(out: Path) -> dict[str, bytes]:
@@ -92,8 +101,28 @@ def test_records_do_not_depend_on_workers_or_on_a_crash_between_them(
     assert summary["pairs"][0]["neither"] == 2
 
 
-def stage(spec: str, pack: Pack) -> Stage:
-    return Stage(pack, spec)
+@pytest.mark.parametrize("there", [1, 2])
+def test_records_of_the_version_before_are_continued(
+    tmp_path: Path, lists: Path, pack: Pack, there: int
+) -> None:
+    """It kept no journal: each record went into the file at once."""
+    wanted = plan(tmp_path / "whole", lists, protocols=("clean",), workers=1)
+    evaluate(wanted, pack)
+    whole = files_of(tmp_path / "whole")
+    older = tmp_path / "older"
+    shutil.copytree(tmp_path / "whole", older)
+    lines = record_file(older, "clean", TASK).read_bytes().splitlines(keepends=True)
+    record_file(older, "clean", TASK).write_bytes(b"".join(lines[:there]))
+    (older / SUMMARY).unlink()
+    counts = Counts()
+    evaluate(replace(wanted, out=older), pack, counts)
+    assert [tally.found_accepted for tally in counts.tallies] == [there]
+    assert files_of(older) == whole
+    assert not list(older.rglob(".*.journal"))
+
+
+def worker_of(spec: str, pack: Pack) -> EvaluateWorker:
+    return EvaluateWorker(pack, spec)
 
 
 def job(seed: int, protocol: str = "clean", **options: str) -> Job:
@@ -102,7 +131,7 @@ def job(seed: int, protocol: str = "clean", **options: str) -> Job:
 
 
 def test_a_crash_of_the_policy_is_its_failure(pack: Pack) -> None:
-    worker, raising = stage(FEW, pack), {str(SEEDS[0]): "raise", str(SEEDS[1]): "nonsense"}
+    worker, raising = worker_of(FEW, pack), {str(SEEDS[0]): "raise", str(SEEDS[1]): "nonsense"}
     first = worker.do(job(SEEDS[0], **raising))
     assert (first.reason, first.success, first.steps) == ("policy_error", False, 3)
     assert "ValueError: nothing comes to mind" in first.detail and "still_life.py" in first.detail
@@ -136,8 +165,8 @@ def test_a_process_that_dies_is_a_failure_of_its_episode(
 
 @pytest.mark.slow
 def test_a_policy_that_hangs_is_given_up(tmp_path: Path, lists: Path, pack: Pack) -> None:
-    hanging, short = {str(SEEDS[0]): "hang"}, Limits(seconds=30.0, retries=0)
-    wanted = plan(tmp_path, lists, protocols=("clean",), options=hanging, limits=short)
+    hanging = {str(SEEDS[0]): "hang"}
+    wanted = plan(tmp_path, lists, protocols=("clean",), options=hanging, timeout=30.0)
     evaluate(wanted, pack)
     first, second = read_records(record_file(tmp_path, "clean", TASK))
     assert first.reason == "worker_hang" and "30 s" in first.detail
@@ -146,8 +175,8 @@ def test_a_policy_that_hangs_is_given_up(tmp_path: Path, lists: Path, pack: Pack
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_the_expert_solves_what_it_has_certified(pack: Pack, protocol: str) -> None:
-    slot = Bench(pack).do(Trial(Setting(TASK, protocol).at(FIRST_SEED), ()))
-    record = stage("expert", pack).do(job(FIRST_SEED, protocol))
+    slot = CertifyWorker(pack).do(Certification(Setting(TASK, protocol).at(FIRST_SEED), ()))
+    record = worker_of("expert", pack).do(job(FIRST_SEED, protocol))
     assert slot.feasible and record.success and record.held
     assert record.first_touch is not None and 0 < record.first_touch < record.time
     assert record.state.startswith(slot.state)
@@ -158,11 +187,13 @@ def test_what_cannot_be_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> N
     def tried(**changes) -> None:
         evaluate(plan(tmp_path / "out", lists, **changes), pack)
 
-    with pytest.raises(NotCertified, match=r"rtphys certify --task click_bell --protocol clean"):
+    with pytest.raises(
+        NotCertified, match=r"rtphys certify task=click_bell protocol=clean feasible=2"
+    ):
         tried(instances=tmp_path)
     with pytest.raises(NotCertified, match="holds 2 feasible seeds, not 3"):
         tried(episodes=3)
-    with pytest.raises(BadValue, match="--episodes = 0"):
+    with pytest.raises(BadValue, match=r"episodes = 0 .*at least 1"):
         tried(episodes=0)
     with pytest.raises(UnknownName, match="did you mean 'idle'"):
         tried(policy="idel")
@@ -171,13 +202,23 @@ def test_what_cannot_be_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> N
     assert not (tmp_path / "out").exists()
 
 
-def test_a_list_from_other_ground_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> None:
+def test_the_command_spells_what_certifies(tmp_path: Path) -> None:
+    options = ["--task", TASK, "--protocol", "clean", "--instances", str(tmp_path)]
+    done = CliRunner().invoke(app, ["evaluate", "--policy", "idle", *options])
+    assert done.exit_code == 2
+    cure = f"`rtphys certify --task {TASK} --protocol clean --feasible 100 --out FOLDER`"
+    assert f"does not exist; to certify: {cure}, then set --instances" in done.stderr
+
+
+def test_a_list_with_another_fingerprint_is_refused(
+    tmp_path: Path, lists: Path, pack: Pack
+) -> None:
     place = instance_file(tmp_path, "clean", TASK)
     text = instance_file(lists, "clean", TASK).read_text()
     place.parent.mkdir()
     place.write_text(text.replace(pack.digest, "0" * 64))
     known = plan(tmp_path / "out", tmp_path, protocols=("clean",), episodes=1)
-    with pytest.raises(OtherGround, match=r"assets was '0+', now .*--accept-changes"):
+    with pytest.raises(ChangedSinceCertified, match=r"assets was '0+', now .*`accept_changes`"):
         evaluate(known, pack)
     # Which numpy it was certified with is told in the list, not enforced.
     place.write_text(text.replace('"numpy": "', '"numpy": "0.'))
@@ -200,7 +241,7 @@ def test_a_folder_holds_one_evaluation(tmp_path: Path, lists: Path, pack: Pack) 
     run(episodes=1)
     with pytest.raises(OtherRun, match="policy was"):
         run(policy="idle")
-    with pytest.raises(OtherRun, match="no-resume"):
+    with pytest.raises(OtherRun, match="`resume` is off"):
         run(resume=False)
     run(episodes=None)  # more of the same: all there are
     assert len(read_records(record_file(tmp_path, "clean", TASK))) == 2
@@ -269,7 +310,7 @@ def test_a_killed_run_ends_up_with_the_same_summary(tmp_path: Path, lists: Path)
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     subprocess.run([*command, str(whole)], check=True, capture_output=True)
     process = subprocess.Popen([*command, str(killed)], stderr=subprocess.DEVNULL)
-    while not list(killed.rglob("*.jsonl")):
+    while not list(killed.rglob(".*.journal")):
         assert process.poll() is None, "it ended before it could be killed"
         time.sleep(0.02)
     process.send_signal(signal.SIGKILL)

@@ -11,8 +11,8 @@ from rtphys.episode.generate import attempt
 from rtphys.results.instance_file import read_instances
 from rtphys.setting.protocol import BUILTIN
 from rtphys.setting.setting import Setting
-from rtphys.studies.evaluate.lists import certified
-from rtphys.studies.evaluate.plan import BENCHMARK, EvaluatePlan
+from rtphys.studies.evaluate.lists import BENCHMARK, certified
+from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.task.spec import load_task
 
 LISTS = sorted(p for root in library.roots() for p in root.glob(f"manifests/{BENCHMARK}/*/*.yaml"))
@@ -35,8 +35,8 @@ def test_fifty_tasks_have_a_hundred_each(protocol: str) -> None:
 @pytest.mark.parametrize("path", LISTS, ids=lambda p: f"{p.parent.name}-{p.stem}")
 def test_no_list_is_stale(path: Path, pack: Pack) -> None:
     task, protocol = path.stem, path.parent.name
-    plan = EvaluatePlan("idle", (task,), (protocol,), Path("unused"))
-    found = certified(plan, task, protocol, fingerprint_of(load_task(task), protocol, pack))
+    plan, loaded = EvaluatePlan("idle", (task,), (protocol,)), load_task(task)
+    found = certified(plan, loaded, protocol, fingerprint_of(loaded, protocol, pack))
     seeds = [slot.seed for slot in found.slots]
     assert seeds == [*range(seeds[0], seeds[0] + len(seeds))]  # every seed tried has its row
     assert all(slot.replay is not None for slot in found.feasible)

@@ -23,8 +23,11 @@ class NotCertified(RtphysError):
     """There is no list, or it holds too few feasible seeds (`wanted` are)."""
 
     def __init__(self, where: Path, problem: str, setting: tuple[str, str], wanted: int) -> None:
-        self.task, self.protocol, self.wanted = *setting, wanted
-        super().__init__(f"{where}: {problem}; certify {wanted} seeds first")
+        task, protocol = setting
+        fields = f"task={task} protocol={protocol} feasible={wanted} out=FOLDER"
+        super().__init__(
+            f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
+        )
 
 
 class ChangedSinceCertified(RtphysError):
@@ -33,7 +36,7 @@ class ChangedSinceCertified(RtphysError):
     def __init__(self, where: Path, clauses: list[str]) -> None:
         super().__init__(
             f"{where}: has another certification fingerprint: {'; '.join(clauses)}. What was "
-            "feasible may not be so now: certify anew, or accept the changes"
+            "feasible may not be so now: certify anew, or set `accept_changes`"
         )
 
 

@@ -156,7 +156,7 @@ def _claim(plan: EvaluatePlan, tasks: Sequence[Task], pack: Pack) -> None:
     path = plan.folder / RUN
     if path.exists():
         if not plan.resume:
-            raise OtherRun(plan.folder, ["and a fresh start is asked for"])
+            raise OtherRun(plan.folder, ["and `resume` is off"])
         before = {**parse_mapping(files.read(path), path), "episodes": plan.episodes}
         if clauses := differences(before, run):
             raise OtherRun(plan.folder, clauses)

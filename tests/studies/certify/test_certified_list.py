@@ -1,0 +1,187 @@
+"""One certified list in the making: rows in the order of seeds, kept through whatever happens."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pytest
+from quick_certifier import FINGERPRINT
+
+from rtphys.core.errors import BadValue, UnknownName
+from rtphys.data.journal import Journal
+from rtphys.results.instance_file import instance_file, read_instances
+from rtphys.results.instances import FIRST_SEED, Slot
+from rtphys.setting.setting import Setting
+from rtphys.studies.certify.certified_list import CertifiedList, CertifiedOtherwise
+from rtphys.studies.certify.plan import CertifyPlan
+
+
+def plan(out: Path, **changes) -> CertifyPlan:
+    return replace(CertifyPlan(("click_bell",), ("clean",), out, 3), **changes)
+
+
+def opened(out: Path, **changes) -> CertifiedList:
+    return CertifiedList(plan(out, **changes), Setting("click_bell"), FINGERPRINT)
+
+
+def take(made: CertifiedList, *slots: Slot) -> None:
+    """What comes back from workers, each of them busy."""
+    while len(made.series.running) < len(slots):
+        made.series.begin()
+    for slot in slots:
+        made.series.take(slot.seed, slot)
+    made.series.close_if_over()
+
+
+def good(seed: int) -> Slot:
+    return Slot(FIRST_SEED + seed, "", f"{seed:016x}", True)
+
+
+def bad(seed: int) -> Slot:
+    return Slot(FIRST_SEED + seed, "unreachable")
+
+
+def test_results_are_kept_in_the_order_of_seeds(tmp_path: Path) -> None:
+    made = opened(tmp_path)
+    take(made, good(3), bad(0), good(2), good(1), good(4))
+    kept = read_instances(instance_file(tmp_path, "clean", "click_bell"))
+    # The third feasible seed ends the list: what was begun to be on the safe side is dropped.
+    assert kept.slots == (bad(0), good(1), good(2), good(3))
+    assert not list(tmp_path.rglob("*.journal"))
+
+
+def test_it_goes_on_after_the_last_seed_that_was_written(tmp_path: Path) -> None:
+    first = opened(tmp_path)
+    take(first, good(0), bad(1), good(3))  # seed 2 was under way when it was killed
+    second = opened(tmp_path)
+    assert second.slots == [good(0), bad(1)]
+    assert second.series.begin() == FIRST_SEED + 2
+    take(second, good(2), good(3))
+    whole = opened(tmp_path)
+    assert whole.whole and whole.series.tally.done and not whole.series.wants(1)
+
+
+def test_a_torn_line_is_forgotten(tmp_path: Path) -> None:
+    take(opened(tmp_path), good(0))
+    (journal,) = tmp_path.rglob("*.journal")
+    journal.write_bytes(journal.read_bytes()[:-7])
+    assert opened(tmp_path).slots == []
+
+
+def test_a_finished_list_can_be_made_longer(tmp_path: Path) -> None:
+    take(opened(tmp_path, feasible=1), good(0))
+    longer = opened(tmp_path, feasible=2)
+    assert longer.series.begin() == FIRST_SEED + 1
+    take(longer, good(1))
+    kept = read_instances(instance_file(tmp_path, "clean", "click_bell"))
+    assert kept.slots == (good(0), good(1))
+
+
+def test_a_crash_between_the_list_and_its_journal_repeats_no_seed(tmp_path: Path) -> None:
+    made = opened(tmp_path, feasible=1)
+    made.series.take(made.series.begin(), good(0))
+    (journal,) = tmp_path.rglob("*.journal")
+    left = journal.read_bytes()
+    made.series.close_if_over()
+    assert made.path.exists() and not journal.exists()
+    journal.write_bytes(left)
+    assert opened(tmp_path, feasible=2).slots == [good(0)]
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_another_fingerprint_is_refused(tmp_path: Path, closed: bool) -> None:
+    made = opened(tmp_path, feasible=1)
+    made.series.take(made.series.begin(), good(0))
+    if closed:
+        made.series.close_if_over()
+    assert made.path.exists() is closed
+    with pytest.raises(CertifiedOtherwise, match="first_seed was 100000, now 7"):
+        opened(tmp_path, first_seed=7)
+    other = {**FINGERPRINT, "assets": "else"}
+    with pytest.raises(CertifiedOtherwise, match="assets was '', now 'else'"):
+        CertifiedList(plan(tmp_path), Setting("click_bell"), other)
+
+
+def test_it_gives_up_and_says_why(tmp_path: Path) -> None:
+    made = opened(tmp_path, most_attempts=2)
+    take(made, bad(0), bad(1))
+    assert "2 attempts were made" in made.series.tally.stopped and made.path.is_file()
+    assert read_instances(made.path).rejected == {"unreachable": 2}
+
+
+def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match="did you mean 'twin'"):
+        plan(tmp_path, baselines=("twim",))
+    with pytest.raises(UnknownName, match="did you mean 'clean'"):
+        plan(tmp_path, protocols=("clear",))
+    with pytest.raises(BadValue, match=r"feasible = 0 .*at least 1"):
+        plan(tmp_path, feasible=0)
+
+
+def test_a_hopeless_list_is_given_up_wherever_it_was_killed(tmp_path: Path) -> None:
+    made = opened(tmp_path)
+    for _ in range(3):
+        made = opened(tmp_path)
+        for _ in range(80):
+            if made.series.wants(1):
+                made.series.take(seed := made.series.begin(), Slot(seed, "unreachable"))
+        made.series.close_if_over()
+    assert "none of the last 200" in made.series.tally.stopped
+    assert read_instances(made.path).attempts == 200
+
+
+# ---- journals of the version before --------------------------------------------------------------
+
+
+def written_before(made: CertifiedList, *entries: dict) -> None:
+    """Its first line names the baselines that were asked for; rows do not say what they hold."""
+    journal = Journal(made.path.parent / f".{made.path.stem}.journal")
+    for entry in entries:
+        journal.append(entry, durable=True)
+
+
+def header(*baselines: str) -> dict:
+    return {**FINGERPRINT, "first_seed": FIRST_SEED, "baselines": list(baselines)}
+
+
+def test_an_older_journal_is_continued(tmp_path: Path) -> None:
+    wanted = {"feasible": 3, "baselines": ("replay",)}
+    whole = opened(tmp_path / "whole", **wanted)
+    take(whole, good(0), bad(1), good(2), good(3))
+    older = opened(tmp_path / "older", **wanted)
+    written_before(older, header("replay"), asdict(good(0)), asdict(bad(1)))
+    again = opened(tmp_path / "older", **wanted)
+    assert again.slots == [good(0), bad(1)]
+    assert again.owed == []
+    assert again.series.begin() == FIRST_SEED + 2
+    take(again, good(2), good(3))
+    assert again.path.read_bytes() == whole.path.read_bytes()
+    assert not list((tmp_path / "older").rglob("*.journal"))
+
+
+def test_what_an_older_journal_asked_for_is_still_owed(tmp_path: Path) -> None:
+    """Another baseline was asked for on the way, by a run that was killed before it came to it."""
+    protocol = Setting("click_bell", "phys_random")
+    made = CertifiedList(plan(tmp_path, baselines=()), protocol, FINGERPRINT)
+    twin = Slot(FIRST_SEED, "", "0", None, True)
+    both = Slot(FIRST_SEED + 1, "", "1", True, True)
+    more = {"baselines": ["replay", "twin"]}
+    written_before(made, header("twin"), asdict(twin), more, asdict(both))
+    again = CertifiedList(plan(tmp_path, baselines=()), protocol, FINGERPRINT)
+    assert again.baselines == ("replay", "twin")
+    assert again.slots == [twin, both]
+    assert again.owed == [FIRST_SEED]
+    assert again.job(FIRST_SEED).baselines == ("replay",)
+    assert again.job(FIRST_SEED + 2).baselines == ("replay", "twin")
+
+
+def test_an_older_journal_without_a_row_is_a_promise_too(tmp_path: Path) -> None:
+    made = opened(tmp_path, baselines=("replay",))
+    written_before(made, header("twin"))
+    assert opened(tmp_path, baselines=("replay",)).baselines == ("replay", "twin")
+
+
+def test_an_older_journal_of_another_fingerprint_is_refused(tmp_path: Path) -> None:
+    made = opened(tmp_path)
+    written_before(made, {**header("replay"), "assets": "else"}, asdict(good(0)))
+    with pytest.raises(CertifiedOtherwise, match="assets was 'else', now ''"):
+        opened(tmp_path)

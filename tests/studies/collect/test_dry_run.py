@@ -1,0 +1,84 @@
+"""`collect --dry-run`: what would be collected and where, and nothing is done."""
+
+from pathlib import Path
+
+import pytest
+import robotless
+from collecting import content
+from robotless import plans
+from typer.testing import CliRunner
+
+from rtphys.cli.main import app
+from rtphys.doctor import Finding
+from rtphys.studies.collect import plan as plan_module
+from rtphys.studies.collect import run as run_module
+
+
+@pytest.fixture(autouse=True)
+def a_renderer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if there were one; and whoever collects would be caught."""
+    fine = Finding("renderer", "ok", "", "")
+    monkeypatch.setattr(plan_module, "check_renderer", lambda command: fine)
+
+
+def rows(*options: str) -> tuple[dict[str, list[str]], str]:
+    """Folder -> its cells; and the last line."""
+    line = ["collect", *options, "--dry-run"]
+    done = CliRunner().invoke(app, line, env={"COLUMNS": "200"})
+    assert done.exit_code == 0, done.output
+    *table, last = done.stdout.strip().splitlines()
+    cells = [[cell.strip() for cell in row.split("│")[1:-1]] for row in table]
+    return {row[0]: row[1:] for row in cells if row}, last
+
+
+def test_it_names_every_folder_and_writes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run_module, "collect", None)
+    out = tmp_path / "data"
+    options = ["--task", "click_bell,lift_pot", "--protocol", "phys_random", "--twin", "clean"]
+    found, last = rows(*options, "--episodes", "7", "--seed", "3", "--out", str(out))
+    assert list(found) == [
+        f"{config}/{task}/aloha_agilex"
+        for task in ("click_bell", "lift_pot")
+        for config in ("phys_random", "phys_random.twin=clean")
+    ]
+    assert {tuple(cells[:3]) for cells in found.values()} == {("7", "0", "3")}
+    own, twin = list(found.values())[:2]
+    assert (own[-1], twin[-1]) != ("nominal", "nominal")
+    assert twin[-1] == "nominal"
+    assert last.startswith(f"28 episodes in {out}, at most 0.2 GB")
+    assert "nothing was collected" in last
+    assert not list(tmp_path.iterdir())
+
+
+def test_it_knows_what_is_there(tmp_path: Path, without_robot: None) -> None:
+    out = robotless.collect(plans(1, 5), tmp_path / "data")
+    before = content(out)
+    options = ["--task", "click_bell,lift_pot", "--seed", "3", "--out", str(out)]
+    found, _ = rows(*options, "--episodes", "9")
+    assert [cells[:2] for cells in found.values()] == [["9", "5"], ["9", "0"]]
+    assert content(out) == before
+
+
+def test_a_shard_names_its_own_part(tmp_path: Path) -> None:
+    options = ["--task", "click_bell,lift_pot", "--episodes", "9", "--out", str(tmp_path / "data")]
+    found, last = rows(*options, "--shard", "2/2")
+    assert list(found) == ["clean/lift_pot/aloha_agilex"]
+    assert last.startswith("9 episodes")
+    found, last = rows(*options, "--shard", "1/4")
+    assert {folder: cells[0] for folder, cells in found.items()} == {
+        "clean/click_bell/aloha_agilex": "5"
+    }
+
+
+def test_a_sweep_and_a_manifest(tmp_path: Path) -> None:
+    out = ["--out", str(tmp_path / "data")]
+    found, _ = rows("--task", "lift_pot", "--sweep", "friction=0.1,0.2", *out)
+    assert [folder.partition("/")[0] for folder in found] == [
+        "clean.friction=0.1",
+        "clean.friction=0.2",
+    ]
+    found, _ = rows("--manifest", "smoke", *out)
+    assert {folder.partition("/")[0] for folder in found} == {"clean", "phys_random_all"}
+    assert not list(tmp_path.iterdir())
