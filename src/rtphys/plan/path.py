@@ -98,7 +98,9 @@ def retime(waypoints: Array, limits: JointLimits, dt: float = TIME_STEP) -> Traj
     return Trajectory(q, qd)
 
 
-def _at_steps(path: Path, profile: _Profile, seconds: float, dt: float) -> tuple[Array, Array]:
+def _at_steps(
+    path: BlendedPath, profile: _Profile, seconds: float, dt: float
+) -> tuple[Array, Array]:
     """Lengths and joint velocities at each step of a motion that takes about `seconds`."""
     steps = max(int(np.ceil(seconds / dt - 1e-9)), 1)
     s, speed = _sampled(profile, steps, dt)
