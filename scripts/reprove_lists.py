@@ -1,4 +1,4 @@
-"""Solve the first instances of every certified list again, and renew the headers of lists that hold.
+"""Solve the first instances of all certified lists again, and renew the headers of those that hold.
 
     python scripts/reprove_lists.py [--instances 2] [--write]
 
