@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 # The official aloha URDF allows +-10 rad, which invites IK answers wound round by 2 pi.
 # These are the ranges the arm really has and that its workspace was measured with [rad].
 ALOHA_LIMITS = ((-2.6, 2.6), (0.0, 3.5), (0.0, 3.2), (-1.6, 1.6), (-1.6, 1.6), (-3.1, 3.1))
+ALOHA_OPENING = (-0.01, 0.045)  # [m] finger joint at opening 0 and 1, for readers without a pack
 ALOHA = {
     "joint_limits": [list(pair) for pair in ALOHA_LIMITS],
     "bent_posture": [0.0, 1.2, 1.0, -0.8, 0.0, 0.0],

@@ -10,6 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rtphys.assets.action_layout import SIDES
+from rtphys.assets.embodiment import ALOHA_OPENING
 from rtphys.data.dataset import Episode
 from rtphys.data.episode import Floats, Frames
 
@@ -20,7 +22,6 @@ COMMANDED, MEASURED = "#d1495b", "#1f7a8c"
 INK, SOFT, LINE = "#1d2733", "#66727f", "#d8dee5"  # as on the report page
 BANDS = ("#eef2f6", "#ffffff")
 SMALLEST = 0.02  # [rad or m] that a panel spans, so that a joint at rest is a flat line
-OPENING = (-0.01, 0.045)  # finger joint at commanded opening 0 and 1 [m], aloha-agilex
 
 STYLE = {
     "axes.edgecolor": LINE,
@@ -46,22 +47,28 @@ class Panel:
 
 
 def panels(frames: Frames) -> list[Panel]:
-    """Six joints and the gripper of each arm, left arm first."""
-    found = []
-    names = {name: n for n, name in enumerate(frames.joint_names)}
-
-    def measured(name: str) -> Floats | None:
-        return frames.qpos[:, names[name]] if name in names else None
-
-    for side, prefix in (("left", "fl"), ("right", "fr")):
+    """The joints and the gripper of each arm, left arm first."""
+    shown: list[Panel] = []
+    for side, names in zip(SIDES, _names_by_arm(frames), strict=True):
         angles = getattr(frames, f"{side}_arm")
-        found += [
-            Panel(f"{side} {k + 1} [rad]", angles[:, k], measured(f"{prefix}_joint{k + 1}"))
-            for k in range(6)
+        measured = [frames.qpos[:, frames.joint_names.index(name)] for name in names]
+        measured += [None] * (angles.shape[1] + 1 - len(measured))
+        shown += [
+            Panel(f"{side} {k + 1} [rad]", angles[:, k], measured[k])
+            for k in range(angles.shape[1])
         ]
-        opening = OPENING[0] + getattr(frames, f"{side}_gripper") * (OPENING[1] - OPENING[0])
-        found.append(Panel(f"{side} finger [m]", opening, measured(f"{prefix}_joint7")))
-    return found
+        closed, opened = ALOHA_OPENING
+        finger = closed + getattr(frames, f"{side}_gripper") * (opened - closed)
+        shown.append(Panel(f"{side} finger [m]", finger, measured[angles.shape[1]]))
+    return shown
+
+
+def _names_by_arm(frames: Frames) -> tuple[list[str], list[str]]:
+    """Names of each arm's recorded joints, base to fingers; an arm's names share a prefix."""
+    prefixes = list(dict.fromkeys(name.partition("_")[0] for name in frames.joint_names))
+    arms = [[n for n in frames.joint_names if n.partition("_")[0] == p] for p in prefixes]
+    left, right = arms if len(arms) == len(SIDES) else ([], [])
+    return left, right
 
 
 def joint_plot(episode: Episode) -> str:
