@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile
 from rtphys.data.check_physics import Redraw
 from rtphys.data.dataset import Dataset, Episode
@@ -13,7 +14,6 @@ from rtphys.data.journal import read_journal
 from rtphys.data.schema import TaskDatasetEntry
 from rtphys.physics import attributes
 
-JOINTS = tuple(f"{side} {part}" for side in ("left", "right") for part in (*"123456", "gripper"))
 Progress = Callable[[int, int], None]
 
 
@@ -55,12 +55,13 @@ class Facts:
     leaves: list[dict[str, JSON]] = field(default_factory=list)
     attempts: list[list[JSON]] = field(default_factory=list)  # leaf, accepted, one value per axis
     episodes: list[dict[str, JSON]] = field(default_factory=list)
+    joints: list[JSON] = field(default_factory=list)  # names, in the order of an action
 
     def to_json(self) -> dict[str, JSON]:
         return {
             "title": self.title,
             "axes": [{"title": a.title, "unit": a.unit} for a in axes()],
-            "joints": list(JOINTS),
+            "joints": self.joints,
             "leaves": self.leaves,
             "attempts": self.attempts,
             "episodes": self.episodes,
@@ -90,6 +91,7 @@ def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
             facts.attempts.append([index, int(accepted), *(axis.of(values) for axis in shown)])
     at = {entry.below(dataset.path).folder: n for n, entry in enumerate(order)}
     for done, episode in enumerate(dataset, start=1):
+        facts.joints = facts.joints or _joint_names(episode.frames.layout)
         facts.episodes.append(_episode(episode, at[episode.paths.hdf5.parents[1]], shown))
         if progress:
             progress(done, len(dataset))
@@ -110,6 +112,11 @@ def _tried(dataset: Dataset, entry: TaskDatasetEntry) -> list[tuple[bool, Mappin
         (attempt.verdict == "accepted", known.get(attempt.seed) or redraw.values(attempt.seed))
         for attempt in entry.attempts
     ]
+
+
+def _joint_names(layout: ActionLayout) -> list[JSON]:
+    parts = [*map(str, range(1, layout.numbers_per_arm + 1)), "gripper"]
+    return [f"{side} {part}" for side in SIDES for part in parts]
 
 
 def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
