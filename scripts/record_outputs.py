@@ -89,10 +89,15 @@ def record(root: Path) -> None:
     bench = ("--task", "click_bell,open_laptop,stack_blocks_two", "--protocol", "phys_random")
     lists = ("--feasible", "8", "--baselines", "replay,twin", "--out", str(root / "certified"))
     rtphys("certify", *bench, *lists)
-    for policy in ("expert", "random", f"replay:{root / 'clean_1_worker'}"):
+    few = ("--task", "click_bell,open_laptop", "--episodes", "2")
+    demos = str(root / "clean_1_worker")
+    for policy, more in (
+        ("expert", ()),
+        ("random", ()),
+        (f"replay:{demos}", ("--instances", demos)),
+    ):
         out = root / ("records_" + policy.partition(":")[0])
-        few = ("--task", "click_bell,open_laptop", "--episodes", "2")
-        rtphys("evaluate", "--policy", policy, *few, *both, "--out", str(out))
+        rtphys("evaluate", "--policy", policy, *few, *both, *more, "--out", str(out))
     video = ("--video", "--protocol", "phys_random_all", "--out", str(root / "records_video"))
     rtphys("evaluate", "--policy", "expert", "--task", "click_bell", "--episodes", "1", *video)
 

@@ -91,12 +91,12 @@ def test_no_permission(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def test_a_missing_system_library_is_named_with_its_package() -> None:
     said = "toppra: libgomp.so.1: cannot open shared object file: No such file or directory"
-    finding = doctor.check_natives(child(f"print({said + ': libgomp1'!r}); exit(1)"))
+    finding = doctor.check_compiled(child(f"print({said + ': libgomp1'!r}); exit(1)"))
     assert finding.cause == "not_loadable" and "libgomp1" in finding.detail
     assert natives.package_of(said) == "libgomp1"
     assert natives.package_of("No module named 'toppra'") is None
-    assert doctor.check_natives(child("import os; os.abort()")).cause == "not_loadable"
-    assert doctor.check_natives().status == "ok"
+    assert doctor.check_compiled(child("import os; os.abort()")).cause == "not_loadable"
+    assert doctor.check_compiled().status == "ok"
 
 
 def test_a_broken_module_is_found(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,7 +21,7 @@ from rtphys.core import arithmetic, library
 from rtphys.core.errors import RtphysError
 
 PROBE = (sys.executable, "-W", "ignore", "-m", "rtphys.sim.probe")
-NATIVES = (sys.executable, "-W", "ignore", "-m", "rtphys.core.compiled_dependencies")
+COMPILED = (sys.executable, "-W", "ignore", "-m", "rtphys.core.compiled_dependencies")
 PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
 DISK_LOW, DISK_NEEDED = 5e9, 5e8  # [bytes] warn, fail; an episode is about 5 MB
 
@@ -105,7 +105,7 @@ def examine(out: Path = Path()) -> list[Finding]:
     """Run every check. `out` is where datasets are to go; it need not exist yet."""
     return [
         check_packages(),
-        check_natives(),
+        check_compiled(),
         check_arithmetic(),
         check_renderer(),
         check_disk("space for data", out),
@@ -147,7 +147,7 @@ def check_renderer(command: Sequence[str] = PROBE, limit_s: float = PROBE_LIMIT)
 
 
 def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object]]:
-    """(cause, facts) as the probe tells them, or what its way of dying tells."""
+    """(cause, facts) as the probe prints them, or as its exit shows."""
     try:
         done = subprocess.run(
             command, capture_output=True, text=True, timeout=limit_s, stdin=subprocess.DEVNULL
@@ -166,7 +166,7 @@ def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object
     return "no_simulator", {"detail": last}
 
 
-def check_natives(command: Sequence[str] = NATIVES) -> Finding:
+def check_compiled(command: Sequence[str] = COMPILED) -> Finding:
     """Import every compiled package in a child process."""
     done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
     check = "compiled packages"

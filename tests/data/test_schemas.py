@@ -1,6 +1,7 @@
 """Published schemas and the golden label follow the models."""
 
 import json
+import pickle
 from importlib.resources import files
 from pathlib import Path
 
@@ -72,3 +73,14 @@ def test_schemas_are_json_schema(name: str) -> None:
     text = json.dumps(document)
     for reference in {part.split('"')[0] for part in text.split('"#/$defs/')[1:]}:
         assert reference in document["$defs"]
+
+
+def test_an_unsound_file_is_named_across_processes(tmp_path: Path) -> None:
+    path = tmp_path / "instruction.json"
+    path.write_text('{"seen": ["ring the bell"], "unseen": [3]}')
+    with pytest.raises(schema.SchemaError) as caught:
+        schema.read(schema.Instructions, path)
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert str(error) == str(caught.value)
+    assert str(path) in str(error)
+    assert error.problems == ["unseen.0: input should be a valid string"]

@@ -97,7 +97,7 @@ def forge(out: Path, change: Callable[[TaskDataset], None]) -> None:
     journal = Journal(place.journal)
     for entry in entries:
         if "files" in entry:
-            entry["files"] = {n: facts_of(place.folder / n).to_json() for n in entry["files"]}
+            entry["files"] = {n: facts_of(place.folder / n).model_dump() for n in entry["files"]}
         journal.append(entry, durable=False)
     history = TaskDatasetHistory(place, read_journal(place.journal).lines)
     (out / "manifest.json").write_bytes(manifest_of([history]))

@@ -1,4 +1,4 @@
-"""What an expert does where the usual way is too rough or barred: slowly, by another rim, askew."""
+"""What the expert does where its usual motion is too rough or barred."""
 
 from dataclasses import replace
 
@@ -7,7 +7,6 @@ import pytest
 
 from rtphys.assets.pack import default_pack
 from rtphys.episode.generate import attempt
-from rtphys.expert.planner import VELOCITY
 from rtphys.setting.setting import Setting
 from rtphys.task import Placing, Pose, Robot, lifted
 from rtphys.task.spec import load_task
@@ -30,9 +29,11 @@ def fastest(speed: float) -> float:
     assert found.recording is not None
     stages = found.recording.stages
     rows = [row for row in found.recording.rows if "place" in stages[row.stage]]
-    driven = np.diff([[row.arms[:6], row.arms[7:13]] for row in rows], axis=0)
+    arms = found.recording.layout.arms
+    driven = np.diff([[row.arms[arm] for arm in arms] for row in rows], axis=0)
+    limits = np.array([limb.velocity for limb in default_pack().embodiment().limbs])
     times = np.diff([row.time for row in rows])[:, None, None]
-    return float((np.abs(driven) / times / VELOCITY).max())
+    return float((np.abs(driven) / times / limits).max())
 
 
 @pytest.mark.sim

@@ -107,7 +107,7 @@ def link(
         typer.echo("using the builtin pack")
         return
     if folder is None:
-        raise BadValue("DIR", None, "name the folder to link, or give --remove")
+        raise BadValue("folder", None, "name the folder to link, or give `remove`")
     pack = Pack(folder.resolve(), _fallback(fallback))
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"root": str(pack.root), "fallback": pack.fallback is not None})
@@ -176,5 +176,5 @@ def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
     """`050_bell` is all its models, `050_bell/1` one."""
     id_name, _, number = name.partition("/")
     if number and not number.isdigit():
-        raise BadValue("model", name, "write an object's name, or name/number")
+        raise BadValue("names", name, "write an object's name, or name/number")
     return [(id_name, int(number))] if number else [(id_name, i) for i in pack.indices(id_name)]

@@ -1,4 +1,4 @@
-"""Tables for a narrow terminal: what finds no room wraps, where rich would end it with dots."""
+"""Tables for narrow terminals: long cells wrap, where rich would cut them off with dots."""
 
 import sys
 from collections.abc import Sequence

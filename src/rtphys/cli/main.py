@@ -15,7 +15,7 @@ from rtphys.cli.lazy import LazyGroup, add_stubs
 
 COMMANDS = {
     "collect": "Collect verified episodes of one or more tasks.",
-    "merge": "Join the shards of a collection into one dataset.",
+    "merge": "Merge the shards of a collection into one dataset.",
     "check": "Try a task's expert over many seeds, without pictures.",
     "certify": "Find the seeds on which policies are evaluated.",
     "evaluate": "Run a policy on certified instances and say how often it succeeds.",
@@ -33,7 +33,7 @@ COMMANDS = {
     "physics": "Draw physical attributes and prove their laws.",
     "assets": "Build, inspect or link the asset packs.",
     "bench": "Measure what an episode costs on this machine.",
-    "doctor": "Find out what keeps this machine from working, and the cure.",
+    "doctor": "Find what keeps this machine from working, and how to cure it.",
 }
 
 EPILOG = """Examples:
@@ -75,7 +75,7 @@ def main(
     ] = "",
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
     say_version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     """Physics-diverse bimanual manipulation: sample, solve, keep what is feasible, prove it."""

@@ -81,10 +81,10 @@ def new_task(
         rtphys --library my_lab check place_spoon
     """
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
-        raise BadValue("task name", name, "a name is words of a-z and 0-9 joined by _")
+        raise BadValue("name", name, "a name is words of a-z and 0-9 joined by _")
     path = folder / "tasks" / f"{name}.py"
     if name in library.names("tasks") or path.exists():
-        raise BadValue("task name", name, "there is a task of that name already", path)
+        raise BadValue("name", name, "there is a task of that name already", path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(TEMPLATE)

@@ -28,7 +28,9 @@ def sample(
     seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
     episodes: Annotated[int, typer.Option(min=1, help="How many seeds, upward.")] = 1,
     only: Annotated[str, typer.Option(help="Vary only these (comma-separated).")] = "",
-    held: Annotated[list[str] | None, typer.Option("--set", help="key=value, repeatable.")] = None,
+    assignments: Annotated[
+        list[str] | None, typer.Option("--set", help="key=value, repeatable.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """The values that an episode draws, exactly as its label will say.
@@ -38,7 +40,7 @@ def sample(
     """
     domain = domain_named(task)
     wanted = split(only) or None
-    overrides = parse_overrides(held or [])
+    overrides = parse_overrides(assignments or [])
     drawn: dict[int, Physics] = {}
     for s in range(seed, seed + episodes):
         drawn[s] = domain.sample(s, wanted, overrides)
@@ -126,12 +128,12 @@ def _audit_labels(data: "Dataset") -> int:
 
 def worst(trials: "list[Trial]") -> "list[Trial]":
     """Of each setting, the trial that came nearest to failing."""
-    found: dict[str, Trial] = {}
+    worst_of: dict[str, Trial] = {}
     for trial in trials:
-        known = found.get(trial.setting)
+        known = worst_of.get(trial.setting)
         if known is None or trial.error / trial.tolerance > known.error / known.tolerance:
-            found[trial.setting] = trial
-    return list(found.values())
+            worst_of[trial.setting] = trial
+    return list(worst_of.values())
 
 
 def _tell(key: str, law: str, trials: "list[Trial]") -> None:

@@ -1,4 +1,4 @@
-"""`rtphys protocols`: what may differ between episodes, one row a protocol."""
+"""`rtphys protocols`: one row for each protocol, with what may differ between its episodes."""
 
 import json
 from typing import Annotated
@@ -35,5 +35,7 @@ def _plain(row: Protocol) -> dict[str, object]:
 
 def _look(rules: VisualRules | None) -> str:
     varied = rules.to_json() if rules else {}
-    told = [key if value is True else f"{key} {value:g}" for key, value in varied.items() if value]
-    return ", ".join(told) or "as in clean"
+    rules_text = [
+        key if value is True else f"{key} {value:g}" for key, value in varied.items() if value
+    ]
+    return ", ".join(rules_text) or "as in clean"

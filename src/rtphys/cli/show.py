@@ -40,7 +40,7 @@ def _episode(path: Path, number: int) -> Episode:
         return find_episode(path)
     dataset = Dataset(path)
     if not 0 <= number < len(dataset):
-        raise BadValue("--number", number, f"the dataset holds episodes 0 to {len(dataset) - 1}")
+        raise BadValue("number", number, f"the dataset holds episodes 0 to {len(dataset) - 1}")
     return dataset[number]
 
 
@@ -68,10 +68,13 @@ def _physics(episode: Episode) -> Table:
     table = Table("attribute", "value", "unit", title="Physics")
     for key, label in episode.meta.attributes.items():
         value = label.value
-        told = (
-            ", ".join(f"{v:.4g}" for v in np.ravel(value)) if value is not None else "asset's own"
+        numbers = [] if value is None else [f"{v:.4g}" for v in np.ravel(value)]
+        table.add_row(
+            key,
+            ", ".join(numbers) or "asset's own",
+            label.unit,
+            style="" if label.varied else "dim",
         )
-        table.add_row(key, told, label.unit, style="" if label.varied else "dim")
     return table
 
 

@@ -1,4 +1,4 @@
-"""How long commands end before they are done: given up, Ctrl-C, or a polite kill."""
+"""Early ends of long commands: tasks given up, Ctrl-C, or SIGTERM."""
 
 import shlex
 import signal
@@ -17,14 +17,14 @@ class Incomplete(RtphysError):
 
 
 class Interrupted(RtphysError):
-    """Ctrl-C or a polite kill."""
+    """Ctrl-C or SIGTERM."""
 
     exit_code = 130
 
 
 @contextmanager
 def resumable() -> Iterator[None]:
-    """Within: what stops the command says that the same command goes on.
+    """Lets Ctrl-C and SIGTERM end the command with a sentence that says how to continue.
 
     Raises:
         Interrupted: by Ctrl-C or SIGTERM.
@@ -34,8 +34,8 @@ def resumable() -> Iterator[None]:
         yield
     except KeyboardInterrupt:
         same = shlex.join(["rtphys", *sys.argv[1:]])
-        told = f"stopped; what is there is whole. To go on, repeat: {same}"
-        raise Interrupted(told) from None
+        text = f"stopped; what is there is whole. To go on, repeat: {same}"
+        raise Interrupted(text) from None
 
 
 def _as_interrupt(_: int, __: FrameType | None) -> None:

@@ -1,4 +1,4 @@
-"""`rtphys tasks`: what there is to do, with what, and how often the expert manages."""
+"""`rtphys tasks`: the tasks, their objects, and how often the expert succeeds."""
 
 import json
 from typing import Annotated

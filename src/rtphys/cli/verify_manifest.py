@@ -1,4 +1,4 @@
-"""`rtphys verify-manifest`: is a dataset what it claims to be?"""
+"""`rtphys verify-manifest`: checks a dataset against its manifest."""
 
 from pathlib import Path
 from typing import Annotated
@@ -34,9 +34,9 @@ def verify_manifest(
     Prints one line per problem. Exit code 0: sound, 1: not.
     """
     if quick and deep:
-        raise BadValue("--quick", "--deep", "choose one of them")
+        raise BadValue("quick", quick, "`deep` is given too; choose one of them")
     if replay < 0:
-        raise BadValue("--replay", replay, "0 or more")
+        raise BadValue("replay", replay, "0 or more")
     out = path.parent if path.name == "manifest.json" else path
     effort = Effort.QUICK if quick else Effort.DEEP if deep else Effort.NORMAL
     report = _with_bar(out, effort, None if fresh else default_path())

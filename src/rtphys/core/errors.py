@@ -1,4 +1,4 @@
-"""Every error a user can cause or meet; each class writes its own sentence."""
+"""The root of the errors that rtphys raises on purpose, and those that several packages raise."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches

@@ -1,4 +1,4 @@
-"""Whether the four files of an episode are sound and agree with each other and the manifest."""
+"""Checks that the four files of an episode are sound and agree with each other and the manifest."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -10,13 +10,12 @@ from rtphys.data.check_hdf5 import Hdf5Facts, check_hdf5
 from rtphys.data.check_meaning import check_meaning, check_video
 from rtphys.data.check_tree import Findings
 from rtphys.data.encode import VIDEO_CAMERA
-from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import EpisodePaths
-from rtphys.data.schema import Instructions, PhysMeta, TaskDatasetEntry
+from rtphys.data.schema import Instructions, Kind, PhysMeta, TaskDatasetEntry
 
 
 class Effort(IntEnum):
-    """How much is looked at."""
+    """How thorough a verification is."""
 
     QUICK = 0  # pictures by their first and last bytes
     NORMAL = 1  # every picture decoded
@@ -40,11 +39,11 @@ def check_episode(
     for text in facts.problems:
         findings.problem(paths.hdf5, text)
     _check_video(paths.video, facts, findings)
-    words = _model("instruction", paths.instruction, findings)
-    if isinstance(words, Instructions) and facts.seen and words.seen not in ([], [*facts.seen]):
+    words = _model(Instructions, paths.instruction, findings)
+    if words is not None and facts.seen and words.seen not in ([], [*facts.seen]):
         findings.problem(paths.instruction, "its sentences are not those in the HDF5 file")
-    meta = _model("phys_meta", paths.phys_meta, findings)
-    if not isinstance(meta, PhysMeta):
+    meta = _model(PhysMeta, paths.phys_meta, findings)
+    if meta is None:
         return None
     _check_meta(meta, paths.phys_meta, claim, findings)
     if facts.frames is not None and set(meta.cameras) - set(claim.entry.cameras):
@@ -67,9 +66,9 @@ def _check_video(path: Path, facts: Hdf5Facts, findings: Findings) -> None:
         findings.problem(path, f"has {count} frames for {len(facts.frames)} recorded ones")
 
 
-def _model(name: str, path: Path, findings: Findings) -> object:
+def _model(kind: type[Kind], path: Path, findings: Findings) -> Kind | None:
     try:
-        return schema.check(name, parse_mapping(files.read(path), path))
+        return schema.read(kind, path)
     except BadFile as error:
         findings.problem(path, error.problem)
     except schema.SchemaError as error:

@@ -1,4 +1,4 @@
-"""Whether an HDF5 file is what its layout says: keys, types, shapes, values, pictures."""
+"""Checks an HDF5 file against its layout: keys, types, shapes, values, pictures."""
 
 import json
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ UNIT_QUATERNION = 1e-3  # how far a stored quaternion's length may be from 1
 
 @dataclass(frozen=True)
 class Hdf5Facts:
-    """What a file holds, for comparison with its neighbours."""
+    """What a file holds, for comparison with the episode's other files."""
 
     problems: tuple[str, ...]
     frames: Frames | None = None
@@ -53,32 +53,32 @@ def _facts(file: h5py.File, layout: str, *, decode: bool) -> Hdf5Facts:
     seen: list[str] = []
     if layout == "legacy":
         streams_of = legacy_streams
-        found = _same_arrays(file, unshifted(frames))
+        problems = _same_arrays(file, unshifted(frames))
     else:
         streams_of, seen = native_streams, native_sentences(file)
-        found = _same_arrays(file, shifted(frames)) + _constants(file)
+        problems = _same_arrays(file, shifted(frames)) + _constants(file)
     shapes = {}
     for name in frames.cameras:  # one at a time, so that the memory of one serves the next
         streams = streams_of(file, name)
-        found += _pictures(name, streams, len(frames), decode=decode)
+        problems += _pictures(name, streams, len(frames), decode=decode)
         shapes[name] = streams.shape
-    return Hdf5Facts((*found, *_motion(frames)), frames, tuple(seen), shapes)
+    return Hdf5Facts((*problems, *_motion(frames)), frames, tuple(seen), shapes)
 
 
 def _same_arrays(file: h5py.File, expected: Mapping[str, np.ndarray]) -> list[str]:
-    found = []
+    problems = []
     for key, value in expected.items():
         try:
             stored = array(file, key)
         except KeyError:
-            found.append(f"{key} is missing")
+            problems.append(f"{key} is missing")
             continue
         if (stored.dtype, stored.shape) != (value.dtype, value.shape):
             is_, should = f"{stored.dtype} {stored.shape}", f"{value.dtype} {value.shape}"
-            found.append(f"{key} is {is_}, not {should}")
+            problems.append(f"{key} is {is_}, not {should}")
         elif not np.array_equal(stored, value):
-            found.append(f"{key} differs from the recorded frames")
-    return found
+            problems.append(f"{key} differs from the recorded frames")
+    return problems
 
 
 def _constants(file: h5py.File) -> list[str]:
@@ -93,18 +93,18 @@ def _constants(file: h5py.File) -> list[str]:
 
 
 def _pictures(name: str, streams: Streams, frames: int, *, decode: bool) -> list[str]:
-    found = []
+    problems = []
     if len(streams) != frames:
-        found.append(f"{name} has {len(streams)} pictures for {frames} frames")
+        problems.append(f"{name} has {len(streams)} pictures for {frames} frames")
     ends = (0, len(streams) - 1)
     for index, whole in enumerate(streams.whole()):
         if not whole:
-            found.append(f"{name} picture {index} is no whole JPEG stream")
+            problems.append(f"{name} picture {index} is no whole JPEG stream")
             continue
         looked_at = decode or index in ends
         if looked_at and (reason := _undecodable(streams[index], streams.shape)):
-            found.append(f"{name} picture {index} {reason}")
-    return found
+            problems.append(f"{name} picture {index} {reason}")
+    return problems
 
 
 def _undecodable(stream: bytes, shape: tuple[int, int, int]) -> str:
@@ -116,18 +116,18 @@ def _undecodable(stream: bytes, shape: tuple[int, int, int]) -> str:
 
 
 def _motion(frames: Frames) -> list[str]:
-    found = []
+    problems = []
     steps = np.diff(frames.time)
     if not np.allclose(steps, PERIOD, atol=1e-6):
-        found.append(f"frames are {steps.min():g} to {steps.max():g} s apart, not {PERIOD:g}")
+        problems.append(f"frames are {steps.min():g} to {steps.max():g} s apart, not {PERIOD:g}")
     poses = {"left_endpose": frames.left_endpose, "right_endpose": frames.right_endpose}
     poses |= {f"object_poses/{name}": pose for name, pose in frames.object_poses.items()}
     for name, pose in poses.items():
         lengths = np.linalg.norm(pose[:, 3:], axis=1)
         if np.abs(lengths - 1).max() > UNIT_QUATERNION:
-            found.append(f"{name} holds quaternions that are not of unit length")
+            problems.append(f"{name} holds quaternions that are not of unit length")
     for arm in ("left", "right"):
         opening = getattr(frames, f"{arm}_gripper")
         if opening.min() < 0 or opening.max() > 1:
-            found.append(f"{arm}_gripper leaves 0..1")
-    return found
+            problems.append(f"{arm}_gripper leaves 0..1")
+    return problems

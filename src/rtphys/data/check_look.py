@@ -1,4 +1,4 @@
-"""Whether the look in a label is what the seed gives: pictures, lights, clutter, camera."""
+"""Checks the look in a label against what the seed gives: pictures, lights, clutter, camera."""
 
 from collections.abc import Callable
 
@@ -47,10 +47,10 @@ class LookCheck:
             missing = meta.visual is None and self._rules is None
             return [] if missing else ["visual is not what the manifest says"]
         stored, split = meta.visual.model_dump(), self._entry.split
-        found = problems(stored, self._rules, meta.seed)
+        differences = problems(stored, self._rules, meta.seed)
         if stored["split"] != split:
-            found.append(f"visual.split is {stored['split']!r}, the manifest says {split!r}")
-        return found or self._against_pack(stored, meta.seed)
+            differences.append(f"visual.split is {stored['split']!r}, the manifest says {split!r}")
+        return differences or self._against_pack(stored, meta.seed)
 
     def _against_pack(self, stored: dict[str, object], seed: int) -> list[str]:
         if self._scene is None:

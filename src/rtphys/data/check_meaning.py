@@ -1,4 +1,4 @@
-"""Whether an episode makes physical sense: the deep checks of a verification."""
+"""Checks that an episode makes physical sense: the deep part of a verification."""
 
 from pathlib import Path
 
@@ -20,10 +20,10 @@ GL_FROM_CV = np.diag([1.0, -1.0, -1.0, 1.0])
 
 def check_meaning(frames: Frames, meta: PhysMeta, embodiment: str) -> list[str]:
     """One sentence for each thing that no real recording would hold."""
-    found = _wrists(frames) + _calibration(frames)
+    problems = _wrists(frames) + _calibration(frames)
     if embodiment_folder(embodiment) == "aloha_agilex":
-        found += _limits(frames)
-    return found + _untouched(frames, meta)
+        problems += _limits(frames)
+    return problems + _untouched(frames, meta)
 
 
 def check_video(path: Path, frames: int, size: tuple[int, ...]) -> list[str]:
@@ -38,54 +38,54 @@ def check_video(path: Path, frames: int, size: tuple[int, ...]) -> list[str]:
 
 def _matrices(poses: Floats) -> Floats:
     """(T, 4, 4) of (T, 7) xyz + wxyz."""
-    found = np.tile(np.eye(4), (len(poses), 1, 1))
-    found[:, :3, :3] = [quat_to_matrix(q) for q in poses[:, 3:]]
-    found[:, :3, 3] = poses[:, :3]
-    return found
+    matrices = np.tile(np.eye(4), (len(poses), 1, 1))
+    matrices[:, :3, :3] = [quat_to_matrix(q) for q in poses[:, 3:]]
+    matrices[:, :3, 3] = poses[:, :3]
+    return matrices
 
 
 def _wrists(frames: Frames) -> list[str]:
     """A wrist camera is bolted to link6: its pose seen from there never changes."""
-    found = []
+    problems = []
     for arm, camera in WRIST.items():
         if camera in frames.cameras:
             X_WE = _matrices(getattr(frames, f"{arm}_endpose"))
             X_EC = np.linalg.inv(X_WE) @ frames.cameras[camera].cam2world_gl
             if (drift := float(np.ptp(X_EC, axis=0).max())) > RIGID:
-                found.append(f"{camera} moves by {drift:.2g} against the {arm} end-effector")
-    return found
+                problems.append(f"{camera} moves by {drift:.2g} against the {arm} end-effector")
+    return problems
 
 
 def _calibration(frames: Frames) -> list[str]:
     """The two pose matrices of a camera are one pose in two conventions."""
-    found = []
+    problems = []
     for name, camera in frames.cameras.items():
         again = np.linalg.inv(np.asarray(camera.cam2world_gl, float) @ GL_FROM_CV)[:, :3]
         if (gap := float(np.abs(again - camera.extrinsic_cv).max())) > RIGID:
-            found.append(f"{name}: extrinsic_cv and cam2world_gl disagree by {gap:.2g}")
-    return found
+            problems.append(f"{name}: extrinsic_cv and cam2world_gl disagree by {gap:.2g}")
+    return problems
 
 
 def _limits(frames: Frames) -> list[str]:
     low, high = np.asarray(ALOHA_LIMITS, float).T
     if frames.layout.numbers_per_arm != len(ALOHA_LIMITS):
-        told = f"{frames.layout.numbers_per_arm} joints, not {len(ALOHA_LIMITS)}"
-        return [f"the arms have {told}: they are not the aloha's"]
-    found = []
+        count = f"{frames.layout.numbers_per_arm} joints, not {len(ALOHA_LIMITS)}"
+        return [f"the arms have {count}: they are not the aloha's"]
+    problems = []
     for arm in ("left", "right"):
         targets = getattr(frames, f"{arm}_arm")
         outside = (targets < low - LIMIT_SLACK) | (targets > high + LIMIT_SLACK)
         for joint in np.flatnonzero(outside.any(axis=0)):
             t = int(outside[:, joint].argmax())
-            told = f"{targets[t, joint]:.4f} rad at frame {t}"
-            found.append(f"target of {arm} joint {joint + 1} leaves its limits: {told}")
-    return found
+            value = f"{targets[t, joint]:.4f} rad at frame {t}"
+            problems.append(f"target of {arm} joint {joint + 1} leaves its limits: {value}")
+    return problems
 
 
 def _untouched(frames: Frames, meta: PhysMeta) -> list[str]:
-    """Before a gripper first touches anything, nothing moves that no force pushes.
+    """Without an external force, nothing moves before a gripper first touches something.
 
-    Afterwards anything may: things fall, roll, and hit each other.
+    Afterwards anything may move: objects fall, roll, and hit each other.
     """
     force = meta.attributes.get("external_force")
     if force is not None and force.value not in (None, 0, 0.0):
@@ -95,8 +95,8 @@ def _untouched(frames: Frames, meta: PhysMeta) -> list[str]:
         touched |= contact.any(axis=1)
     first = int(touched.argmax()) if touched.any() else len(frames)
     still = max(first - 1, 0)  # the touch may begin just after the frame before
-    found = []
+    problems = []
     for name, pose in frames.object_poses.items():
-        if still > 1 and (way := float(np.ptp(pose[:still, :3], axis=0).max())) > AT_REST:
-            found.append(f"{name} moves {way * 1000:.1f} mm before anything touches it")
-    return found
+        if still > 1 and (moved := float(np.ptp(pose[:still, :3], axis=0).max())) > AT_REST:
+            problems.append(f"{name} moves {moved * 1000:.1f} mm before anything touches it")
+    return problems

@@ -1,4 +1,4 @@
-"""Whether the physics in a label is what the seed gives, and lies inside its domain."""
+"""Checks the physics in a label against what the seed gives, and against its domain."""
 
 from collections.abc import Mapping
 
@@ -32,8 +32,11 @@ class Redraw:
             self.refusal = f"domain {name} has digest {self.domain.digest}, not its own"
 
     def draw(self, seed: int, redraws: int = 0) -> Physics:
-        """The centre of mass was redrawn until it lay inside every body; a label says how often,
-        so the same draw is found without any geometry.
+        """Physics of a seed, without any geometry.
+
+        Args:
+            redraws: how often the centre of mass was drawn again because it lay outside a body, as
+                the label says.
 
         Raises:
             RtphysError: the manifest's domain cannot draw.
@@ -43,7 +46,7 @@ class Redraw:
         return self.domain.sample(seed, self.only, self.overrides, inside=after(redraws))
 
     def values(self, seed: int) -> Mapping[str, JSON]:
-        """Plain values, empty when the domain cannot draw; for pictures, not for proofs."""
+        """Plain values for figures; empty where the domain cannot draw."""
         try:
             return {key: value for key, value in self.draw(seed).items()}  # noqa: C416 - typed
         except RtphysError:
@@ -72,22 +75,22 @@ class PhysicsCheck:
 
 
 def _compare(meta: PhysMeta, drawn: Physics) -> list[str]:
-    found = []
+    differences = []
     known = attributes()
     for key in sorted(known.keys() | meta.attributes.keys()):
         label = meta.attributes.get(key)
         if label is None:
-            found.append(f"attributes.{key} is missing")
+            differences.append(f"attributes.{key} is missing")
         elif key not in known:
-            found.append(f"attributes.{key} is no attribute")
+            differences.append(f"attributes.{key} is no attribute")
         else:
             expected = (drawn[key], known[key].unit, key in drawn.varied)
             stored = (_value(label.value), label.unit, label.varied)
-            found += _clauses(f"attributes.{key}", stored, expected)
+            differences += _clauses(f"attributes.{key}", stored, expected)
     for key in AUXILIARY:
         if (stored := _value(meta.draws.get(key))) != drawn[key]:
-            found.append(f"draws.{key} is {stored!r}, the seed gives {drawn[key]!r}")
-    return found
+            differences.append(f"draws.{key} is {stored!r}, the seed gives {drawn[key]!r}")
+    return differences
 
 
 def _value(raw: JSON) -> Value:

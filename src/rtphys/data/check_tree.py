@@ -1,12 +1,11 @@
-"""Whether manifest, journals and folder tell one story; lists the files to look into."""
+"""Checks that manifest, journals and folder agree, and lists the files to check."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtphys.core.errors import BadFile
 from rtphys.data import files
-from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import START, Line, read_journal
 from rtphys.data.layout import JOURNAL, MANIFEST, STAGING, TaskDataset, episode_number
@@ -22,7 +21,7 @@ from rtphys.data.schema import Manifest, TaskDatasetEntry
 
 @dataclass
 class Findings:
-    """What was found, in words: problems are damage, notes are not."""
+    """Sentences about a dataset: problems are damage, notes are not."""
 
     problems: list[tuple[Path, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -72,8 +71,7 @@ def read_tree(out: Path, findings: Findings) -> Tree:
             text = f"task dataset {name!r} does not lie where its task and config say"
             findings.problem(path, text)
     for name, facts in manifest.files.items():
-        listed = FileFacts(facts.size, facts.sha256)
-        tree.files[name] = ListedFile(out / name, (listed,))
+        tree.files[name] = ListedFile(out / name, (facts,))
     tree.episodes = {name: entry.episodes for name, entry in manifest.task_datasets.items()}
     _compare(tree, data, histories, findings)
     _unlisted(tree, findings)
@@ -82,7 +80,7 @@ def read_tree(out: Path, findings: Findings) -> Tree:
 
 
 def _histories(out: Path, findings: Findings) -> dict[str, TaskDatasetHistory]:
-    found: dict[str, TaskDatasetHistory] = {}
+    histories: dict[str, TaskDatasetHistory] = {}
     for path in journals_below(out):
         try:
             contents = read_journal(path)
@@ -95,8 +93,8 @@ def _histories(out: Path, findings: Findings) -> dict[str, TaskDatasetHistory]:
             place = task_dataset_of(out, contents.lines[0].entry)
             if place.folder != path.parent:
                 findings.problem(path, f"belongs to {place.name}")
-            found[place.name] = TaskDatasetHistory(place, contents.lines)
-    return found
+            histories[place.name] = TaskDatasetHistory(place, contents.lines)
+    return histories
 
 
 def _compare(
@@ -128,8 +126,9 @@ def _compare(
         findings.notes.append(f"{name}: was begun and is not in the manifest yet; resume it")
 
 
-def _check_at(lines: tuple[Line, ...] | list[Line] | object, count: int) -> str:
-    if not isinstance(lines, tuple | list) or len(lines) < count:
+def _check_at(lines: Sequence[Line], count: int) -> str:
+    """The chain's check after so many lines; empty where there are fewer."""
+    if len(lines) < count:
         return ""
     return lines[count - 1].check if count else START
 
@@ -146,16 +145,11 @@ def _extend(tree: Tree, history: TaskDatasetHistory, counted: int, findings: Fin
     )
     tree.episodes[name] = len(history.accepted)
     for key, facts in history.files().items():
-        tree.files[key] = ListedFile(tree.out / key, (_facts(facts),))
+        tree.files[key] = ListedFile(tree.out / key, (FileFacts.model_validate(facts),))
     for path in history.side_files():
         states = [history.until(n).side_files()[path] for n in range(counted, total + 1)]
         allowed = tuple(dict.fromkeys(FileFacts.of(state) for state in states))
         tree.files[path.relative_to(tree.out).as_posix()] = ListedFile(path, allowed)
-
-
-def _facts(value: JSON) -> FileFacts:
-    assert isinstance(value, Mapping)
-    return FileFacts(int(str(value["size"])), str(value["sha256"]))
 
 
 def _alone(tree: Tree, entry: TaskDatasetEntry, name: str, findings: Findings) -> None:

@@ -1,4 +1,4 @@
-"""From one official layout to the other, without decoding a picture or losing a number."""
+"""Converts a dataset to the other official layout; no picture is decoded, no number lost."""
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -16,7 +16,7 @@ from rtphys.data.journal import read_journal
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import LAYOUTS, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
-from rtphys.data.schema import AttemptEntry, TaskDatasetEntry
+from rtphys.data.schema import TaskDatasetEntry
 from rtphys.data.staging import EncodedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 
@@ -32,7 +32,7 @@ def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages]:
 def convert(source: Path, out: Path, layout: str, progress: Progress | None = None) -> list[str]:
     """Writes every task dataset again in another layout; attempts and labels included.
 
-    Stopped half-way, the same call goes on where it was. Converting back gives the same files.
+    After an interruption the same call continues. Converting back gives the same files.
 
     Returns:
         Names of the task datasets written.
@@ -80,7 +80,7 @@ def conditions_of(
 
 
 def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Iterator[None]:
-    """Yields once per episode committed."""
+    """Yields after each episode that is committed."""
     rejections = _rejections(source, entry)
     scenes = parse_mapping(files.read(source.scene_info), source.scene_info)
     number = 0
@@ -100,23 +100,13 @@ def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Ite
 
 def _rejections(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
     """By seed; with detail and physics where the journal still is."""
-    found = {a.seed: _bare(a) for a in entry.attempts if a.verdict == "rejected"}
+    rejected = [attempt for attempt in entry.attempts if attempt.verdict == "rejected"]
+    rejections = {a.seed: Rejection(a.seed, a.reason or "") for a in rejected}
     if not source.journal.exists():
-        return found
-    for line in read_journal(source.journal).lines[1:]:
-        seed, physics = line.entry["seed"], line.entry.get("physics")
-        if line.entry["verdict"] == "rejected" and isinstance(seed, int):
-            found[seed] = Rejection(
-                seed,
-                str(line.entry["reason"]),
-                str(line.entry["detail"]),
-                physics if isinstance(physics, Mapping) else {},
-            )
-    return found
-
-
-def _bare(attempt: AttemptEntry) -> Rejection:
-    return Rejection(attempt.seed, attempt.reason or "")
+        return rejections
+    entries = [line.entry for line in read_journal(source.journal).lines[1:]]
+    journalled = [Rejection.of(entry) for entry in entries if entry["verdict"] == "rejected"]
+    return rejections | {rejection.seed: rejection for rejection in journalled}
 
 
 def _encoded(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data import files, jpeg, schema
+from rtphys.data import jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
-from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import MANIFEST, EpisodePaths
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import Instructions, Manifest, PhysMeta, TaskDatasetEntry
@@ -57,10 +56,7 @@ class Episode:
     @cached_property
     def meta(self) -> PhysMeta:
         """The label file as a typed object. Raises `SchemaError`, `BadFile`."""
-        path = self.paths.phys_meta
-        model = schema.check("phys_meta", parse_mapping(files.read(path), path))
-        assert isinstance(model, PhysMeta)
-        return model
+        return schema.read(PhysMeta, self.paths.phys_meta)
 
     @property
     def physics(self) -> Physics:
@@ -73,10 +69,7 @@ class Episode:
     @cached_property
     def instructions(self) -> Instructions:
         """Sentences, `seen` and `unseen`."""
-        path = self.paths.instruction
-        model = schema.check("instruction", parse_mapping(files.read(path), path))
-        assert isinstance(model, Instructions)
-        return model
+        return schema.read(Instructions, self.paths.instruction)
 
     @property
     def cameras(self) -> tuple[str, ...]:
@@ -206,12 +199,12 @@ class Dataset(Sequence[Episode]):
         """
         every = self.manifest.task_datasets.values()
         twins = {(e.task, e.embodiment, e.config): e for e in every if e.twin_of is not None}
-        found: list[Pair] = []
+        pairs: list[Pair] = []
         for entry in self.task_datasets:
             twin = twins.get((entry.task, entry.embodiment, entry.twin or ""))
             if twin is not None:
-                found += map(Pair, _episodes(self.path, entry), _episodes(self.path, twin))
-        return tuple(found)
+                pairs += map(Pair, _episodes(self.path, entry), _episodes(self.path, twin))
+        return tuple(pairs)
 
     def __len__(self) -> int:
         return len(self._episodes)

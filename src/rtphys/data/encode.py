@@ -22,7 +22,7 @@ class EncodedImages:
     jpegs: dict[str, list[bytes]] = field(default_factory=dict)  # camera -> T streams
     shapes: dict[str, tuple[int, int, int]] = field(default_factory=dict)  # camera -> (H, W, 3)
     video: bytes = b""
-    cpu_s: float = 0.0  # [s] spent on it, beside the thread that draws
+    cpu_s: float = 0.0  # [s] of the encoding thread
 
 
 class _Encoder(threading.Thread):

@@ -95,20 +95,21 @@ class Frames:
 
     def problems(self) -> list[str]:
         """What is wrong with the arrays, one sentence each; empty when they agree."""
-        found = []
+        problems = []
         if len(self) < 2:
-            found.append(f"{len(self)} frames, a stored episode needs at least 2")
+            problems.append(f"{len(self)} frames, a stored episode needs at least 2")
         for key, (array, shape) in self.shapes().items():
             if array.shape != shape:
-                found.append(f"{key} has shape {array.shape}, not {shape}")
+                problems.append(f"{key} has shape {array.shape}, not {shape}")
             elif array.dtype.kind == "f" and not np.isfinite(array).all():
-                found.append(f"{key} holds a number that is not finite")
+                problems.append(f"{key} holds a number that is not finite")
         objects = {**self.object_poses, **self.contacts}
-        found += [f"{name!r} is no object name" for name in objects if not OBJECT.fullmatch(name)]
+        misnamed = [name for name in objects if not OBJECT.fullmatch(name)]
+        problems += [f"{name!r} is no object name" for name in misnamed]
         if self.stage.size and not (0 <= self.stage.min() <= self.stage.max() < len(self.stages)):
-            found.append(f"stage runs outside the {len(self.stages)} named stages")
-        found += [f"{name!r} is no camera" for name in self.cameras if name not in CAMERAS]
-        return found
+            problems.append(f"stage runs outside the {len(self.stages)} named stages")
+        problems += [f"{name!r} is no camera" for name in self.cameras if name not in CAMERAS]
+        return problems
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""What can go wrong with a dataset folder; each class writes its own sentence."""
+"""Errors of a dataset folder; each class writes its own sentence."""
 
 import errno
 from pathlib import Path
@@ -7,20 +7,7 @@ from rtphys.core.errors import RtphysError
 
 
 class DatasetError(RtphysError):
-    """Root of the errors of a dataset folder. Pickles, since workers raise it too."""
-
-    def __reduce__(self) -> tuple[object, ...]:
-        # Subclasses build their text from other arguments, so the default (class, args) would
-        # call them with the finished text. Rebuild without __init__.
-        return _rebuild, (type(self), self.args, self.__dict__)
-
-
-def _rebuild(
-    kind: type[DatasetError], args: tuple[object, ...], state: dict[str, object]
-) -> DatasetError:
-    error = kind.__new__(kind, *args)
-    error.__dict__.update(state)
-    return error
+    """Root of the errors of a dataset folder."""
 
 
 class CannotWrite(DatasetError):

@@ -1,31 +1,27 @@
-"""Writing so that a reader sees the old file or the new one, and nothing in between."""
+"""Atomic writes: a reader sees the old file or the new one, nothing in between."""
 
 import hashlib
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from rtphys.core.errors import BadFile
 from rtphys.data.faults import CannotWrite
+from rtphys.data.schema_model import Count, Model, Sha256
 
 TEMPORARY = ".part"  # suffix of files that are not finished
 
 
-@dataclass(frozen=True)
-class FileFacts:
-    """Size [bytes] and SHA-256 of a file, as the manifest states them."""
+class FileFacts(Model):
+    """Size [bytes] and SHA-256 of a file, as journal and manifest state them."""
 
-    size: int
-    sha256: str
+    size: Count
+    sha256: Sha256
 
     @staticmethod
     def of(data: bytes) -> "FileFacts":
-        return FileFacts(len(data), hashlib.sha256(data).hexdigest())
-
-    def to_json(self) -> dict[str, int | str]:
-        return {"size": self.size, "sha256": self.sha256}
+        return FileFacts(size=len(data), sha256=hashlib.sha256(data).hexdigest())
 
 
 @contextmanager
@@ -90,7 +86,7 @@ def facts_of(path: Path) -> FileFacts:
     """Reads the whole file once."""
     with path.open("rb", buffering=0) as file:
         digest = hashlib.file_digest(file, "sha256")
-        return FileFacts(file.tell(), digest.hexdigest())
+        return FileFacts(size=file.tell(), sha256=digest.hexdigest())
 
 
 def read(path: Path) -> bytes:

@@ -49,23 +49,23 @@ def open_read(source: Path | bytes) -> h5py.File:
 
 def array(node: h5py.Group, key: str) -> np.ndarray:
     """The values of a dataset. Raises `KeyError` when the key is absent or no dataset."""
-    # By the library's own calls: `node[key][()]` takes six times as long, and there are dozens.
+    # Low-level calls: `node[key][()]` takes six times as long, and a file has dozens.
     try:
-        found = h5py.h5d.open(node.id, key.encode())
+        dataset = h5py.h5d.open(node.id, key.encode())
     except (TypeError, ValueError) as error:
         raise KeyError(f"{key} is no dataset") from error
-    shape, (dtype, memory) = found.shape, _types(found.get_type().encode())
-    if shape is None:  # it holds nothing
-        return np.asarray(h5py.Dataset(found)[()])
+    shape, (dtype, memory) = dataset.shape, _types(dataset.get_type().encode())
+    if shape is None:  # an empty dataset
+        return np.asarray(h5py.Dataset(dataset)[()])
     data = np.empty(shape, dtype)
     if data.size:
-        found.read(h5py.h5s.ALL, h5py.h5s.ALL, data, memory)
+        dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, data, memory)
     return data
 
 
 @lru_cache(maxsize=256)
 def _types(encoded: bytes) -> tuple[np.dtype, h5py.h5t.TypeID]:
-    """An HDF5 type as numpy has it, and that one in HDF5's terms; either takes long to find."""
+    """The numpy type of an HDF5 type, and its HDF5 type in memory; both are slow to derive."""
     dtype = h5py.h5t.decode(encoded).dtype
     return dtype, h5py.h5t.py_create(dtype)
 
@@ -80,10 +80,10 @@ def text(node: h5py.Group, key: str) -> str:
 
 def group(node: h5py.Group, key: str) -> h5py.Group:
     """A group below another. Raises `KeyError` when the key is absent or no group."""
-    found = node[key]
-    if not isinstance(found, h5py.Group):
+    below = node[key]
+    if not isinstance(below, h5py.Group):
         raise KeyError(f"{key} is no group")
-    return found
+    return below
 
 
 def arrays(node: h5py.Group, key: str) -> dict[str, np.ndarray]:

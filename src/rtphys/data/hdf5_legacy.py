@@ -31,20 +31,20 @@ def legacy_bytes(frames: Frames, images: EncodedImages) -> bytes:
 
 def unshifted(frames: Frames) -> dict[str, np.ndarray]:
     """Every official array that follows from the frames, T rows, by path in the file."""
-    found: dict[str, np.ndarray] = {}
+    arrays: dict[str, np.ndarray] = {}
     for arm in ARMS:
         opening = np.asarray(getattr(frames, f"{arm}_gripper"), np.float64)
-        found[f"joint_action/{arm}_arm"] = np.asarray(getattr(frames, f"{arm}_arm"), np.float64)
-        found[f"joint_action/{arm}_gripper"] = found[f"endpose/{arm}_gripper"] = opening
+        arrays[f"joint_action/{arm}_arm"] = np.asarray(getattr(frames, f"{arm}_arm"), np.float64)
+        arrays[f"joint_action/{arm}_gripper"] = arrays[f"endpose/{arm}_gripper"] = opening
         pose = np.asarray(getattr(frames, f"{arm}_endpose"), np.float64)
-        found[f"endpose/{arm}_endpose"] = pose
-    found["joint_action/vector"] = frames.vector
-    found["pointcloud"] = np.zeros((len(frames), 0))
+        arrays[f"endpose/{arm}_endpose"] = pose
+    arrays["joint_action/vector"] = frames.vector
+    arrays["pointcloud"] = np.zeros((len(frames), 0))
     for name, camera in frames.cameras.items():
         for key in CALIBRATION:
             matrices = np.asarray(getattr(camera, key), np.float32)
-            found[f"observation/{name}/{key}"] = matrices
-    return found
+            arrays[f"observation/{name}/{key}"] = matrices
+    return arrays
 
 
 def read_legacy(file: h5py.File) -> tuple[Frames, EncodedImages]:

@@ -52,19 +52,19 @@ def native_bytes(
 
 def shifted(frames: Frames) -> dict[str, np.ndarray]:
     """Every official array that follows from the frames: float32, R rows, by path in the file."""
-    found: dict[str, np.ndarray] = {}
+    arrays: dict[str, np.ndarray] = {}
     for part, rows in (("state", slice(0, -1)), ("action", slice(1, None))):
         for arm in ARMS:
             opening = np.asarray(getattr(frames, f"{arm}_gripper"))[:, None]  # (R, 1), not (R,)
-            found[f"{part}/{arm}_arm_joint_states"] = getattr(frames, f"{arm}_arm")[rows]
-            found[f"{part}/{arm}_ee_joint_states"] = opening[rows]
-            found[f"{part}/{arm}_ee_poses"] = getattr(frames, f"{arm}_endpose")[rows]
+            arrays[f"{part}/{arm}_arm_joint_states"] = getattr(frames, f"{arm}_arm")[rows]
+            arrays[f"{part}/{arm}_ee_joint_states"] = opening[rows]
+            arrays[f"{part}/{arm}_ee_poses"] = getattr(frames, f"{arm}_endpose")[rows]
     for name, camera in frames.cameras.items():
         vision = f"vision/{CAMERA_KEYS[name]}"
-        found[f"{vision}/intrinsic_matrix"] = camera.intrinsic_cv[:-1]
+        arrays[f"{vision}/intrinsic_matrix"] = camera.intrinsic_cv[:-1]
         # Named `extrinsics` but holding the OpenGL camera-to-world pose, as upstream has it.
-        found[f"{vision}/extrinsics_matrix"] = camera.cam2world_gl[:-1]
-    return {key: np.asarray(value, np.float32) for key, value in found.items()}
+        arrays[f"{vision}/extrinsics_matrix"] = camera.cam2world_gl[:-1]
+    return {key: np.asarray(value, np.float32) for key, value in arrays.items()}
 
 
 def _write_pictures(file: h5py.File, name: str, images: EncodedImages) -> None:

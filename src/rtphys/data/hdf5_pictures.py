@@ -14,7 +14,7 @@ from rtphys.data.hdf5_record import GROUP, read_record
 
 @dataclass(frozen=True)
 class EpisodeFile:
-    """An episode's HDF5 file, opened anew for each question."""
+    """An episode's HDF5 file, opened for each call."""
 
     path: Path
     layout: str

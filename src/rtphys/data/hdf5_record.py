@@ -67,8 +67,8 @@ def read_record(file: h5py.File) -> Frames:
         frames = _frames(group(file, GROUP))
     except (KeyError, TypeError, ValueError, OSError) as error:
         raise BadFile(where, f"the group {GROUP}/ is missing or damaged ({error})") from error
-    if found := frames.problems():
-        raise BadFile(where, f"{GROUP}/: {'; '.join(found)}")
+    if problems := frames.problems():
+        raise BadFile(where, f"{GROUP}/: {'; '.join(problems)}")
     return frames
 
 

@@ -1,4 +1,4 @@
-"""The append-only record of a task dataset: one checksummed line per attempt; the truth for resume.
+"""The append-only record of a task dataset: one checksummed line per attempt.
 
 Each line is `{"check": ..., "entry": ...}`; `check` is the SHA-256 of the previous check and this
 entry, so a changed, lost or moved line breaks the chain. A line that a crash cut short is the only
@@ -70,7 +70,7 @@ def _parse(text: bytes, previous: str, where: str) -> Line:
 class Journal:
     """An open journal. Nothing is written, no torn line cut off, before the first append.
 
-    It remembers no entries: a long run would grow with every attempt.
+    Entries are not kept in memory, which would grow with every attempt.
     """
 
     def __init__(self, path: Path) -> None:

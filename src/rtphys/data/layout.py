@@ -1,4 +1,4 @@
-"""Where the files of a dataset lie. The only module that spells a path of it."""
+"""Paths of the files of a dataset; no other module spells them."""
 
 import re
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from pathlib import Path
 MANIFEST = "manifest.json"
 LOCK = ".rtphys.lock"
 JOURNAL = "journal.jsonl"
-SHARD = "shard.json"  # which part of a larger collection this is; nowhere else
+SHARD = "shard.json"  # only in a shard: which part of which collection it is
 STAGING = ".staging"
 EMBODIMENT = "aloha_agilex"
 LAYOUTS = ("native", "legacy")
@@ -88,7 +88,7 @@ class TaskDataset:
         return self.folder / STAGING
 
     def staged(self, seed: int) -> Path:
-        """Where a worker puts the files of an attempt that nobody has numbered yet."""
+        """Where a worker puts the files of an attempt that has no episode number yet."""
         return self.staging / f"seed_{seed}"
 
 

@@ -69,7 +69,7 @@ class TaskDatasetHistory:
             listed |= {f"{self.task_dataset.name}/{name}": facts for name, facts in stored.items()}
         for path, data in self.side_files().items():
             name = path.relative_to(self.task_dataset.out).as_posix()
-            listed[name] = FileFacts.of(data).to_json()
+            listed[name] = FileFacts.of(data).model_dump()
         return listed
 
     def entry(self) -> dict[str, JSON]:
@@ -150,5 +150,5 @@ def task_dataset_of(out: Path, header: Entry) -> TaskDataset:
 
 def journals_below(out: Path) -> list[Path]:
     """Journal files of both layouts, sorted by task dataset."""
-    found = [*out.glob(f"*/*/*/{JOURNAL}"), *out.glob(f"*/*/{JOURNAL}")]
-    return sorted(found, key=lambda path: path.parent.relative_to(out).as_posix())
+    journals = [*out.glob(f"*/*/*/{JOURNAL}"), *out.glob(f"*/*/{JOURNAL}")]
+    return sorted(journals, key=lambda path: path.parent.relative_to(out).as_posix())

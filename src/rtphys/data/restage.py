@@ -1,4 +1,4 @@
-"""A committed attempt made ready to be committed again, in another folder, with another number."""
+"""Stages a committed attempt again, to be committed in another folder with another number."""
 
 import shutil
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ Entry = Mapping[str, JSON]
 
 
 def restage(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode | Rejection:
-    """What a worker would have handed over.
+    """The outcome of a committed attempt, as its worker returned it.
 
     Args:
         source: where the attempt was committed.
@@ -28,17 +28,15 @@ def restage(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode | 
         BadFile: a file is missing, or not what the journal says.
         CannotWrite: the disk refuses.
     """
-    seed = entry["seed"]
-    assert isinstance(seed, int)
     if entry["verdict"] == "accepted":
-        return _episode(source, entry, seed, folder)
-    physics = entry["physics"]
-    assert isinstance(physics, Mapping)
-    return Rejection(seed, str(entry["reason"]), str(entry["detail"]), physics)
+        return _episode(source, entry, folder)
+    return Rejection.of(entry)
 
 
-def _episode(source: TaskDataset, entry: Entry, seed: int, folder: Path) -> StagedEpisode:
-    number, frames, scene = entry["episode"], entry["frames"], entry["scene_info"]
+def _episode(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode:
+    seed, number = entry["seed"], entry["episode"]
+    frames, scene = entry["frames"], entry["scene_info"]
+    assert isinstance(seed, int)
     assert isinstance(number, int)
     assert isinstance(frames, int)
     assert isinstance(scene, Mapping)
@@ -64,6 +62,6 @@ def _sound(source: TaskDataset, entry: Entry, path: Path) -> bytes:
     listed = entry["files"]
     assert isinstance(listed, Mapping)
     data = files.read(path)
-    if FileFacts.of(data).to_json() != listed.get(path.relative_to(source.folder).as_posix()):
+    if FileFacts.of(data).model_dump() != listed.get(path.relative_to(source.folder).as_posix()):
         raise BadFile(path, "is not what its journal says")
     return data

@@ -1,11 +1,13 @@
 """The JSON files of a dataset as typed, versioned models; also the source of their JSON Schemas."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
 
-from rtphys.data.json_text import plain, pretty
+from rtphys.data import files
+from rtphys.data.files import FileFacts
+from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.layout import TaskDataset
 from rtphys.data.schema_collect import Collection, ShardFile
 from rtphys.data.schema_model import (
@@ -17,6 +19,8 @@ from rtphys.data.schema_model import (
     Sha256,
     Vector3,
 )
+
+Kind = TypeVar("Kind", bound=Model)
 
 PHYS_META_VERSION = "1.0"
 MANIFEST_VERSION = "1.0"
@@ -123,13 +127,6 @@ class Instructions(Model):
     unseen: list[str]
 
 
-class FileEntry(Model):
-    """One file of the dataset."""
-
-    size: Count
-    sha256: Sha256
-
-
 class AttemptEntry(Model):
     """One seed that was tried."""
 
@@ -207,7 +204,7 @@ class Manifest(Model):
         alias="leaves", description="by folder below the manifest"
     )
     domains: dict[str, dict[str, JsonValue]] = Field(description="resolved, by digest")
-    files: dict[str, FileEntry] = Field(description="by path below the manifest")
+    files: dict[str, FileFacts] = Field(description="by path below the manifest")
 
 
 MODELS: dict[str, type[BaseModel]] = {
@@ -219,6 +216,14 @@ MODELS: dict[str, type[BaseModel]] = {
     "shard": ShardFile,
     "collection": Collection,
 }
+
+
+def read(kind: type[Kind], path: Path) -> Kind:
+    """A JSON file as one of the models. Raises `BadFile`, or `SchemaError` that names the file."""
+    try:
+        return kind.model_validate(parse_mapping(files.read(path), path))
+    except ValidationError as error:
+        raise SchemaError(str(path), error) from error
 
 
 def check(name: str, value: object) -> BaseModel:

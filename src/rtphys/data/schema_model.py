@@ -1,4 +1,4 @@
-"""What all models of JSON files have in common."""
+"""Base class and field types of the models of JSON files."""
 
 from typing import Annotated
 
@@ -22,15 +22,6 @@ class SchemaError(RtphysError):
             for item in error.errors()
         ]
         super().__init__(f"{what} breaks its schema: {'; '.join(self.problems)}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return _rebuild, (self.args, self.__dict__)
-
-
-def _rebuild(args: tuple[object, ...], state: dict[str, object]) -> SchemaError:
-    error = SchemaError.__new__(SchemaError, *args)
-    error.__dict__.update(state)
-    return error
 
 
 class Model(BaseModel):

@@ -77,7 +77,7 @@ def stage_episode(
 
 
 def stage_encoded(folder: Path, episode: EncodedEpisode, layout: str) -> StagedEpisode:
-    """The rest of `stage_episode`, which see."""
+    """As `stage_episode`, for pictures that are encoded already."""
     _check_images(episode)
     if folder.exists():
         shutil.rmtree(folder)
@@ -127,6 +127,6 @@ def _seen(episode: EncodedEpisode) -> list[str]:
 
 def _reopen(path: Path, frames: int) -> None:
     with open_read(path) as file:
-        found = len(read_record(file))
-    if found != frames:
-        raise BadEpisode([f"{path} holds {found} frames after writing {frames}"])
+        count = len(read_record(file))
+    if count != frames:
+        raise BadEpisode([f"{path} holds {count} frames after writing {frames}"])

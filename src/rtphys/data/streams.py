@@ -33,7 +33,7 @@ class Streams:
         return (self[index] for index in range(len(self)))
 
     def whole(self) -> list[bool]:
-        """Which of them begin and end as a JPEG stream does."""
+        """For each picture: whether it begins and ends as a JPEG stream does."""
         last = [] if self.last is None else [_whole(self.last)]
         if self.rows.dtype.kind != "S" or self.rows.itemsize < len(BEGIN + END):
             return [_whole(stream) for stream in self.rows.tolist()] + last
@@ -42,8 +42,8 @@ class Streams:
         table = self.rows.view(np.uint8).reshape(len(self.rows), -1)
         tail = lengths[:, None] - np.arange(len(END), 0, -1)
         tails = np.take_along_axis(table, np.maximum(tail, 0), axis=1)
-        found = (table[:, : len(BEGIN)] == [*BEGIN]).all(axis=1) & (tails == [*END]).all(axis=1)
-        return (found & (lengths >= len(BEGIN + END))).tolist() + last
+        whole = (table[:, : len(BEGIN)] == [*BEGIN]).all(axis=1) & (tails == [*END]).all(axis=1)
+        return (whole & (lengths >= len(BEGIN + END))).tolist() + last
 
 
 def _whole(stream: bytes) -> bool:

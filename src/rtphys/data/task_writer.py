@@ -27,9 +27,24 @@ class Rejection:
     seed: int
     reason: str
     detail: str = ""  # deterministic text: it enters the journal
-    physics: Mapping[str, object] = field(
-        default_factory=dict
-    )  # attribute -> value, for the report
+    physics: Mapping[str, object] = field(default_factory=dict)  # attribute -> value, for reports
+
+    @staticmethod
+    def of(entry: Mapping[str, JSON]) -> "Rejection":
+        """Inverse of `entry`."""
+        physics = entry.get("physics")
+        known = physics if isinstance(physics, Mapping) else {}
+        return Rejection(int(str(entry["seed"])), str(entry["reason"]), str(entry["detail"]), known)
+
+    def entry(self) -> dict[str, JSON]:
+        """An entry for the journal. Raises `BadValue` where JSON cannot hold it."""
+        return {
+            "seed": self.seed,
+            "verdict": "rejected",
+            "reason": self.reason,
+            "detail": self.detail,
+            "physics": plain(self.physics, "physics"),
+        }
 
 
 class TaskWriter:
@@ -65,7 +80,7 @@ class TaskWriter:
             self._check_present(entry)
 
     def _remove_leftovers(self) -> None:
-        """Of a killed run: staged attempts, files of a commit that never reached the journal."""
+        """Removes what a killed run left: staged attempts, files that the journal does not list."""
         shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
         for path in self._episode_files(self.episodes):
             with files.refusals(path):
@@ -76,8 +91,8 @@ class TaskWriter:
     def _episode_files(self, first: int) -> list[Path]:
         """Files of episodes with that number or a higher one."""
         folders = [self.task_dataset.folder / name for name in EPISODE_FOLDERS]
-        found = [path for folder in folders for path in folder.glob("*")]
-        numbered = [(episode_number(path), path) for path in found]
+        paths = [path for folder in folders for path in folder.glob("*")]
+        numbered = [(episode_number(path), path) for path in paths]
         return [path for number, path in numbered if number is not None and number >= first]
 
     def _check_present(self, entry: Mapping[str, JSON]) -> None:
@@ -95,7 +110,7 @@ class TaskWriter:
 
     @property
     def attempts(self) -> int:
-        """How many are committed."""
+        """Number of committed attempts."""
         return max(self._journal.count - 1, 0)
 
     def accepted(self, seed: int) -> bool:
@@ -108,7 +123,7 @@ class TaskWriter:
         return self.episodes >= self.wanted
 
     def staging(self, seed: int) -> Path:
-        """The folder for `stage_episode`, which a worker may be told."""
+        """Folder into which a worker stages the attempt of a seed."""
         return self.task_dataset.staged(seed)
 
     def record(self, outcome: StagedEpisode | Rejection) -> None:
@@ -128,17 +143,7 @@ class TaskWriter:
 
     def _commit(self, outcome: StagedEpisode | Rejection) -> None:
         if isinstance(outcome, Rejection):
-            entry = plain(
-                {
-                    "seed": outcome.seed,
-                    "verdict": "rejected",
-                    "reason": outcome.reason,
-                    "detail": outcome.detail,
-                    "physics": outcome.physics,
-                }
-            )
-            assert isinstance(entry, dict)
-            self._journal.append(entry, durable=False)
+            self._journal.append(outcome.entry(), durable=False)
             self.fruitless += 1
             return
         number = self.episodes
@@ -181,13 +186,13 @@ class TaskWriter:
                     target.unlink()
             raise
         return {
-            target.relative_to(self.task_dataset.folder).as_posix(): facts[name].to_json()
+            target.relative_to(self.task_dataset.folder).as_posix(): facts[name].model_dump()
             for name, target in targets.items()
         }
 
 
 def _recovered(meta: Mapping[str, JSON]) -> dict[str, JSON]:
-    """Said only of episodes in which a load was lost and taken again."""
+    """A key for those episodes only in which a load was lost and taken again."""
     verdict = meta["verdict"]
     return {"recovered": True} if isinstance(verdict, Mapping) and verdict.get("recovered") else {}
 

@@ -1,7 +1,7 @@
-"""Checks a dataset against its own claims, down to the physics that its seeds give.
+"""Checks the files of a dataset against its manifest, journals and seeds.
 
-Needs no simulator: the sampled physics is derived again from the seed and the resolved domain in
-the manifest, the rest is bytes.
+No simulator is needed: physics is sampled again from the seeds and the domains in the manifest,
+everything else is bytes.
 """
 
 from collections.abc import Callable, Iterator
@@ -24,7 +24,7 @@ Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
 
 class _Meter:
-    """Adds up bytes: a file's once for its checksum, an episode's again for its meaning."""
+    """Counts bytes for a progress bar: all for checksums, episodes again for their content."""
 
     def __init__(self, total: int, progress: Progress | None) -> None:
         self.done, self.total, self.progress = 0, total, progress
@@ -148,7 +148,7 @@ def _check_episodes(
 
 
 def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> str:
-    """All that the verdict on an episode depends on."""
+    """Digest of everything that the verdict on an episode depends on."""
     names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
     digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
     entry = claim.entry

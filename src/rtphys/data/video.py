@@ -148,10 +148,10 @@ def frame_count(data: bytes) -> int:
     start, end = 0, len(data)
     try:
         for name in (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz"):
-            found = {kind: (first + 8, last) for kind, first, last in boxes(data, start, end)}
-            if max((last for _, last in found.values()), default=0) > end:
+            inside = {kind: (first + 8, last) for kind, first, last in boxes(data, start, end)}
+            if max((last for _, last in inside.values()), default=0) > end:
                 raise ValueError("it is cut short")
-            start, end = found[name]
+            start, end = inside[name]
         (count,) = struct.unpack_from(">I", data, start + 8)  # after flags and the common size
     except (struct.error, KeyError, ValueError) as error:
         raise BadVideo(f"no readable video ({error})") from error

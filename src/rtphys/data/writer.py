@@ -26,8 +26,8 @@ CHECKPOINT_SECONDS = 20.0  # how far the manifest may lag behind the journals
 class DatasetWriter:
     """Use as a context manager in the supervising process.
 
-    At every instant the journals and the files they list are a valid dataset; the manifest follows
-    at checkpoints and tells a prefix of it.
+    At every instant the journals and the files they list are a valid dataset; the manifest is
+    written at checkpoints and describes a prefix of it.
 
         with DatasetWriter(out) as dataset:
             task = dataset.task(conditions, episodes=10)
@@ -61,9 +61,9 @@ class DatasetWriter:
     def _check_manifest(self) -> None:
         path = self.out / MANIFEST
         if path.exists():
-            found = parse_mapping(files.read(path), path).get("schema_version")
-            if found != MANIFEST_VERSION:
-                clause = f"manifest version was {found!r}, now {MANIFEST_VERSION!r}"
+            stored = parse_mapping(files.read(path), path).get("schema_version")
+            if stored != MANIFEST_VERSION:
+                clause = f"manifest version was {stored!r}, now {MANIFEST_VERSION!r}"
                 raise DatasetMismatch(self.out, [clause])
 
     def task(self, conditions: Conditions, episodes: int) -> TaskWriter:

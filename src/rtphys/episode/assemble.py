@@ -1,4 +1,4 @@
-"""An accepted attempt and its pictures as the episode that the files hold."""
+"""Assembles an accepted attempt and its pictures into the episode that the files hold."""
 
 import platform
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ class FalseLabel(RtphysError):
 
 
 def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
-    """Puts an accepted attempt together.
+    """The episode of an accepted attempt, ready to be written.
 
     Raises:
         FalseLabel: the physics in force is not the physics that was drawn.
@@ -80,7 +80,7 @@ def _label(instance: Instance) -> dict[str, object]:
 
 
 def _clutter(instance: Instance, recording: Recording) -> dict[str, object]:
-    """Which pieces of clutter the expert disturbed; nothing where there were none."""
+    """Which pieces of clutter the expert disturbed; empty without clutter."""
     names = [piece.name for piece in instance.look.clutter]
     if not names:
         return {}
@@ -161,5 +161,5 @@ def versions(task: Task) -> dict[str, str]:
 
 @lru_cache(maxsize=1)
 def _packages() -> dict[str, str]:
-    found = {name: metadata.version(name) for name in SHAPING}
-    return {**found, "python": platform.python_version(), "machine": platform.machine()}
+    packages = {name: metadata.version(name) for name in SHAPING}
+    return {**packages, "python": platform.python_version(), "machine": platform.machine()}

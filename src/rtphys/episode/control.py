@@ -1,4 +1,4 @@
-"""The policy interface: what an action does (design section 8, RoboTwin's `take_action`)."""
+"""The policy interface: what an action does (RoboTwin's `take_action`)."""
 
 from dataclasses import dataclass, field
 from typing import Literal, get_args
@@ -133,12 +133,12 @@ class PolicyControl:
         """
         self._trackers = []
         arms = self.rollout.world.robot.arms
-        ways = [
+        motions = [
             Straight(arm.target, np.clip(goal, *arm.limb.limits.T), self._limits)
             for arm, goal in zip(arms, goals, strict=True)
         ]
-        steps = max(FRAME_STEPS, *(way.steps for way in ways))
-        return [way.sampled(steps) for way in ways]
+        steps = max(FRAME_STEPS, *(motion.steps for motion in motions))
+        return [motion.sampled(steps) for motion in motions]
 
     def _tracked(self, goals: list[Array]) -> list[Trajectory]:
         """The next frame of motions towards these targets, from whatever speed the arms have."""
@@ -153,13 +153,13 @@ class PolicyControl:
         arms = self.rollout.world.robot.arms
         # A motion's first sample is where the arm already is.
         length = max(least, *(len(path) - 1 for path in paths))
-        ways = [
+        motions = [
             (arm, path.q.tolist(), path.qd.tolist(), len(path) - 1, arm.gripper, opening)
             for arm, path, opening in zip(arms, paths, grips.tolist(), strict=True)
         ]
         for k in range(1, length + 1):
             share = k / length
-            for arm, q, qd, last, g0, g1 in ways:
+            for arm, q, qd, last, g0, g1 in motions:
                 row = min(k, last)
                 arm.drive(q[row], qd[row])
                 arm.grip(g0 + share * (g1 - g0))

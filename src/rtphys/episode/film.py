@@ -21,7 +21,7 @@ KEYFRAMES = 50  # at least every three seconds, so that a player can jump
 
 
 def film(episode: PolicyEpisode, pack: Pack, path: Path) -> None:
-    """Draws what the recorder has kept and writes an MP4, 320 x 360 at 16.67 Hz.
+    """Draw the rows that the recorder has kept as an MP4, 320 x 360 at 16.67 Hz.
 
     Raises:
         NoRenderer: no device to draw with.

@@ -19,7 +19,7 @@ POLL = FRAME_STEPS  # a demonstration's first success is known to one recorded f
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """What came of one recipe. `reason` is empty iff it is accepted."""
+    """The result of one recipe. `reason` is empty iff the attempt is accepted."""
 
     recipe: Recipe
     reason: str = ""

@@ -1,4 +1,4 @@
-"""A recipe come to life: layout, physics and a world at rest in which both are in force."""
+"""The world of a recipe: layout and physics are drawn, built, in force, and at rest."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ from rtphys.task.spec import Task
 from rtphys.visual import CLEAN, Look, draw_look, texture_file
 
 MOST_SLIDE = 0.05  # [m] and
-MOST_TURN = 0.26  # [rad], 15 deg: a thing that settled further away has fallen or run off
+MOST_TURN = 0.26  # [rad], 15 deg: an object that settled further away has fallen or run off
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,17 +80,17 @@ def settle(instance: Instance) -> None:
         Infeasible: "unsettled".
     """
     world = instance.world
-    for thing in world.objects.values():
-        thing.roll_down()
+    for scene_object in world.objects.values():
+        scene_object.roll_down()
     # Balls are poured in rather than placed: where they end is no matter of the layout.
     before = {
-        name: thing.pose
-        for name, thing in world.things.items()
-        if thing.bodies and not isinstance(thing.prop, Ball)
+        name: scene_object.pose
+        for name, scene_object in world.scene_objects.items()
+        if scene_object.bodies and not isinstance(scene_object.prop, Ball)
     }
     world.settle()
     for name, start in before.items():
-        _check_stayed(name, start, world.things[name].pose)
+        _check_stayed(name, start, world.scene_objects[name].pose)
 
 
 def _check_stayed(name: str, start: Pose, now: Pose) -> None:

@@ -1,4 +1,4 @@
-"""A second world that only poses for pictures: the simulated one is the same with and without."""
+"""A second world for pictures alone, so that drawing cannot change the simulated one."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ _SHORT_NAMES = {official: short for short, official in SHORT.items()}
 
 
 class Mirror:
-    """Built on the first picture, because a blind policy needs none.
+    """Draws the simulated world. Built on the first picture, because a blind policy needs none.
 
     Args:
         instance: the simulated one.
@@ -47,8 +47,7 @@ class Mirror:
     def _opened(self) -> Studio:
         if self._studio is None:
             renderer.hold_anchor()
-            it = self._instance
-            self._studio = Studio(
-                prepare(it.recipe, it.task, self._pack, visuals=True).world, self._cameras
-            )
+            recipe, task = self._instance.recipe, self._instance.task
+            drawn = prepare(recipe, task, self._pack, visuals=True)
+            self._studio = Studio(drawn.world, self._cameras)
         return self._studio

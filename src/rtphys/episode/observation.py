@@ -1,4 +1,4 @@
-"""What a policy is told about the world at one instant."""
+"""What a policy sees of the world at one instant."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ class CameraView:
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """One instant. Pictures are drawn when they are first asked for, of this instant all the same.
+    """One instant. Pictures show this instant; they are drawn when they are first asked for.
 
     Openings are 0 closed .. 1 open. Poses are xyz [m] + wxyz, world frame.
     """

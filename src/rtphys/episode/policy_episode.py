@@ -48,7 +48,7 @@ class PolicyEpisode:
         seed: of the episode.
         instruction: a sentence of the recipe's split, the same one for the same seed.
         step_limit: actions that the task allows.
-        rollout: the world and its recorder. For those that may cheat: the expert, tests, videos.
+        rollout: the world and its recorder; for the expert, tests and videos, never for a policy.
     """
 
     def __init__(self, instance: Instance, pack: Pack, cameras: Sequence[str] = CAMERAS) -> None:

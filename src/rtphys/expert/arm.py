@@ -1,4 +1,4 @@
-"""The verbs of one arm (`rtphys.task.arm.Arm`): from words to steps, with feasible poses."""
+"""The verbs of one arm (`rtphys.task.arm.Arm`): each becomes steps with feasible poses."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -9,12 +9,13 @@ from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose, axis_angle
 from rtphys.expert.feasibility import Feasibility, Intent, Path
 from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, candidates
-from rtphys.expert.place import Held, goals
+from rtphys.expert.place import HeldLoad, goals
 from rtphys.task.arm import Aim, Follow, Grip, Home, Line, Motion, Placing, Reach, Shift, Step, Wait
 from rtphys.task.props import TABLE_TOP
 
 Posture = tuple[float, ...]  # (n,) [rad]
 LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
+STAY = 0.12  # [s] at the end of a push: recorded actions are 0.06 s apart
 ROOM = 0.01  # [m] round a load that is brought into something: servos lag, and loads sag
 TURNED = 0.35  # [rad] of a load in its hand that keeps it from being placed as it was meant to be
 HANGING = 0.05  # [m] by which it may then hang lower
@@ -96,7 +97,7 @@ class ExpertArm:
         if straight_down:
             back = Pose(point.p + np.array([0, 0, self._hand.tcp + gap]), STRAIGHT_DOWN)
             return self._motion(f"hover {prop}", Reach((back,)))
-        # Unlike a grasp, a hover must not be shifted away from thin things: nothing is held.
+        # Unlike a grasp, a hover must not be shifted away from thin objects: nothing is held.
         grasps = candidates([(contact, point)], self.side, -np.inf, self._hand)
         self._feasibility.refresh()
         poses = tuple(grasp.backed_off(gap) for grasp in grasps)
@@ -130,7 +131,7 @@ class ExpertArm:
         return first
 
     def _around(self, prop: str, points: list[tuple[int, Pose]]) -> list[tuple[int, Pose]]:
-        """Contact points between those at 45 deg of a round thing, which lies as it rolled."""
+        """More contact points of a round object, which lies as it rolled: 22.5 deg beside each."""
         axis = self._world.object(prop).prop.rolling_axis
         if axis is None:
             return []
@@ -140,7 +141,7 @@ class ExpertArm:
 
     def _allows(self, prop: str, hand: Pose, aim: Aim) -> bool:
         """Whether a prop grasped at this hand pose can be placed as aimed."""
-        load = self._held(prop, hand, aim.point)
+        load = self._load(prop, hand, aim.point)
         placements = self._placements(load, aim.target, aim.how)
         return any(not aim.how.clear or self._clear(each.path) for each in placements)
 
@@ -151,8 +152,8 @@ class ExpertArm:
     ) -> Motion:
         how = how or Placing()
         # The commanded hand, not the measured one: the load's droop is then in the grasp, and the
-        # thing itself arrives where it should.
-        placement = self._placement(self._held(prop, self.ee(), point), target, how)
+        # load itself arrives where it should.
+        placement = self._placement(self._load(prop, self.ee(), point), target, how)
         if self._hands.turned(self.side) > TURNED:
             placement = self._despite_turn(prop, placement, (target, point, how))
         if placement is None:
@@ -165,14 +166,14 @@ class ExpertArm:
         if how.until:
             last = at.p - before.p
             lean = LEAN * last / max(float(np.linalg.norm(last)), 1e-9)
-            steps += [Shift((float(lean[0]), float(lean[1]), float(lean[2]))), Wait(0.12)]
+            steps += [Shift((float(lean[0]), float(lean[1]), float(lean[2]))), Wait(STAY)]
         if how.release:
             steps.append(Grip(1.0, releases=prop))
         return self._motion(f"place {prop}", *steps)
 
-    def _held(self, prop: str, hand: Pose, point: int | None) -> Held:
+    def _load(self, prop: str, hand: Pose, point: int | None) -> HeldLoad:
         functional = None if point is None else self._scene.functional(prop, point)
-        return Held(self.side, hand, self._scene.pose(prop), functional)
+        return HeldLoad(self.side, hand, self._scene.pose(prop), functional)
 
     def _despite_turn(
         self, prop: str, as_it_hangs: Placement | None, wanted: tuple[Pose, int | None, Placing]
@@ -187,15 +188,15 @@ class ExpertArm:
             raise Infeasible("slipped", f"{prop} has turned in the {self.side} hand, past placing")
         return placement
 
-    def _as_grasped(self, prop: str, point: int | None) -> Held:
-        """The load as it was when the hand closed; what it stands on will turn it back to that."""
+    def _as_grasped(self, prop: str, point: int | None) -> HeldLoad:
+        """The load as it was when the hand closed; what it is set on will turn it back to that."""
         hand, scene = self.ee(), self._scene
-        load = hand @ self._hands.grasped[self.side]
+        X_TP = hand @ self._hands.grasped[self.side]
         X_PT = scene.pose(prop).inverse()
-        functional = None if point is None else load @ X_PT @ scene.functional(prop, point)
-        return Held(self.side, hand, load, functional)
+        functional = None if point is None else X_TP @ X_PT @ scene.functional(prop, point)
+        return HeldLoad(self.side, hand, X_TP, functional)
 
-    def _placement(self, load: Held, target: Pose, how: Placing) -> Placement | None:
+    def _placement(self, load: HeldLoad, target: Pose, how: Placing) -> Placement | None:
         """The first placement that is reachable, and clear where it must be, or None."""
         for placement in self._placements(load, target, how):
             self._intend(placement.path)
@@ -203,7 +204,7 @@ class ExpertArm:
                 return placement
         return None
 
-    def _placements(self, load: Held, target: Pose, how: Placing) -> Iterator[Placement]:
+    def _placements(self, load: HeldLoad, target: Pose, how: Placing) -> Iterator[Placement]:
         """Reachable placements, each sought when it is asked for."""
         yaws = how.yaws
         if yaws == (0.0,) and how.mode in ("free", "auto"):
@@ -237,7 +238,7 @@ class ExpertArm:
             # Recorded actions are 60 ms apart: without leaning in and staying, the deepest
             # moment would fall between two of them.
             Shift((push, 0.0, 0.0), tool=True),
-            Wait(0.12),
+            Wait(STAY),
         )
         return self._motion(f"press {prop}", *steps)
 

@@ -1,4 +1,4 @@
-"""From contact points to end-effector poses: which ways a gripper can take hold of a thing.
+"""From contact points to end-effector poses: how a gripper can take hold of an object.
 
 Geometry of RoboTwin's fact sheet, section 1.5; all poses in one frame (the task frame).
 """
@@ -40,7 +40,7 @@ STRAIGHT_DOWN = orientation((0, 0, -1), (0, 1, 0))
 
 @dataclass(frozen=True, eq=False)
 class Grasp:
-    """One way to take hold: the ee pose at the contact, and how little we like it."""
+    """A candidate: the ee pose at a contact point, and its cost; the lowest is tried first."""
 
     contact: int
     ee: Pose  # fingers around the contact point, at depth 0
@@ -59,7 +59,10 @@ def ee_of_contact(contact: Pose, hand: Hand) -> Pose:
 
 
 def tilted(ee: Pose, pivot: Array, angle: float) -> list[Pose]:
-    """Turned by +-angle about the gripper's own y through the pivot, wrist to the robot first."""
+    """The pose turned by +-angle [rad] about the gripper's y axis through a pivot.
+
+    The one whose wrist is nearer to the robot comes first.
+    """
     poses = []
     for signed in (-angle, angle):
         q = quat_multiply(ee.q, axis_angle((0, 1, 0), signed))
@@ -71,7 +74,7 @@ def tilted(ee: Pose, pivot: Array, angle: float) -> list[Pose]:
 def raised_clear(ee: Pose, table_top: float, hand: Hand, clearance: float = 0.003) -> Pose:
     """Shift back along the approach until the fingertips clear the table.
 
-    Official contact points on thin things lie deeper than the fingertips may go.
+    Official contact points on thin objects lie deeper than the fingertips may go.
     """
     R = ee.R
     tip = ee.p + hand.tip * R[:, 0]
@@ -89,7 +92,7 @@ def angle_share(a: Array, b: Array) -> float:
 
 
 def preference(ee: Pose, side: str) -> float:
-    """Cost of an orientation for an arm: downward first, then from its own side (0 best)."""
+    """Cost of an ee orientation for an arm; 0 is best: downward, then from its own side."""
     down, sideways = angle_share(ee.q, TOP_DOWN[side]), angle_share(ee.q, SIDEWAYS[side])
     if down < 0.15:
         return down
@@ -101,30 +104,35 @@ def preference(ee: Pose, side: str) -> float:
 def candidates(
     contacts: Sequence[tuple[int, Pose]], side: str, table_top: float, hand: Hand
 ) -> Iterator[Grasp]:
-    """Ways to grasp, best first: every contact point, both flips of the hand, ten tilts."""
-    found: list[tuple[float, int, Pose, Array, float, int]] = []
+    """Grasps, best first: every contact point, both flips of the hand, ten tilts.
+
+    Args:
+        contacts: number and frame of each contact point.
+        table_top: height that the fingertips must clear [m]; -inf where none is wanted.
+    """
+    options: list[tuple[float, int, Pose, Array, float, int]] = []
     for number, contact in contacts:
         straight = ee_of_contact(contact, hand)
         flip = Pose(straight.p, quat_multiply(straight.q, axis_angle((1, 0, 0), np.pi)))
         for ee, extra in ((straight, 0.0), (flip, 0.05)):
             base = preference(ee, side) + extra
-            found.append((base, number, ee, contact.p, 0.0, 0))
+            options.append((base, number, ee, contact.p, 0.0, 0))
             for tilt in TILTS[1:]:
                 cost = base + 0.35 * tilt
-                found.append((cost, number, ee, contact.p, tilt, 0))
-                found.append((cost + 0.15, number, ee, contact.p, tilt, 1))
+                options.append((cost, number, ee, contact.p, tilt, 0))
+                options.append((cost + 0.15, number, ee, contact.p, tilt, 1))
     seen: set[tuple[float, ...]] = set()
-    for cost, number, ee, pivot, tilt, farther in sorted(found, key=lambda way: way[0]):
+    for cost, number, ee, pivot, tilt, farther in sorted(options, key=lambda option: option[0]):
         # Poses are made when asked for: one of the first few is usually taken.
         turned = tilted(ee, pivot, tilt)[farther] if tilt else ee
-        way = Grasp(number, raised_clear(turned, table_top, hand), cost)
-        if _new_way(way, seen):
-            yield way
+        grasp = Grasp(number, raised_clear(turned, table_top, hand), cost)
+        if _is_new(grasp, seen):
+            yield grasp
 
 
-def _new_way(way: Grasp, seen: set[tuple[float, ...]]) -> bool:
+def _is_new(grasp: Grasp, seen: set[tuple[float, ...]]) -> bool:
     """Opposite contact points and both flips of the hand describe most poses twice."""
-    key = tuple(np.round(np.concatenate([way.ee.p, way.ee.R[:, :2].ravel()]), 4) + 0.0)
+    key = tuple(np.round(np.concatenate([grasp.ee.p, grasp.ee.R[:, :2].ravel()]), 4) + 0.0)
     if key in seen:
         return False
     seen.add(key)

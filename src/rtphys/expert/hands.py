@@ -1,4 +1,4 @@
-"""What the hands do with things: close on them, carry them, feel them, let them go."""
+"""Both grippers: closing on a prop, carrying it, feeling its contact, letting it go."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Grip
 
 STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
-GRIP_LIMIT = 400  # [steps] for the fingers to stop: damped ones creep over thin things
+GRIP_LIMIT = 400  # [steps] for the fingers to stop: damped ones creep over thin objects
 OPEN_LIMIT = 250  # [steps] for them to open: thrice the damping makes them lag by 0.6 s
 CLOSED = 0.3  # commanded opening; hands that are made slim for a purpose stay wider
 OPENED = 0.05  # of the stroke that may be missing
@@ -29,7 +29,7 @@ FEEL_STEPS = 12  # contact may flicker for a few steps
 
 
 class Hands:
-    """Both grippers of one rollout and what is in them."""
+    """Both grippers of one rollout and the props that they hold."""
 
     def __init__(self, rollout: Rollout, planner: DualArmPlanner) -> None:
         self.rollout, self.planner = rollout, planner
@@ -37,7 +37,7 @@ class Hands:
         self.holding: dict[str, str] = {}
         self.grasped: dict[str, Pose] = {}  # side -> the load in the commanded ee's frame, at first
         self.care = 1.0  # share of the usual pace, for a load that has slipped before
-        self._grips: dict[str, Pose] = {}  # where loads were when the planner was last told
+        self._grips: dict[str, Pose] = {}  # the same, as the planner knows it
 
     # ---- fingers ---------------------------------------------------------------------------------
 
@@ -48,14 +48,14 @@ class Hands:
         return gripper_ramp(now, opening, seconds)
 
     def closed(self, side: str, grip: Grip) -> None:
-        """After a gripper motion: what is now held, or no longer.
+        """Take note of what a gripper motion has taken or released.
 
         Raises:
             Infeasible: "grasp_missed".
         """
         arm = self.world.robot.arm(side)
-        held = self.holding.get(side)
-        if held and (grip.releases == held or grip.opening > 0.5):
+        load = self.holding.get(side)
+        if load and (grip.releases == load or grip.opening > 0.5):
             self._let_go(side)
         if grip.holds or grip.opening < 0.5:
             self._wait_for_grip(side)
@@ -104,11 +104,11 @@ class Hands:
         self._attach(side, prop)
 
     def _attach(self, side: str, prop: str) -> None:
-        thing = self.world.object(prop)
+        scene_object = self.world.object(prop)
         self._grips[side] = self._in_hand(side, prop)
         ee = self.planner.kinematics[side].ee_pose(self.world.robot.arm(side).target)
-        for link, parts in thing.parts.items():
-            X_EL = ee.inverse() @ thing.link_pose(link)
+        for link, parts in scene_object.parts.items():
+            X_EL = ee.inverse() @ scene_object.link_pose(link)
             for part in parts:
                 self.planner.checker.attach(side, prop, X_EL @ part)
 
@@ -123,27 +123,27 @@ class Hands:
             self._attach(other, prop)
 
     def _loads(self) -> list[str]:
-        """Whatever is held, once, in the order taken: a set has another order in each process."""
+        """The props held, each once, in the order taken: a set's differs between processes."""
         return list(dict.fromkeys(self.holding.values()))
 
     # ---- feeling ---------------------------------------------------------------------------------
 
     def presses(self, side: str, prop: str) -> bool:
-        """The gripper, or what it holds, presses on a prop in this step."""
+        """Whether the gripper, or its load, presses on a prop in this step."""
         if self.scene.touching(f"{side}_gripper", prop):
             return True
-        held = self.holding.get(side)
-        return held is not None and held != prop and self.scene.touching(held, prop)
+        load = self.holding.get(side)
+        return load is not None and load != prop and self.scene.touching(load, prop)
 
     def lost(self, side: str) -> bool:
-        """What the hand held is gone, or it has just closed on nothing."""
+        """Whether the hand's load is gone, or the hand has just closed on nothing."""
         prop = self.holding.get(side)
         if prop is None:
             return self.world.robot.arm(side).gripper < CLOSED
         return not self.scene.touching(f"{side}_gripper", prop)
 
     def still_held(self) -> None:
-        """Everything carried is still in its hand, and has stopped swinging there.
+        """Check that every load is still in its hand; wait until it has stopped swinging there.
 
         Raises:
             Infeasible: "slipped".
@@ -181,10 +181,10 @@ class Hands:
         return ee.inverse() @ self.world.object(prop).pose
 
     def _wait_for_calm(self, prop: str) -> None:
-        thing = self.world.object(prop)
+        scene_object = self.world.object(prop)
 
         def turns() -> Array:
-            return np.array([thing.link_pose(link).q for link in thing.links], float)
+            return np.array([scene_object.link_pose(link).q for link in scene_object.links], float)
 
         before = turns()
         for _ in range(0, CALM_LIMIT, PAUSE):

@@ -1,4 +1,4 @@
-"""Both arms' motions: inverse kinematics, clear paths, one time law for whatever moves together."""
+"""Motions of both arms: inverse kinematics, clear paths, and one time law for both."""
 
 import itertools
 from collections.abc import Sequence
@@ -97,7 +97,7 @@ class DualArmPlanner:
         Raises:
             Infeasible: "unreachable", "no_path" or "retime_failed".
         """
-        # What touches at the start (a thing just released, the partner's load) may be left.
+        # What touches at the start (an object just released, the partner's load) may be left.
         self._tolerated = frozenset()
         if not self.clear(start):
             both = start["left"], start["right"]

@@ -20,11 +20,11 @@ def obstacles_of(world: World, without: set[str]) -> list[Obstacle]:
     x, y = world.plan.table.shift
     half = np.array(TOP_HALF)
     table = Obstacle(TABLE, half, world.X_WT @ Pose((x, y, TOP - half[2])))
-    found = [table, _WALL]
-    for name, thing in world.things.items():
-        if name in without or isinstance(thing.prop, Ball):
+    obstacles = [table, _WALL]
+    for name, scene_object in world.scene_objects.items():
+        if name in without or isinstance(scene_object.prop, Ball):
             continue
-        for link, parts in thing.parts.items():
-            pose = thing.link_pose(link)
-            found += [Obstacle(name, part, pose) for part in parts]
-    return found
+        for link, parts in scene_object.parts.items():
+            pose = scene_object.link_pose(link)
+            obstacles += [Obstacle(name, part, pose) for part in parts]
+    return obstacles

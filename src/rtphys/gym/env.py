@@ -1,7 +1,6 @@
 """A task as a Gymnasium environment, with the same worlds as `rtphys evaluate`."""
 
 from collections.abc import Mapping
-from typing import ClassVar
 
 import gymnasium
 import numpy as np
@@ -47,7 +46,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         UnknownName: no such task, protocol, control or kind of observation.
     """
 
-    metadata: ClassVar[dict[str, object]] = {"render_modes": ["rgb_array"], "render_fps": 17}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 17}  # noqa: RUF012 - as in gymnasium
 
     def __init__(
         self,

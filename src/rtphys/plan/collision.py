@@ -1,4 +1,4 @@
-"""May the two arms stand like this? Exact distances of convex shapes, both arms at once."""
+"""Collision checks of both arms at once, by exact distances of convex shapes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -212,7 +212,7 @@ class CollisionChecker:
         """The model of the bodies that there are, under the rules in force."""
         if self._model is None:
             items = [*self._obstacles, *self._carried]
-            # A thing that was set down is an obstacle again: most sets of bodies come back.
+            # A body that was set down is an obstacle again: most sets of bodies come back.
             kinds = tuple(item.kind for item in items)
             model = self._models.pop(kinds, None)
             if model is None:

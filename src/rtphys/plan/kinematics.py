@@ -267,9 +267,9 @@ class ArmKinematics:
             p = (1 - s) * start + s * end
             X_WE = pin.SE3(R @ pin.exp3(s * turn), p)
             guess = 2 * q - previous if len(path) > 1 else q
-            found = self._descend(_Goal(X_WE, 2e-5, 2e-4), guess)
-            if found is None or np.abs(found - q).max() > _LARGEST_JUMP:
+            q_next = self._descend(_Goal(X_WE, 2e-5, 2e-4), guess)
+            if q_next is None or np.abs(q_next - q).max() > _LARGEST_JUMP:
                 return None
-            previous, q = q, found
+            previous, q = q, q_next
             path.append(q)
         return np.array(path)

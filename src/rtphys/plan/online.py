@@ -31,10 +31,10 @@ class Straight:
             ValueError: a number that is not finite.
         """
         self._q0, self._q1 = np.asarray(q0, float), np.asarray(q1, float)
-        self._way = self._q1 - self._q0
-        if not np.isfinite(self._way).all():
+        self._change = self._q1 - self._q0
+        if not np.isfinite(self._change).all():
             raise ValueError("the start or goal of a motion is not finite")
-        reach = np.abs(self._way)
+        reach = np.abs(self._change)
         self._moves = bool(reach.max() > SAME_POINT)
         if self._moves:
             share = np.maximum(reach, 1e-12)  # of the joint that goes furthest, for each joint
@@ -60,9 +60,9 @@ class Straight:
         done = np.where(t < ramp, 0.5 * a * t * t, cruise)
         done = np.where(left < ramp, 1 - 0.5 * a * left * left, done)
         speed = np.minimum(np.minimum(t, left) * a, v) * pace
-        q = self._q0 + done[:, None] * self._way
+        q = self._q0 + done[:, None] * self._change
         q[-1] = self._q1
-        return Trajectory(q, speed[:, None] * self._way)
+        return Trajectory(q, speed[:, None] * self._change)
 
 
 class Tracker:

@@ -1,4 +1,4 @@
-"""The pairs of one set of bodies, ready to be asked: what the checker keeps to use again."""
+"""The collision pairs of one set of bodies, which the checker keeps to use again."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -69,10 +69,10 @@ class PairModel:
         """
         replaced = zip(self._items, items, strict=True)
         for k, (old, new) in enumerate(replaced, len(self._robot.shapes)):
-            thing = self.geometry.geometryObjects[k]
-            thing.placement = new.placement
+            geometry_object = self.geometry.geometryObjects[k]
+            geometry_object.placement = new.placement
             if new.geometry is not old.geometry:
-                thing.geometry = new.geometry
+                geometry_object.geometry = new.geometry
                 self._balls[k] = bounding_sphere(new.geometry)
                 self._in_force = None  # the broad phase keeps shapes
         self._items = list(items)

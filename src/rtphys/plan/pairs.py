@@ -106,8 +106,8 @@ def _item_margins(bodies: Sequence[Body], own: int, rules: Rules) -> Array:
     unchecked = still[:, None] & still[own:]
     unchecked |= (owner[:, None] == owner[own:]) & hand[:, None] & hand[own:]
     # Two hands on one body: each may touch the body that the other one carries.
-    held = {(body.owner, body.name) for body in bodies if body.carried}
-    for side, touched in rules.ignored | held:
+    carried_by = {(body.owner, body.name) for body in bodies if body.carried}
+    for side, touched in rules.ignored | carried_by:
         fingers, body = hand & (owner == side), name == touched
         unchecked |= fingers[:, None] & body[own:] | body[:, None] & fingers[own:]
     margin[unchecked] = np.nan

@@ -86,17 +86,25 @@ def retime(waypoints: Array, limits: JointLimits, dt: float = TIME_STEP) -> Traj
         return Trajectory(points[-1:], np.zeros((1, points.shape[1])))
     profile = _trapezoid(path, limits) if path.straight else _toppra(path, limits)
     seconds = float(profile.t[-1])
-    for _ in range(_RETRIES):
-        steps = max(int(np.ceil(seconds / dt - 1e-9)), 1)
-        s, speed = _sampled(profile, steps, dt)
-        qd = path.at(s, 1) * speed[:, None]
+    s, qd = _at_steps(path, profile, seconds, dt)
+    for _ in range(_RETRIES - 1):
         excess = _excess(qd, limits, dt)
         if excess <= 1 + 1e-9:
             break
         seconds *= excess * _SLACK
+        s, qd = _at_steps(path, profile, seconds, dt)
     q = path.at(s)
     q[-1] = points[-1]
     return Trajectory(q, qd)
+
+
+def _at_steps(
+    path: BlendedPath, profile: _Profile, seconds: float, dt: float
+) -> tuple[Array, Array]:
+    """Lengths and joint velocities at each step of a motion that takes about `seconds`."""
+    steps = max(int(np.ceil(seconds / dt - 1e-9)), 1)
+    s, speed = _sampled(profile, steps, dt)
+    return s, path.at(s, 1) * speed[:, None]
 
 
 def _sampled(profile: _Profile, steps: int, dt: float) -> tuple[Array, Array]:

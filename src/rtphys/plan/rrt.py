@@ -1,4 +1,4 @@
-"""A way round: seeded RRT-Connect in joint space, then shortcuts. No wall clock anywhere."""
+"""Paths around obstacles: seeded RRT-Connect in joint space, then shortcuts. No time limit."""
 
 from collections.abc import Callable, Sequence
 
@@ -131,8 +131,8 @@ def _grow(
             if met is not None:
                 ends_at = (new, met) if first == 0 else (met, new)
                 # Both halves end at the meeting point; the second one leaves it out.
-                way = trees[0].branch(ends_at[0]) + trees[1].branch(ends_at[1])[-2::-1]
-                return np.array(way)
+                path = trees[0].branch(ends_at[0]) + trees[1].branch(ends_at[1])[-2::-1]
+                return np.array(path)
         first = 1 - first
     return None
 

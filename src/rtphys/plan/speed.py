@@ -64,7 +64,7 @@ def _controllable(solver: seidelWrapper, n: int) -> list[tuple[float, float]] | 
     """Least and largest squared speeds at each grid point from which the end can be reached."""
     up, down = np.array([1e-9, -1.0]), np.array([-1e-9, 1.0])
     low = high = 0.0
-    found = [(low, high)]
+    bounds = [(low, high)]
     for i in range(n - 1, -1, -1):
         after = low, high
         high = float(solver.solve_stagewise_optim(i, None, up, np.nan, np.nan, *after)[1])
@@ -72,8 +72,8 @@ def _controllable(solver: seidelWrapper, n: int) -> list[tuple[float, float]] | 
         if isnan(low) or isnan(high):
             return None
         low = max(low, 0.0)
-        found.append((low, high))
-    return found[::-1]
+        bounds.append((low, high))
+    return bounds[::-1]
 
 
 def _forward(

@@ -1,4 +1,4 @@
-"""What planning takes and gives: joint limits and sampled motions."""
+"""The input and output of motion planning: joint limits and sampled motions."""
 
 from dataclasses import dataclass
 

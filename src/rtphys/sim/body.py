@@ -138,8 +138,8 @@ class SimSurface:
             material.set_restitution(restitution)
 
     def materials(self) -> list[Material]:
-        found = [shape.physical_material for shape in self.shapes]
-        return [(m.static_friction, m.dynamic_friction, m.restitution) for m in found]
+        physical = [shape.physical_material for shape in self.shapes]
+        return [(m.static_friction, m.dynamic_friction, m.restitution) for m in physical]
 
 
 class SimJoint:

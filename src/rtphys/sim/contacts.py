@@ -1,4 +1,4 @@
-"""Who presses on whom: contact pairs by the names that tasks use."""
+"""Which objects and surfaces press on each other, by the names that tasks use."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from rtphys.sim.world import World
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """All contact between two named things at one instant."""
+    """All contact between two named objects or surfaces at one instant."""
 
     points: Array  # (n, 3) [m] world frame
     impulse: float  # [N s] sum of magnitudes over one step
@@ -31,12 +31,12 @@ class Contacts:
         owners = world.robot.link_owner()
         for link in world.robot.articulation.links:
             self._owner[link] = owners[link.name]
-        for thing in world.things.values():
-            for component in thing.links.values():
-                self._owner[component] = thing.name
+        for scene_object in world.scene_objects.values():
+            for component in scene_object.links.values():
+                self._owner[component] = scene_object.name
 
     def between(self, a: str, b: str) -> Touch | None:
-        """Contact with a positive impulse between two things now, or None."""
+        """Contact with a positive impulse between the two now, or None."""
         pair, contacts = self._of(a, b)
         if not contacts:
             return None
@@ -55,14 +55,14 @@ class Contacts:
         return pair, self._near.get(pair, [])
 
     def _read(self) -> dict[tuple[str, str], list[physx.PhysxContact]]:
-        found: dict[tuple[str, str], list[physx.PhysxContact]] = {}
+        by_pair: dict[tuple[str, str], list[physx.PhysxContact]] = {}
         owner = self._owner.get
         for contact in self._world.solver.get_contacts():
             first, second = contact.bodies
             a, b = owner(first), owner(second)
             if a is not None and b is not None and a != b:
-                found.setdefault((a, b) if a < b else (b, a), []).append(contact)
-        return found
+                by_pair.setdefault((a, b) if a < b else (b, a), []).append(contact)
+        return by_pair
 
 
 def _presses(point: physx.PhysxContactPoint) -> bool:
@@ -72,7 +72,7 @@ def _presses(point: physx.PhysxContactPoint) -> bool:
 
 
 def _touch(contacts: list[physx.PhysxContact]) -> Touch | None:
-    """What of these contacts presses."""
+    """Those points of these contacts that press; None where none does."""
     points = [p for contact in contacts for p in contact.points if _presses(p)]
     if not points:
         return None

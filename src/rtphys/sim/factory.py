@@ -12,7 +12,7 @@ from rtphys.core.poses import Array, Pose
 from rtphys.sim.body import SimBody, SimJoint, SimSurface
 from rtphys.sim.box_points import box_points
 from rtphys.sim.engine import renders, to_sapien
-from rtphys.sim.objects import Point, SimObject
+from rtphys.sim.objects import Point, SceneObject
 from rtphys.sim.urdf import build_articulation, nominal_shape_size
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
 
@@ -26,41 +26,41 @@ class ObjectFactory:
     def __init__(self, scene: sapien.Scene, pack: Pack, X_WT: Pose, scale: float) -> None:
         self.scene, self.pack, self.X_WT, self.scale = scene, pack, X_WT, scale
 
-    def build(self, prop: Prop) -> SimObject:
+    def build(self, prop: Prop) -> SceneObject:
         """Build one prop at its pose.
 
         Raises:
             MissingAsset, UnknownName, BadFile: from the pack.
         """
-        thing = self._articulated(prop) if isinstance(prop, Articulated) else self._rigid(prop)
-        thing.surfaces = [
+        built = self._articulated(prop) if isinstance(prop, Articulated) else self._rigid(prop)
+        built.surfaces = [
             SimSurface(
-                f"{prop.name}/{name}" if len(thing.links) > 1 else prop.name, c.collision_shapes
+                f"{prop.name}/{name}" if len(built.links) > 1 else prop.name, c.collision_shapes
             )
-            for name, c in thing.links.items()
+            for name, c in built.links.items()
             if c.collision_shapes
         ]
-        if prop.resting and prop.on_table and thing.surfaces:
-            self._stand(thing)
-        return thing
+        if prop.resting and prop.on_table and built.surfaces:
+            self._stand(built)
+        return built
 
     def _pose(self, prop: Prop) -> Pose:
         """World pose, before it is set down."""
         return self.X_WT @ prop.pose if prop.on_table else prop.pose
 
-    def _stand(self, thing: SimObject) -> None:
+    def _stand(self, built: SceneObject) -> None:
         """Move the object along the table normal until its lowest vertex is 1 mm above."""
-        lowest = (self.X_WT.inverse() @ thing.points())[:, 2].min()
+        lowest = (self.X_WT.inverse() @ built.points())[:, 2].min()
         up = self.X_WT.R[:, 2] * (TABLE_TOP + SPAWN_GAP - lowest)
-        moved = to_sapien(thing.pose.moved(up))
-        if thing.articulation is not None:
-            thing.articulation.set_root_pose(moved)
+        moved = to_sapien(built.pose.moved(up))
+        if built.articulation is not None:
+            built.articulation.set_root_pose(moved)
         else:
-            thing.root.entity.set_pose(moved)
+            built.root.entity.set_pose(moved)
 
     # ---- rigid -----------------------------------------------------------------------------
 
-    def _rigid(self, prop: Prop) -> SimObject:
+    def _rigid(self, prop: Prop) -> SceneObject:
         model = self.pack.model(prop.category, prop.model) if isinstance(prop, Mesh) else None
         scale = 1.0 if isinstance(prop, Box) and prop.visual_only else self.scale
         builder = self._shaped(prop, model, scale)
@@ -72,17 +72,17 @@ class ObjectFactory:
         if model is not None and not component.collision_shapes:
             # SAPIEN's builder swallows meshes it cannot cook and goes on without them.
             raise BadFile(model.collision, "PhysX could not cook any of its convex parts")
-        thing = SimObject(prop, component, {"": component})
-        thing.scaled = bool(component.collision_shapes)
-        thing.nominal_size = _nominal_size(prop, model)
-        self._annotate(thing, model, scale)
+        built = SceneObject(prop, component, {"": component})
+        built.scaled = bool(component.collision_shapes)
+        built.nominal_size = _nominal_size(prop, model)
+        self._annotate(built, model, scale)
         if isinstance(component, physx.PhysxRigidDynamicComponent):
             mass = prop.mass_kg if prop.mass_kg is not None or model is None else model.mass_kg
             _weigh(component, None if mass is None else mass * scale**3, model, scale)
             # SAPIEN's default of 0.05 would slow every spin by 5 %/s.
             component.set_angular_damping(prop.spin_decay if isinstance(prop, Ball) else 0.0)
-            thing.bodies = [SimBody(prop.name, component)]
-        return thing
+            built.bodies = [SimBody(prop.name, component)]
+        return built
 
     def _shaped(self, prop: Prop, model: Model | None, scale: float) -> ActorBuilder:
         """A builder with the prop's shapes; visual ones only where the scene can draw."""
@@ -108,8 +108,8 @@ class ObjectFactory:
                 builder.add_visual_from_file(str(model.visual), scale=size)
         return builder
 
-    def _annotate(self, thing: SimObject, model: Model | None, scale: float) -> None:
-        prop, c = thing.prop, thing.root
+    def _annotate(self, built: SceneObject, model: Model | None, scale: float) -> None:
+        prop, c = built.prop, built.root
         if isinstance(prop, Box):
             contacts, functional = box_points(prop, scale)
         elif model is not None:
@@ -117,12 +117,12 @@ class ObjectFactory:
             functional = [_scaled(m, scale) for m in model.functional_points]
         else:
             contacts, functional = [], []
-        thing.contact_points = [Point(c, X) for X in contacts]
-        thing.functional_points = [Point(c, X) for X in functional]
+        built.contact_points = [Point(c, X) for X in contacts]
+        built.functional_points = [Point(c, X) for X in functional]
 
     # ---- articulated -----------------------------------------------------------------------
 
-    def _articulated(self, prop: Articulated) -> SimObject:
+    def _articulated(self, prop: Articulated) -> SceneObject:
         asset = self.pack.articulation(prop.category, prop.model)
         offset = Pose.from_matrix(asset.root_offset)
         # The metadata's offset lifts the root so that the object stands on its origin's height.
@@ -132,8 +132,8 @@ class ObjectFactory:
         )
         art.set_name(prop.name)
         links = {link.name: link for link in art.links}
-        thing = SimObject(prop, art.root, dict(links), articulation=art)
-        thing.joints = [
+        built = SceneObject(prop, art.root, dict(links), articulation=art)
+        built.joints = [
             SimJoint(f"{prop.name}/{j.name}", j, asset.joint_damping) for j in art.active_joints
         ]
         self._preset(art, prop, asset.init_qpos)
@@ -145,15 +145,15 @@ class ObjectFactory:
             # A spring carries it (a laptop's lid stays where it is put).
             link.set_disable_gravity(link.name in asset.balanced_links)
         solid = [link for link in moving if link.collision_shapes]  # a root may be a mere frame
-        thing.bodies = [SimBody(f"{prop.name}/{link.name}", link) for link in solid]
-        thing.contact_points = [
+        built.bodies = [SimBody(f"{prop.name}/{link.name}", link) for link in solid]
+        built.contact_points = [
             Point(links[p.link], _scaled(p.matrix, self.scale)) for p in asset.contact_points
         ]
-        thing.functional_points = [
+        built.functional_points = [
             Point(links[p.link], _scaled(p.matrix, self.scale)) for p in asset.functional_points
         ]
-        thing.nominal_size = nominal_shape_size(asset.urdf, asset.scale)
-        return thing
+        built.nominal_size = nominal_shape_size(asset.urdf, asset.scale)
+        return built
 
     @staticmethod
     def _preset(art: physx.PhysxArticulation, prop: Articulated, initial: Array) -> None:

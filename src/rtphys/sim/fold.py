@@ -1,4 +1,4 @@
-"""Fewer links: what is fixed to a fixed root becomes part of it."""
+"""Fewer links: whatever is fixed to a fixed root link becomes part of that link."""
 
 import sapien
 from sapien.wrapper.articulation_builder import ArticulationBuilder

@@ -1,4 +1,4 @@
-"""The head camera's pose, as physics sees it; pictures are taken with it later."""
+"""The pose of the head camera, which physics may change; pictures are taken from it later."""
 
 import numpy as np
 

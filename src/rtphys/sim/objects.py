@@ -1,4 +1,4 @@
-"""Task objects in the simulator, with the points by which they are grasped and used."""
+"""Objects in the simulator, with the points by which they are grasped and used."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,7 +19,7 @@ from rtphys.sim.body import (
 from rtphys.sim.engine import from_sapien, to_sapien
 from rtphys.task.props import Prop
 
-LEAST_OFFSET = 0.001  # [m] of a centre of mass from the axis, for it to decide how a thing lies
+LEAST_OFFSET = 0.001  # [m] of a centre of mass from the axis, for it to decide how an object lies
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +36,8 @@ class Point:
 
 
 @dataclass(eq=False)
-class SimObject:
-    """One task object. `root` is the body whose frame is the object's frame."""
+class SceneObject:
+    """A task object or a piece of clutter. `root` is the body whose frame is the object's frame."""
 
     prop: Prop
     root: AnyBody
@@ -82,7 +82,7 @@ class SimObject:
         return shape_size(self._sized) / self.nominal_size
 
     def roll_down(self) -> None:
-        """Turn a round thing that lies until its centre of mass is underneath (`rolls_about`)."""
+        """Turn a round object that lies until its centre of mass is underneath (`rolls_about`)."""
         axis, pose = self.prop.rolling_axis, self.pose
         if axis is None or isinstance(self.root, physx.PhysxRigidStaticComponent):
             return
@@ -98,7 +98,7 @@ class SimObject:
         self.root.entity.set_pose(to_sapien(pose @ about))
 
     def _middle(self, axis: Array) -> Array:
-        """A point (3,) of the line that a round thing is round about, own frame [m]."""
+        """A point (3,) of the axis of a round object, own frame [m]."""
         points = body_points(self.root)
         u = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
         u /= np.linalg.norm(u)

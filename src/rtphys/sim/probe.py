@@ -26,15 +26,15 @@ def probe(shader: str = "slim") -> dict[str, object]:
         return {"cause": "no_loader", "detail": "libvulkan.so.1 cannot be loaded"}
     library, path = loaded
     facts: dict[str, object] = {"loader": path}
-    found = vulkan.devices(library)
-    facts["devices"] = [vars(device) for device in found]
-    if not found:
+    devices = vulkan.devices(library)
+    facts["devices"] = [vars(device) for device in devices]
+    if not devices:
         closed = [f for f in _GPU_FILES if Path(f).exists() and not os.access(f, os.R_OK | os.W_OK)]
         if closed:
             return facts | {"cause": "no_permission", "detail": f"cannot open {', '.join(closed)}"}
         return facts | {"cause": "no_driver", "detail": "the Vulkan loader finds no device"}
-    if not any(device.partially_bound for device in found):
-        names = ", ".join(f"{device.name} (Vulkan {device.api})" for device in found)
+    if not any(device.partially_bound for device in devices):
+        names = ", ".join(f"{device.name} (Vulkan {device.api})" for device in devices)
         return facts | {
             "cause": "old_driver",
             "detail": f"no descriptorBindingPartiallyBound on {names}",

@@ -1,4 +1,4 @@
-"""What happened, every 15 steps: commands, measurements, packed poses, and their hash."""
+"""Records a row every 15 steps: commands, measurements, packed poses; and hashes the states."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -74,7 +74,7 @@ class Recorder:
     def record(self, step: int) -> None:
         world = self._world
         robot, art = world.robot, world.robot.articulation
-        things = world.things.values()
+        scene_objects = world.scene_objects.values()
         row = Row(
             time=step * TIME_STEP,
             stage=len(self.recording.stages) - 1,
@@ -83,8 +83,8 @@ class Recorder:
             qpos=np.array(art.qpos, float),
             qvel=np.array(art.qvel, float),
             effort=robot.effort(),
-            objects={o.name: flat(o.pose) for o in things},
-            touched={o.name: self._touched(o.name) for o in things},
+            objects={o.name: flat(o.pose) for o in scene_objects},
+            touched={o.name: self._touched(o.name) for o in scene_objects},
             packed=world.scene.pack_poses(),
         )
         self.recording.rows.append(row)

@@ -45,13 +45,13 @@ class SceneView:
         known = self._poses.get(key)
         if known and known.step == self.world.steps:
             return known.X_TB
-        thing = self.world.object(prop)
-        if link and link not in thing.links:
-            raise UnknownName(f"link of {prop}", link, thing.links)
-        X_WB = (thing.links[link] if link else thing.root).entity_pose
+        scene_object = self.world.object(prop)
+        if link and link not in scene_object.links:
+            raise UnknownName(f"link of {prop}", link, scene_object.links)
+        X_WB = (scene_object.links[link] if link else scene_object.root).entity_pose
         p, q = X_WB.p, X_WB.q
         bits = p.tobytes() + q.tobytes()
-        # Most things lie still at most steps, to the last bit: their pose is not made anew.
+        # Most objects lie still at most steps, to the last bit: their pose is not made anew.
         if known and known.bits == bits:
             X_TB = known.X_TB
         else:
@@ -108,7 +108,7 @@ class SceneView:
         return self._X_TW @ touch.points if touch else np.empty((0, 3))
 
     def impulse(self, a: str, b: str) -> float:
-        """Sum of contact impulse magnitudes between two things in this step [N s]."""
+        """Sum of contact impulse magnitudes between the two in this step [N s]."""
         touch = self.contacts.between(a, b)
         return touch.impulse if touch else 0.0
 

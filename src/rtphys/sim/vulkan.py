@@ -108,9 +108,9 @@ def devices(library: ctypes.CDLL) -> list[Device]:
     library.vkEnumeratePhysicalDevices(instance, ctypes.byref(count), None)
     handles = (ctypes.c_void_p * count.value)()
     library.vkEnumeratePhysicalDevices(instance, ctypes.byref(count), handles)
-    found = [_describe(library, ctypes.c_void_p(handle)) for handle in handles]
+    devices = [_describe(library, ctypes.c_void_p(handle)) for handle in handles]
     library.vkDestroyInstance(instance, None)
-    return found
+    return devices
 
 
 def _describe(library: ctypes.CDLL, handle: ctypes.c_void_p) -> Device:

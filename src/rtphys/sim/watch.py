@@ -1,13 +1,14 @@
-"""A success condition that is asked again and again: what failed last is asked first."""
+"""A success condition polled at every step: the part that failed last is asked first."""
 
 from rtphys.task.scene import Scene
 from rtphys.task.success import Condition
 
 
 class Watch:
-    """Answers as `condition.holds` does, a condition of many parts mostly for the price of one.
+    """Gives the answers of `condition.holds` at a lower cost.
 
-    Little changes between two looks: the part that did not hold will mostly not hold yet.
+    A part that did not hold at the last poll mostly does not hold yet, so it is asked first and
+    the others need no asking.
     """
 
     def __init__(self, condition: Condition) -> None:

@@ -16,7 +16,7 @@ from rtphys.sim.body import SimBody, SimJoint, SimServo, SimSurface
 from rtphys.sim.engine import RATE, new_scene
 from rtphys.sim.factory import ObjectFactory
 from rtphys.sim.head_camera import HeadCamera
-from rtphys.sim.objects import SimObject
+from rtphys.sim.objects import SceneObject
 from rtphys.sim.robot import SimRobot
 from rtphys.sim.room import Room, TablePlan
 from rtphys.task.props import Ball, Prop
@@ -54,10 +54,10 @@ class World:
         self.X_WT = self.room.X_WT
         self.robot = SimRobot(self.scene, plan.pack.embodiment(plan.embodiment))
         factory = ObjectFactory(self.scene, plan.pack, self.X_WT, plan.blueprint.object_scale)
-        self.objects: dict[str, SimObject] = {p.name: factory.build(p) for p in plan.props}
+        self.objects: dict[str, SceneObject] = {p.name: factory.build(p) for p in plan.props}
         # After the task's own, so that these are built alike with clutter and without.
         plain = ObjectFactory(self.scene, plan.pack, self.X_WT, 1.0)
-        self.clutter: dict[str, SimObject] = {p.name: plain.build(p) for p in plan.clutter}
+        self.clutter: dict[str, SceneObject] = {p.name: plain.build(p) for p in plan.clutter}
         table = self.room.table.find_component_by_type(physx.PhysxRigidStaticComponent)
         assert isinstance(table, physx.PhysxRigidStaticComponent)
         self._table_surface = SimSurface("table", table.collision_shapes)
@@ -70,7 +70,7 @@ class World:
         self.policy_stage = False  # the external force acts only when true
 
     @property
-    def things(self) -> dict[str, SimObject]:
+    def scene_objects(self) -> dict[str, SceneObject]:
         """Task objects, then clutter."""
         return {**self.objects, **self.clutter}
 
@@ -82,7 +82,7 @@ class World:
 
     @property
     def surfaces(self) -> Sequence[SimSurface]:
-        objects = [s for o in self.things.values() for s in o.surfaces]
+        objects = [s for o in self.scene_objects.values() for s in o.surfaces]
         return [*objects, self._table_surface, *self.robot.pads]
 
     @property
@@ -128,7 +128,7 @@ class World:
         Raises:
             Infeasible: "unsettled", when one still moves after 5 s.
         """
-        loose = [(b, _rest_spin(o.prop)) for o in self.things.values() for b in o.bodies]
+        loose = [(b, _rest_spin(o.prop)) for o in self.scene_objects.values() for b in o.bodies]
         if not loose:
             return
         quiet = 0
@@ -142,7 +142,7 @@ class World:
 
     # ---- lookup --------------------------------------------------------------------------------
 
-    def object(self, name: str) -> SimObject:
+    def object(self, name: str) -> SceneObject:
         """A task object by its prop's name.
 
         Raises:
@@ -161,8 +161,8 @@ class World:
         """Joint positions, velocities and task body poses as one vector, for hashing."""
         art = self.robot.articulation
         parts = [art.qpos, art.qvel]
-        for thing in self.things.values():
-            for link in thing.links.values():
+        for scene_object in self.scene_objects.values():
+            for link in scene_object.links.values():
                 pose = link.entity_pose
                 parts += [pose.p, pose.q]
         return np.concatenate(parts)
