@@ -36,17 +36,17 @@ class Reproof(Study[Job, Slot]):
     """The first instances of one list."""
 
     path: Path
-    known: InstanceList
+    listed: InstanceList
     differences: list[str] = field(default_factory=list[str])
 
     def job(self, seed: int) -> Job:
-        return Job(Setting(self.known.task, self.known.protocol).at(seed), ())
+        return Job(Setting(self.listed.task, self.listed.protocol).at(seed), ())
 
     def reason(self, result: Slot) -> str:
         return ""
 
     def commit(self, seed: int, result: Slot) -> str:
-        (state,) = (slot.state for slot in self.known.slots if slot.seed == seed)
+        (state,) = (slot.state for slot in self.listed.slots if slot.seed == seed)
         if result.state != state:
             now = result.reason or result.state
             self.differences.append(f"{self.path}: seed {seed}: {now}, not {state}")
@@ -56,8 +56,8 @@ class Reproof(Study[Job, Slot]):
         return Slot(seed, loss.reason)
 
     def series(self, instances: int) -> Series[Job, Slot]:
-        seeds = [slot.seed for slot in self.known.feasible[:instances]]
-        return Series(self, Tally(f"{self.known.task}, {self.known.protocol}", len(seeds)), seeds)
+        seeds = [slot.seed for slot in self.listed.feasible[:instances]]
+        return Series(self, Tally(f"{self.listed.task}, {self.listed.protocol}", len(seeds)), seeds)
 
 
 def reprove(instances: int, listener: Listener) -> list[Reproof]:
@@ -72,7 +72,7 @@ def reprove(instances: int, listener: Listener) -> list[Reproof]:
 
 def renew(study: Reproof) -> bool:
     """Writes the list with the present fingerprint; False if that is the one it has."""
-    known = study.known
+    known = study.listed
     now = fingerprint_of(load_task(known.task), known.protocol, default_pack()).to_json()
     if now == known.fingerprint:
         return False
