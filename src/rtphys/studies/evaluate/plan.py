@@ -17,6 +17,7 @@ from rtphys.setting.option import (
     Seed,
     Tasks,
     Workers,
+    at_least,
     checked_dataclass,
     one_of,
 )
@@ -57,7 +58,9 @@ class EvaluatePlan:
     accept_changes: Annotated[
         bool, Option("Run on lists that have another certification fingerprint.")
     ] = False
-    timeout: Annotated[float, Option("Seconds of an episode before it is lost.")] = 1800.0
+    timeout: Annotated[float, at_least(1), Option("Seconds of an episode before it is lost.")] = (
+        1800.0
+    )
     workers: Workers = None
 
     @property
