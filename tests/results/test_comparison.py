@@ -16,7 +16,7 @@ from rtphys.results.comparison import columns_of, paired_comparisons
 from rtphys.results.folder import INSTANCES, RUN, record_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import InstanceList, Slot
-from rtphys.results.record_file import RecordFile
+from rtphys.results.record_file import write_records
 
 Outcomes = dict[tuple[str, str], dict[int, bool]]  # (protocol, task) -> seed -> success
 
@@ -35,9 +35,8 @@ def written(out: Path, policy: str, outcomes: Outcomes) -> Path:
         slots = tuple(Slot(seed, "", "0" * 16) for seed in sorted(seeds))
         made = InstanceList(task, protocol, FINGERPRINT, slots)
         write_instances(instance_file(out / INSTANCES, protocol, task), made)
-        file = RecordFile(record_file(out, protocol, task))
-        for seed, success in seeds.items():
-            file.append(EpisodeRecord(task, protocol, seed, success))
+        records = [EpisodeRecord(task, protocol, *outcome) for outcome in seeds.items()]
+        write_records(record_file(out, protocol, task), records)
     return out
 
 

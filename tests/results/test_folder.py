@@ -10,7 +10,7 @@ from rtphys.data.json_text import pretty
 from rtphys.results import read_results
 from rtphys.results.folder import INSTANCES, RUN, record_file, short_name, video_file
 from rtphys.results.instance_file import instance_file, write_instances
-from rtphys.results.record_file import RecordFile
+from rtphys.results.record_file import write_records
 
 
 def test_a_folder_of_results_is_read_again(tmp_path: Path) -> None:
@@ -21,7 +21,7 @@ def test_a_folder_of_results_is_read_again(tmp_path: Path) -> None:
     for protocol in ("clean", "phys_random"):
         place = instance_file(tmp_path / INSTANCES, protocol, "click_bell")
         write_instances(place, instances("click_bell", protocol, 1, 2))
-    RecordFile(record_file(tmp_path, "clean", "click_bell")).append(record(1))
+    write_records(record_file(tmp_path, "clean", "click_bell"), [record(1)])
     found = read_results(tmp_path)
     assert found.policy == "idle"
     assert found.records["clean", "click_bell"] == [record(1)]
