@@ -212,7 +212,7 @@ def test_a_policy_of_ones_own(tmp_path, episode: PolicyEpisode) -> None:
     other = tmp_path / "other" / "random.py"
     other.parent.mkdir()
     other.write_text("def make(setup):\n    return 'nothing that plays'\n")
-    with pytest.raises(BadValue, match="made a str"):
+    with pytest.raises(BadValue, match="it returned type str"):
         open_policy(f"python:{other}:make")
     with pytest.raises(UnknownName, match="did you mean 'make'"):
         open_policy(f"python:{file}:mak")

@@ -6,6 +6,7 @@ import pytest
 import synthetic
 from test_dataset_writer import collect
 
+from rtphys.assets.action_layout import ActionLayout
 from rtphys.assets.pack import Pack
 from rtphys.data.dataset import Dataset
 from rtphys.episode import prove
@@ -41,7 +42,7 @@ def attempts_of(monkeypatch: pytest.MonkeyPatch, hash_of_seed: str) -> list[tupl
     def attempt(recipe: Recipe, _: Task, pack: Pack) -> Attempt:
         asked.append((recipe.seed, pack.digest))
         states = hash_of_seed.format(recipe.seed)
-        return Attempt(recipe, recording=Recording((), hash=states))
+        return Attempt(recipe, recording=Recording((), ActionLayout(6), hash=states))
 
     monkeypatch.setattr(prove, "attempt", attempt)
     return asked

@@ -146,7 +146,7 @@ def test_a_policy_that_is_gone_stops_the_run_and_can_be_resumed(
 ) -> None:
     gone = {str(SEEDS[1]): "gone"}
     with pytest.raises(WorkerFailed, match="its server does not answer") as told:
-        evaluate(plan(tmp_path, lists, protocols=("clean",), options=gone), pack)
+        evaluate(plan(tmp_path, lists, protocols=("clean",), options=gone, workers=1), pack)
     assert told.value.exit_code == 5 and not told.value.trace
     left = read_records(record_file(tmp_path, "clean", TASK))
     assert [record.seed for record in left] == [SEEDS[0]]
