@@ -69,7 +69,7 @@ def run_all(
         RtphysError: an error in a worker that a user can cause, or one of the studies' own.
         Bug: any other exception in a worker.
     """
-    listener.started([one.tally for one in series])
+    listener.started([current.tally for current in series])
     try:
         _supervise(series, pool, listener, committed)
     except WorkerFailed as failure:
@@ -85,35 +85,36 @@ def _supervise(
     committed: Callable[[], None],
 ) -> None:
     while True:
-        while (
-            pool.room
-            and (index := next((i for i, one in enumerate(series) if one.wants(pool.size)), None))
-            is not None
-        ):
+        while pool.room and (index := _next_to_begin(series, pool.size)) is not None:
             _begin(series[index], index, pool)
-        for one in series:
-            one.close_if_over()
-        if not any(one.running and not one.over for one in series):
+        for current in series:
+            current.close_if_over()
+        if not any(current.running and not current.over for current in series):
             return
         for event in pool.wait():
             assert isinstance(event.name, Cell)
-            one = series[event.name.series]
+            current = series[event.name.series]
             if isinstance(event, Done):
-                one.take(event.name.seed, event.result)
+                current.take(event.name.seed, event.result)
             else:
-                one.lose(event.name.seed, event)
+                current.lose(event.name.seed, event)
             committed()
             listener.ticked()
         listener.ticked()
 
 
-def _begin(one: Series[J, R], index: int, pool: WorkerPool[J, R]) -> None:
-    seed = one.begin()
-    result = one.study.known(seed)
+def _next_to_begin(series: Sequence[Series[J, R]], workers: int) -> int | None:
+    """Number of the first series that wants a seed to begin."""
+    return next((n for n, current in enumerate(series) if current.wants(workers)), None)
+
+
+def _begin(current: Series[J, R], index: int, pool: WorkerPool[J, R]) -> None:
+    seed = current.begin()
+    result = current.study.known(seed)
     if result is None:
-        pool.submit(Cell(index, one.tally.name, seed), one.study.job(seed))
+        pool.submit(Cell(index, current.tally.name, seed), current.study.job(seed))
     else:
-        one.take(seed, result)
+        current.take(seed, result)
 
 
 def _bug(failure: WorkerFailed, folder: Path | None) -> Bug:

@@ -26,8 +26,9 @@ def certify(plan: CertifyPlan) -> None:
     with resumable(), campaign_progress("feasible seeds") as listener:
         lists = run_certification(plan, default_pack(listener.building), listener)
     _show(lists)
-    ends = [(one, one.series.halted or one.series.tally.stopped) for one in lists]
-    if given_up := [f"{one.series.tally.name}: {text}" for one, text in ends if text]:
+    all_series = [certified.series for certified in lists]
+    ends = [(series.tally.name, series.halted or series.tally.stopped) for series in all_series]
+    if given_up := [f"{name}: {text}" for name, text in ends if text]:
         raise Incomplete("; ".join(given_up))
 
 
@@ -37,16 +38,16 @@ def _show(lists: "Sequence[CertifiedList]") -> None:
 
     columns = ("feasible", "attempts", "replay", "twin", "infeasible, by reason")
     table = fitting_table(["task", "protocol"], columns)
-    for one in lists:
-        feasible = one.feasible
+    for certified in lists:
+        feasible = certified.feasible
         table.add_row(
-            one.setting.task,
-            one.setting.protocol,
+            certified.setting.task,
+            certified.setting.protocol,
             str(len(feasible)),
-            str(len(one.slots)),
+            str(len(certified.slots)),
             _share([slot.replay for slot in feasible]),
             _share([slot.twin for slot in feasible]),
-            reasons(Counter(slot.reason for slot in one.slots if not slot.feasible)),
+            reasons(Counter(slot.reason for slot in certified.slots if not slot.feasible)),
         )
     wide_console().print(table)
 

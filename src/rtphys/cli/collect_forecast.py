@@ -95,18 +95,19 @@ def children_cpu() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _show(expected: Estimate) -> None:
+def _show(total: Estimate) -> None:
     columns = ("episodes", "attempts", "CPU-s an episode", "MB")
     table = fitting_table(["task", "configuration"], columns, justify="right")
-    for plan, one in expected.rows:
+    for plan, expected in total.rows:
         setting = plan.setting
-        table.add_row(setting.task, plan.config or setting.protocol, *_cells(one))
+        table.add_row(setting.task, plan.config or setting.protocol, *_cells(expected))
     wide_console().print(table)
 
 
-def _cells(one: Expected) -> tuple[str, str, str, str]:
-    each = f"{one.cpu / one.episodes:.1f}" if one.episodes else "-"
-    return str(one.episodes), f"{one.attempts:.0f}", each, f"{one.bytes / 1e6:.1f}"
+def _cells(expected: Expected) -> tuple[str, str, str, str]:
+    each = f"{expected.cpu / expected.episodes:.1f}" if expected.episodes else "-"
+    megabytes = f"{expected.bytes / 1e6:.1f}"
+    return str(expected.episodes), f"{expected.attempts:.0f}", each, megabytes
 
 
 def _off(was: float, said: float) -> str:

@@ -90,7 +90,7 @@ def _parameters(kind: type) -> Iterator[inspect.Parameter]:
 
 
 def _option(hint: object) -> Option | None:
-    found = [one for one in getattr(hint, "__metadata__", ()) if isinstance(one, Option)]
+    found = [part for part in getattr(hint, "__metadata__", ()) if isinstance(part, Option)]
     return found[-1] if found else None  # the outermost annotation wins
 
 
@@ -104,8 +104,8 @@ def _spelled_type(hint: object) -> Any:
     """What typer is to read: several words for names and mappings, a word for what is loaded."""
     plain = _without_notes(hint)
     union = get_origin(plain) in (Union, UnionType)
-    options = [_without_notes(one) for one in get_args(plain)] if union else [plain]
-    kinds = [get_origin(one) or one for one in options if one is not NoneType]
+    options = [_without_notes(part) for part in get_args(plain)] if union else [plain]
+    kinds = [get_origin(part) or part for part in options if part is not NoneType]
     if len(kinds) == 1 and kinds[0] in (tuple, Mapping):
         return list[str] if not union and kinds[0] is tuple else list[str] | None
     if len(kinds) == 1 and kinds[0] in _READ_BY_TYPER:

@@ -25,4 +25,4 @@ def read_records(path: Path) -> list[EpisodeRecord]:
 def write_records(path: Path, records: Sequence[EpisodeRecord]) -> None:
     """Replace the file by a rename. Raises `CannotWrite`."""
     files.make_folder(path.parent)
-    files.replace_file(path, b"".join(compact(one.to_json()) + b"\n" for one in records))
+    files.replace_file(path, b"".join(compact(record.to_json()) + b"\n" for record in records))

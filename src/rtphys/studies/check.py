@@ -203,8 +203,12 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list
     scores = [Score(setting, plan.seeds) for setting in plan.settings()]
     counts: dict[Robot, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
     counts |= {"idle": plan.robots, "random": plan.robots}
-    trials = [RobotTrials(robot, score) for score in scores for robot in counts]
-    _run(plan, pack, [one.series(plan.first_seed, counts[one.robot]) for one in trials], listener)
+    series = [
+        RobotTrials(robot, score).series(plan.first_seed, count)
+        for score in scores
+        for robot, count in counts.items()
+    ]
+    _run(plan, pack, series, listener)
     return scores
 
 

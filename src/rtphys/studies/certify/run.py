@@ -35,7 +35,7 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
         lists = [_open(plan, task, name, pack) for name in plan.protocols for task in tasks]
         size = cores() if plan.workers is None else plan.workers
         with LocalPool[Job, Slot](CertifyWorker(pack), size, plan.limits, listener.noticed) as pool:
-            run_all([one.series for one in lists], pool, listener, plan.out)
+            run_all([certified.series for certified in lists], pool, listener, plan.out)
     return lists
 
 

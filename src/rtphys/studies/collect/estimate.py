@@ -78,12 +78,12 @@ class Estimate:
     @property
     def total(self) -> Expected:
         """Sum over all tasks, with the workers' start."""
-        found = [expected for _, expected in self.rows]
+        rows = [expected for _, expected in self.rows]
         return Expected(
-            sum(one.episodes for one in found),
-            sum(one.attempts for one in found),
-            sum(one.cpu for one in found) + self.workers * self.start_cpu,
-            sum(one.bytes for one in found),
+            sum(row.episodes for row in rows),
+            sum(row.attempts for row in rows),
+            sum(row.cpu for row in rows) + self.workers * self.start_cpu,
+            sum(row.bytes for row in rows),
         )
 
     @property

@@ -26,7 +26,9 @@ def plans_for(template: TaskPlan, tasks: Sequence[str], sweep: str = "") -> tupl
     """
     templates = swept(template, sweep) if sweep else (template,)
     return tuple(
-        replace(one, setting=replace(one.setting, task=task)) for one in templates for task in tasks
+        replace(variant, setting=replace(variant.setting, task=task))
+        for variant in templates
+        for task in tasks
     )
 
 

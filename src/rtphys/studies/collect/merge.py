@@ -156,10 +156,10 @@ def read_shards(parts: Sequence[Path]) -> dict[Path, Shard]:
     return found
 
 
-def _other_units(one: Shard, other: Shard) -> str:
-    if one.units == other.units:
+def _other_units(first: Shard, other: Shard) -> str:
+    if first.units == other.units:
         return ""
-    ours, theirs = ({unit.folder: unit for unit in shard.units} for shard in (one, other))
+    ours, theirs = ({unit.folder: unit for unit in shard.units} for shard in (first, other))
     for folder in sorted(ours.keys() | theirs.keys()):
         a, b = ours.get(folder), theirs.get(folder)
         if a is None or b is None:
@@ -220,7 +220,7 @@ def _check_finished(piece: ShardJournal, unit: Unit) -> None:
 def _check_alike(others: Sequence[ShardJournal], piece: ShardJournal) -> None:
     if not others:
         return
-    headers = [{**one.header, "stride": None} for one in (others[0], piece)]
+    headers = [{**journal.header, "stride": None} for journal in (others[0], piece)]
     if clauses := differences(*headers):
         places = f"{others[0].task_dataset.folder} and {piece.task_dataset.folder}"
         raise CannotMerge(f"{places} were collected differently: {'; '.join(clauses)}")

@@ -77,7 +77,7 @@ def collect(
         ]
         pool = stack.enter_context(_pool(run, CollectWorker(pack, run.shader), tasks, listener))
         run_all(series, pool, listener, run.out, dataset.checkpoint_if_due)
-    return Summary(run.out, [one.tally for one in series], time.monotonic() - began)
+    return Summary(run.out, [part.tally for part in series], time.monotonic() - began)
 
 
 def _writers(
@@ -154,15 +154,15 @@ class TaskCollection(Study[Job, Sent]):
     def arrived(self, seed: int, result: Sent) -> Results:
         """Files from other machines are put where those of this one are."""
         return tuple(
-            one.land(folder) if isinstance(one, Shipped) else one
-            for one, folder in zip(result, self.folders(seed), strict=True)
+            outcome.land(folder) if isinstance(outcome, Shipped) else outcome
+            for outcome, folder in zip(result, self.folders(seed), strict=True)
         )
 
     def commit(self, seed: int, result: Sent) -> str:
         """Raises `DatasetMismatch`: an attempt that a twin holds came out otherwise this time."""
-        for writer, one in zip(self.writers, result, strict=True):
-            assert not isinstance(one, Shipped)  # it has arrived
-            _record(writer, one)
+        for writer, outcome in zip(self.writers, result, strict=True):
+            assert not isinstance(outcome, Shipped)  # it has arrived
+            _record(writer, outcome)
         return ""
 
     def lost(self, seed: int, loss: Lost) -> Sent:

@@ -41,8 +41,8 @@ class CollectWorker(StudyWorker[Job, Results]):
     def do(self, job: Job) -> Results:
         """Simulates all recipes; draws, encodes and stages when every one succeeds."""
         attempts = self.attempt(job.recipes)
-        if not all(one.accepted for one in attempts):
-            return tuple(_refused(one, attempts) for one in attempts)
+        if not all(tried.accepted for tried in attempts):
+            return tuple(_refused(tried, attempts) for tried in attempts)
         return self.stage(attempts, job)
 
     def attempt(self, recipes: tuple[Recipe, ...]) -> list[Attempt]:
@@ -62,14 +62,14 @@ class CollectWorker(StudyWorker[Job, Results]):
         return tuple(staged)
 
 
-def _refused(one: Attempt, attempts: list[Attempt]) -> Rejection:
+def _refused(tried: Attempt, attempts: list[Attempt]) -> Rejection:
     """Its own reason, or its twin's: half a pair is no episode."""
-    physics = one.instance.physics if one.instance else None
-    if not one.accepted:
-        return rejection(one.recipe, one.reason, one.detail, physics)
+    physics = tried.instance.physics if tried.instance else None
+    if not tried.accepted:
+        return rejection(tried.recipe, tried.reason, tried.detail, physics)
     other = next(twin for twin in attempts if not twin.accepted)
     why = f"under {other.recipe.protocol}: {other.reason}"
-    return rejection(one.recipe, "untwinned", why, physics)
+    return rejection(tried.recipe, "untwinned", why, physics)
 
 
 def rejection(

@@ -100,7 +100,7 @@ def _of_dataset(folder: Path, task: str, protocol: str, now: Fingerprint) -> Ins
         problem = "attributes were picked or held in it, which an evaluation does not know"
         raise BadValue("instances", str(folder), problem)
     slots = tuple(
-        Slot(one.seed, (one.reason or "rejected") if one.verdict == "rejected" else "")
-        for one in entry.attempts
+        Slot(attempt.seed, (attempt.reason or "rejected") if attempt.verdict == "rejected" else "")
+        for attempt in entry.attempts
     )
     return InstanceList(task, protocol, now.to_json(), slots)

@@ -61,7 +61,8 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
         newer = [EpisodeRecord.from_json(row, where) for row in self._journal.rows]
         self._all = [*there[:older], *newer] if newer else there
         self._written_at = time.monotonic()
-        seeds, known = [slot.seed for slot in instances.feasible], [one.seed for one in self._all]
+        seeds = [slot.seed for slot in instances.feasible]
+        known = [record.seed for record in self._all]
         # A longer run may stand there: more episodes were asked for once.
         if known[: len(seeds)] != seeds[: len(known)]:
             raise BadFile(self.path, "its seeds are not those of the instance list")
