@@ -54,6 +54,7 @@ def test_a_bug_comes_out_with_its_traceback(cluster: None) -> None:
     assert "pool_jobs.py" in caught.value.trace
 
 
+@pytest.mark.slow  # Ray takes its time to find out
 def test_without_a_cluster_the_cure_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ray, "is_initialized", lambda: False)
     with pytest.raises(NoCluster, match="ray start --head"):
