@@ -1,7 +1,7 @@
 """What verbs ask before anything moves: can an arm reach, and does it touch anything there?
 
 Questions change neither the world nor the answer to another question; only inverse kinematics
-draws from the episode's generator. What the other arm is about to do is told with each of them.
+draws from the episode's generator. Each question states what the other arm is about to do.
 """
 
 from collections.abc import Sequence

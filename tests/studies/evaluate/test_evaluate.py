@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -21,7 +20,6 @@ from rtphys.campaign.workers.pool import WorkerFailed
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.video import probe
-from rtphys.episode.film import montage
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import PolicySetup
 from rtphys.results import read_results
@@ -202,14 +200,6 @@ def test_what_cannot_be_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> N
     assert not (tmp_path / "out").exists()
 
 
-def test_the_command_spells_what_certifies(tmp_path: Path) -> None:
-    options = ["--task", TASK, "--protocol", "clean", "--instances", str(tmp_path)]
-    done = CliRunner().invoke(app, ["evaluate", "--policy", "idle", *options])
-    assert done.exit_code == 2
-    cure = f"`rtphys certify --task {TASK} --protocol clean --feasible 100 --out FOLDER`"
-    assert f"does not exist; to certify: {cure}, then set --instances" in done.stderr
-
-
 def test_a_list_with_another_fingerprint_is_refused(
     tmp_path: Path, lists: Path, pack: Pack
 ) -> None:
@@ -245,17 +235,6 @@ def test_a_folder_holds_one_evaluation(tmp_path: Path, lists: Path, pack: Pack) 
         run(resume=False)
     run(episodes=None)  # more of the same: all there are
     assert len(read_records(record_file(tmp_path, "clean", TASK))) == 2
-
-
-def test_a_video_shows_the_head_over_both_wrists() -> None:
-    pictures = {
-        name: np.full((240, 320, 3), value, np.uint8)
-        for name, value in (("head_camera", 10), ("left_camera", 20), ("right_camera", 30))
-    }
-    frame = montage(pictures)
-    assert frame.shape == (360, 320, 3)
-    assert (frame[:240] == 10).all()
-    assert (frame[240:, :160] == 20).all() and (frame[240:, 160:] == 30).all()
 
 
 @pytest.mark.render

@@ -97,7 +97,8 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
 
     def write(self) -> None:
         """Brings the file that people read up to date. Raises `CannotWrite`."""
-        write_records(self.path, self._all)
+        if self._all:  # an interrupted run leaves no empty files of what it never came to
+            write_records(self.path, self._all)
         self._written_at = time.monotonic()
 
     def close(self) -> None:
