@@ -57,7 +57,7 @@ class ExpertArm:
         return self._intents.get("right" if self.side == "left" else "left")
 
     def _intend(self, path: Path, around: str = "") -> None:
-        """State where this arm will go, and which prop its hand may touch there (empty: the last)."""
+        """State where this arm will go, and the prop it may touch there (empty: as before)."""
         before = self._intents.get(self.side)
         around = around or (before.around if before else "")
         self._intents[self.side] = Intent(path.end, around)
