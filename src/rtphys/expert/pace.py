@@ -9,7 +9,6 @@ from rtphys.sim.body import SimBody
 from rtphys.sim.engine import from_sapien
 from rtphys.sim.world import World
 
-SHARE = 0.7  # of the commanded force that both pads really exert (measured: 24 N of 35 N)
 PATCH = 0.015  # [m] arm with which friction on a pad resists turning
 
 
@@ -17,7 +16,7 @@ def grip_force(gap: float, embodiment: Embodiment) -> float:
     """Normal force of one finger on a load that keeps the pads `gap` [m] apart [N]."""
     # A closed command lies past the middle, so an empty hand still presses.
     closed, _ = embodiment.gripper_scale
-    return SHARE * embodiment.gripper_stiffness * (gap / 2 - closed)
+    return embodiment.gripper_stiffness * (gap / 2 - closed)
 
 
 def hold_margin(world: World, prop: str, sides: list[str]) -> float:

@@ -186,11 +186,18 @@ class SimServo:
     """The position servo of one robot joint (`rtphys.physics.handles.Servo`)."""
 
     def __init__(
-        self, joint: physx.PhysxArticulationJoint, stiffness: float, damping: float
+        self, joint: physx.PhysxArticulationJoint, gains: tuple[float, float], armature: float
     ) -> None:
-        self.joint, self._nominal = joint, damping
+        """Take over a joint.
+
+        Args:
+            gains: stiffness [N m/rad or N/m] and nominal damping [N m s/rad or N s/m].
+            armature: inertia of the rotor as the joint feels it [kg m^2 or kg].
+        """
+        self.joint, (stiffness, self._nominal) = joint, gains
         joint.set_friction(0.0)
-        joint.set_drive_properties(stiffness, damping)
+        joint.set_drive_properties(stiffness, self._nominal)
+        joint.set_armature(np.array([[armature]], np.float32))
 
     @property
     def name(self) -> str:

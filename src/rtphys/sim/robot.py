@@ -17,6 +17,8 @@ from rtphys.sim.urdf import build_robot
 # [m] Soft pads: what is this near to them shares in a grip's friction, so that a load does not
 # turn about the one point at which rigid faces would meet.
 PAD_OFFSET = 0.02
+# [m^2/s^2] PhysX's own 0.005 puts an arm to sleep that still sinks under its load by 2 mrad/s.
+SLEEP = 1e-12
 
 
 class SimArm:
@@ -33,9 +35,13 @@ class SimArm:
         self.joints = [art.active_joints[i] for i in self.index]
         self._fingers = [art.active_joints[i] for i in self.finger_index]
         self._mimics = [(1.0, 0.0), *((m.multiplier, m.offset) for m in limb.mimics)]
-        self.servos = [SimServo(j, body.joint_stiffness, body.joint_damping) for j in self.joints]
+        gains, finger_gains = (
+            (body.joint_stiffness, body.joint_damping),
+            (body.gripper_stiffness, body.gripper_damping),
+        )
+        self.servos = [SimServo(j, gains, body.joint_armature) for j in self.joints]
         self.finger_servos = [
-            SimServo(j, body.gripper_stiffness, body.gripper_damping) for j in self._fingers
+            SimServo(j, finger_gains, body.gripper_armature) for j in self._fingers
         ]
         self.ee_link = art.find_link_by_name(limb.ee_link)
         self.finger_links = [j.child_link for j in self._fingers]
@@ -134,6 +140,7 @@ class SimRobot:
         self.scene, self.embodiment = scene, embodiment
         art = build_robot(scene, embodiment.urdf, embodiment.bases[0])
         art.set_name(embodiment.name)
+        art.set_sleep_threshold(SLEEP)
         self.articulation: physx.PhysxArticulation = art
         self._servoed = list(art.active_joints)
         qpos = np.zeros(art.dof)
