@@ -78,7 +78,8 @@ class ObjectFactory:
         built.nominal_size = _nominal_size(prop, model)
         self._annotate(built, model, scale)
         if isinstance(component, physx.PhysxRigidDynamicComponent):
-            _mass_properties(component, prop, model, scale).give(component)
+            if component.collision_shapes:  # a mere mark weighs what SAPIEN gives it
+                _mass_properties(component, prop, model, scale).give(component)
             # SAPIEN's default of 0.05 would slow every spin by 5 %/s.
             component.set_angular_damping(prop.spin_decay if isinstance(prop, Ball) else 0.0)
             built.bodies = [SimBody(prop.name, component)]

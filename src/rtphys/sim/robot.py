@@ -159,6 +159,10 @@ class SimRobot:
             for arm in self.arms
             for link in arm.finger_links
         ]
+        fingers = {link for arm in self.arms for link in arm.finger_links}
+        self.body = SimSurface(
+            "robot", shapes_of(link for link in art.links if link not in fingers)
+        )
 
     @property
     def arms(self) -> tuple[SimArm, SimArm]:
