@@ -69,6 +69,8 @@ def test_rows_are_the_episodes(v3: Path, dataset: Dataset) -> None:
         vector = episode.frames.vector.astype(np.float32)
         np.testing.assert_array_equal(table["observation.state"][rows], vector[:-1])
         np.testing.assert_array_equal(table["action"][rows], vector[1:])
+        effort = episode.frames.effort.astype(np.float32)
+        np.testing.assert_array_equal(table["observation.effort"][rows], effort[:-1])
         np.testing.assert_allclose(table["timestamp"][rows], episode.frames.time[:-1], atol=1e-6)
 
 

@@ -199,7 +199,7 @@ def test_gymnasiums_own_vector_environment() -> None:
         seen, reward, _, _, _ = many.step(action)
         own = [env.step(action[i])[0] for i, env in enumerate(alone)]
         for i in range(2):
-            for key in ("measured", "velocities"):
+            for key in ("measured", "velocities", "efforts"):
                 np.testing.assert_array_equal(seen[key][i], own[i][key])
             np.testing.assert_array_equal(seen["objects"]["bell"][i], own[i]["objects"]["bell"])
         assert reward.tolist() == [0.0, 0.0]

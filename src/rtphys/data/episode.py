@@ -50,7 +50,9 @@ class Frames:
     right_endpose: Floats  # (T, 7)
     qpos: Floats  # (T, n) measured [rad or m]
     qvel: Floats  # (T, n) measured [rad/s or m/s]
-    effort: Floats  # (T, n) measured joint force [N m or N]
+    # (T, n) what each joint exerts along its axis, measured [N m or N]; the robot's own weight is
+    # compensated and not in it. Files before dataset version 2.0 hold what the servos asked for.
+    effort: Floats
     joint_names: tuple[str, ...]  # n names
     object_poses: Mapping[str, Floats]  # name -> (T, 7)
     contacts: Mapping[str, NDArray[np.bool_]]  # name -> (T, 2), touched by (left, right) gripper

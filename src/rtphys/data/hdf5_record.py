@@ -20,7 +20,7 @@ POSE = "x y z [m], qw qx qy qz; world frame"
 MEASURED = {
     "qpos": "rad or m, measured",
     "qvel": "rad/s or m/s, measured",
-    "effort": "N m or N, measured",
+    "effort": "N m or N, measured: what the joint exerts along its axis, net of the robot's weight",
 }
 CALIBRATION = {
     "intrinsic_cv": "px",

@@ -34,6 +34,9 @@ class Observation:
     endposes: Mapping[str, Array]  # "left", "right": measured pose (7,) of the ee frame
     measured: Array  # (N,) joint positions [rad] and openings measured, in the order of `vector`
     velocities: Array  # (N - 2,) joint velocities measured, left then right [rad/s]
+    # (N,) what each joint exerts, measured [N m], and the mean of a hand's fingers [N], negative
+    # when they press on something between them; in the order of `vector`.
+    efforts: Array
     draw: Callable[[], Mapping[str, CameraView]] = field(repr=False)
 
     @property

@@ -99,6 +99,7 @@ class PolicyEpisode:
         qpos, qvel = (
             np.asarray(raw, float) for raw in (robot.articulation.qpos, robot.articulation.qvel)
         )
+        effort = robot.effort()
         packed = self.rollout.world.scene.pack_poses()
         frame = self.rollout.steps // FRAME_STEPS
         return Observation(
@@ -108,6 +109,9 @@ class PolicyEpisode:
             endposes={arm.side: flat(arm.ee()) for arm in robot.arms},
             measured=np.concatenate([np.append(qpos[a.index], a.opening()) for a in robot.arms]),
             velocities=np.concatenate([qvel[arm.index] for arm in robot.arms]),
+            efforts=np.concatenate(
+                [np.append(effort[a.index], effort[a.finger_index].mean()) for a in robot.arms]
+            ),
             draw=lambda: self._mirror.views(packed, frame),
         )
 

@@ -33,6 +33,7 @@ def columns_of(episode: Episode, at: Position) -> Columns:
     return {
         "observation.state": frames.vector[:-1].astype(np.float32),
         "observation.ee_pose": ee[:-1].astype(np.float32),
+        "observation.effort": frames.effort[:-1].astype(np.float32),
         "action": frames.vector[1:].astype(np.float32),
         "timestamp": (order / float(RATE)).astype(np.float32),
         "frame_index": order,

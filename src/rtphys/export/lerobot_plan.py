@@ -35,6 +35,7 @@ class Plan:
     cameras: Mapping[str, str]  # official name -> name in the export
     size: tuple[int, int]  # height, width of every picture
     layout: ActionLayout  # of states and actions
+    joints: tuple[str, ...]  # of efforts
 
     def video_key(self, camera: str) -> str:
         """Feature name of a camera's video."""
@@ -53,8 +54,13 @@ class Plan:
             "video.channels": 3,
             "has_audio": False,
         }
-        joints = list(self.layout.names)
-        vectors = {"observation.state": joints, "observation.ee_pose": POSE, "action": joints}
+        commands = list(self.layout.names)
+        vectors = {
+            "observation.state": commands,
+            "observation.ee_pose": POSE,
+            "observation.effort": list(self.joints),
+            "action": commands,
+        }
         features: dict[str, dict[str, object]] = {
             name: {"dtype": "float32", "shape": [len(parts)], "names": parts}
             for name, parts in vectors.items()
@@ -91,7 +97,8 @@ def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
     if len({*sizes.values()}) != 1:
         raise BadValue("cameras", sizes, "all pictures of an export must have one size")
     height, width, _ = next(iter(sizes.values()))
-    return Plan(version, chosen, (height, width), episode.frames.layout)
+    frames = episode.frames
+    return Plan(version, chosen, (height, width), frames.layout, frames.joint_names)
 
 
 def _names(naming: str, cameras: tuple[str, ...]) -> dict[str, str]:

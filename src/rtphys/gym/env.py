@@ -159,6 +159,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
                 "agent_pos": now.vector,
                 "measured": now.measured,
                 "velocities": now.velocities,
+                "efforts": now.efforts,
                 "endposes": now.endposes,
                 "objects": object_poses(episode),
                 **({"joints": joints} if joints else {}),

@@ -38,6 +38,7 @@ def state(bounds: Limits, props: Sequence[Prop]) -> dict[str, spaces.Space]:
         "agent_pos": commands(bounds),
         "measured": _numbers(size),
         "velocities": _numbers(size - len(SIDES)),
+        "efforts": _numbers(size),
         "endposes": spaces.Dict({side: _numbers(7) for side in SIDES}),
         "objects": spaces.Dict({prop.name: _numbers(7) for prop in props}),
     }

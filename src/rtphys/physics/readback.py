@@ -17,7 +17,7 @@ def readback(world: World) -> dict[str, Group | dict[str, Plain]]:
     tilt, height = world.measured_table()
     return {
         "bodies": {b.name: _body(b.mass, b.inertia, b.com) for b in world.bodies},
-        "surfaces": {s.name: _surface(s) for s in world.surfaces},
+        "surfaces": {s.name: _surface(s) for s in (*world.surfaces, *world.scenery)},
         "joints": {j.name: {"damping": j.damping, "friction": j.friction} for j in world.joints},
         "servos": {
             s.name: {"damping": s.damping} for s in (*world.arm_servos, *world.gripper_servos)

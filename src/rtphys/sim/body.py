@@ -115,6 +115,11 @@ class SimBody:
         self.component.set_cmass_local_pose(sapien.Pose(np.asarray(p, float).tolist(), rotation))
 
 
+# Friction, static and dynamic, and restitution of whatever no attribute writes: what RoboTwin
+# states for its scenes (`default_physical_material`), instead of SAPIEN's 0.3, 0.3 and 0.1.
+MATERIAL: Material = (0.5, 0.5, 0.0)
+
+
 class SimSurface:
     """Shapes that share one material of their own (`rtphys.physics.handles.Surface`)."""
 
@@ -122,7 +127,7 @@ class SimSurface:
         self._name = name
         self.shapes = list(shapes)
         # SAPIEN bodies share a default material: editing one would edit them all.
-        material = physx.PhysxMaterial(0.5, 0.5, 0.0)
+        material = physx.PhysxMaterial(*MATERIAL)
         for shape in self.shapes:
             shape.set_physical_material(material)
 

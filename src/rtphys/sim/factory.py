@@ -12,6 +12,7 @@ from rtphys.core.poses import Array, Pose
 from rtphys.sim.body import SimBody, SimJoint, SimSurface
 from rtphys.sim.box_points import box_points
 from rtphys.sim.engine import renders, to_sapien
+from rtphys.sim.mass_properties import MassProperties, of_shapes
 from rtphys.sim.objects import Point, SceneObject
 from rtphys.sim.urdf import build_articulation, nominal_shape_size
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
@@ -77,8 +78,8 @@ class ObjectFactory:
         built.nominal_size = _nominal_size(prop, model)
         self._annotate(built, model, scale)
         if isinstance(component, physx.PhysxRigidDynamicComponent):
-            mass = prop.mass_kg if prop.mass_kg is not None or model is None else model.mass_kg
-            _weigh(component, None if mass is None else mass * scale**3, model, scale)
+            if component.collision_shapes:  # a mere mark weighs what SAPIEN gives it
+                _mass_properties(component, prop, model, scale).give(component)
             # SAPIEN's default of 0.05 would slow every spin by 5 %/s.
             component.set_angular_damping(prop.spin_decay if isinstance(prop, Ball) else 0.0)
             built.bodies = [SimBody(prop.name, component)]
@@ -126,7 +127,7 @@ class ObjectFactory:
         asset = self.pack.articulation(prop.category, prop.model)
         offset = Pose.from_matrix(asset.root_offset)
         # The metadata's offset lifts the root so that the object stands on its origin's height.
-        pose = self._pose(prop).moved(offset.p * self.scale)
+        pose = self._pose(prop.at(prop.pose.moved(offset.p * self.scale)))
         art = build_articulation(
             self.scene, asset.urdf, pose, asset.scale * self.scale, fixed=prop.fixed
         )
@@ -144,6 +145,8 @@ class ObjectFactory:
             link.set_angular_damping(0.0)
             # A spring carries it (a laptop's lid stays where it is put).
             link.set_disable_gravity(link.name in asset.balanced_links)
+            if link.auto_compute_mass and link.collision_shapes:  # the URDF states none
+                of_shapes(link.collision_shapes).give(link)
         solid = [link for link in moving if link.collision_shapes]  # a root may be a mere frame
         built.bodies = [SimBody(f"{prop.name}/{link.name}", link) for link in solid]
         built.contact_points = [
@@ -186,26 +189,20 @@ def _scaled(matrix: Array, scale: float) -> Pose:
     return Pose(X.p * scale, X.q)
 
 
-def _weigh(
-    component: physx.PhysxRigidDynamicComponent,
-    mass: float | None,
-    model: Model | None,
-    scale: float,
-) -> None:
-    """Give a body its stated mass; the model's own centre and inertia where it states them.
+def _mass_properties(
+    component: physx.PhysxRigidDynamicComponent, prop: Prop, model: Model | None, scale: float
+) -> MassProperties:
+    """Of a built rigid body: what its pack states, else what its shapes weigh.
 
-    Inertia from convex parts of one density is off by up to a factor of two for things whose
-    parts differ (a hammer's head and handle).
+    A pack states what follows from the visible solids and their materials: convex parts of one
+    density are off by up to a factor of two for things whose parts differ (a hammer's head and
+    handle).
     """
-    if mass is None:
-        return
-    if model is not None and model.inertia is not None and model.center_of_mass is not None:
-        moments, axes = np.linalg.eigh(model.inertia)
-        axes[:, 2] *= np.sign(np.linalg.det(axes))
-        centre = Pose(model.center_of_mass * scale, Pose.from_matrix(axes).q)
-        component.set_cmass_local_pose(to_sapien(centre))
-        inertia = moments * (mass * scale**2 / (model.mass_kg or mass))
+    if model is None or model.mass_kg is None:
+        own = of_shapes(component.collision_shapes)
+    elif model.inertia is None or model.center_of_mass is None:
+        own = of_shapes(component.collision_shapes).weighing(model.mass_kg * scale**3)
     else:
-        inertia = np.array(component.inertia) * (mass / component.mass)
-    component.set_mass(mass)  # leaves the inertia as it was, and ends auto-computation
-    component.set_inertia(inertia.tolist())
+        stated = MassProperties(model.mass_kg, model.center_of_mass, model.inertia)
+        own = stated.scaled(scale)
+    return own if prop.mass_kg is None else own.weighing(prop.mass_kg * scale**3)

@@ -25,7 +25,7 @@ class Row:
     ee: Array  # (2, 7) measured end-effector poses, left and right
     qpos: Array  # (n,)
     qvel: Array  # (n,)
-    effort: Array  # (n,)
+    effort: Array  # (n,) measured, `SimRobot.effort`
     objects: dict[str, Array]  # name -> (7,)
     touched: dict[str, tuple[bool, bool]]  # name -> by the left, by the right gripper
     packed: bytes  # scene.pack_poses(): all that a picture needs

@@ -1,7 +1,5 @@
 """The dual-arm robot in the simulator: servos, commands, measured states."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import sapien
 from sapien import physx
@@ -30,7 +28,6 @@ class SimArm:
         names = [j.name for j in art.active_joints]
         self.index = np.array([names.index(j) for j in limb.joints])
         self.finger_index = np.array([names.index(j) for j in limb.finger_joints])
-        self._columns = self.index.tolist()
         self._finger_columns = self.finger_index.tolist()
         self.joints = [art.active_joints[i] for i in self.index]
         self._fingers = [art.active_joints[i] for i in self.finger_index]
@@ -103,12 +100,6 @@ class SimArm:
         base = self._embodiment.finger_target(self.gripper)
         return [multiplier * base + offset for multiplier, offset in self._mimics]
 
-    def wanted(self) -> Iterator[tuple[int, float, float]]:
-        """Of each joint: its place in qpos, drive target [rad, m] and target velocity."""
-        yield from zip(self._columns, self._q, self._qd, strict=True)
-        for column, target in zip(self._finger_columns, self.finger_targets, strict=True):
-            yield column, target, 0.0
-
     def measured(self) -> Array:
         """Measured joint positions (n,) [rad]."""
         return np.asarray(self._articulation.qpos, float)[self.index]
@@ -142,7 +133,10 @@ class SimRobot:
         art.set_name(embodiment.name)
         art.set_sleep_threshold(SLEEP)
         self.articulation: physx.PhysxArticulation = art
-        self._servoed = list(art.active_joints)
+        links = [link.name for link in art.links]
+        rows = [links.index(joint.child_link.name) for joint in art.active_joints]
+        # Force, then torque, in the joint's own frame, whose x is the axis.
+        self._along_axis = rows, [0 if j.type == "prismatic" else 3 for j in art.active_joints]
         qpos = np.zeros(art.dof)
         for joint in art.active_joints:
             joint.set_friction(0.0)
@@ -166,6 +160,10 @@ class SimRobot:
             for arm in self.arms
             for link in arm.finger_links
         ]
+        fingers = {link for arm in self.arms for link in arm.finger_links}
+        self.body = SimSurface(
+            "robot", shapes_of(link for link in art.links if link not in fingers)
+        )
 
     @property
     def arms(self) -> tuple[SimArm, SimArm]:
@@ -197,16 +195,13 @@ class SimRobot:
         ]
 
     def effort(self) -> Array:
-        """(dof,) what each servo exerts now: k (target - q) + d (target velocity - qd)."""
-        art = self.articulation
-        wanted = [(0.0, 0.0)] * art.dof  # where it stays for the joints of _lock_scenery
-        for arm in self.arms:
-            for i, q, qd in arm.wanted():
-                wanted[i] = q, qd
-        joints = zip(self._servoed, wanted, art.qpos.tolist(), art.qvel.tolist(), strict=True)
-        # Plain floats: for so few joints they beat arrays five to one.
-        efforts = [j.stiffness * (t - q) + j.damping * (w - v) for j, (t, w), q, v in joints]
-        return np.array(efforts, float)
+        """(dof,) what each joint exerted on its link in the last step: [N m], or [N] if it slides.
+
+        Measured: what the joint transmits along its own axis, positive where that pushes the joint
+        up. The links weigh nothing (gravity is compensated), so at rest it is -JᵀF, with F what
+        loads and contacts do to the robot.
+        """
+        return np.asarray(self.articulation.link_incoming_joint_forces, float)[self._along_axis]
 
     def link_owner(self) -> dict[str, str]:
         """Link name -> "left_gripper", "right_arm", ... or "robot", for contact queries."""

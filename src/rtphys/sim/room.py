@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import sapien
+from sapien import physx
 
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.physics.handles import Blueprint
+from rtphys.sim.body import SimSurface
 from rtphys.sim.engine import from_sapien, renders, to_sapien
 
 TOP = 0.74  # [m] nominal height of the table's surface
@@ -46,7 +48,11 @@ class Room:
         self.X_WT = task_frame(plan, blueprint)
         ground = self._build_ground(scene)
         self.table = self._build_table(scene)
-        self._backdrop = (self.table, self._build_wall(scene), ground)  # from front to back
+        wall = self._build_wall(scene)
+        self._backdrop = (self.table, wall, ground)  # from front to back
+        self.table_surface, *self.scenery = (
+            SimSurface(entity.name, _shapes(entity)) for entity in (self.table, wall, ground)
+        )
 
     def measured(self) -> tuple[float, float]:
         """Tilt [rad] and height above nominal [m] of the simulator's table."""
@@ -110,6 +116,12 @@ class Room:
         builder.add_box_collision(pose, half.tolist())
         if paint is not None:
             builder.add_box_visual(pose, half.tolist(), paint)
+
+
+def _shapes(entity: sapien.Entity) -> list[physx.PhysxCollisionShape]:
+    body = entity.find_component_by_type(physx.PhysxRigidStaticComponent)
+    assert isinstance(body, physx.PhysxRigidStaticComponent)
+    return body.collision_shapes
 
 
 def _paint(

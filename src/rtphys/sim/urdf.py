@@ -13,6 +13,7 @@ from sapien.wrapper.urdf_loader import URDFLoader
 
 from rtphys.core.errors import BadFile
 from rtphys.core.poses import Pose
+from rtphys.sim.body import MATERIAL
 from rtphys.sim.engine import renders, to_sapien
 from rtphys.sim.fold import fold_into_root
 
@@ -23,7 +24,7 @@ def _builder(urdf: Path, scale: float, visuals: bool, folded: bool = False) -> A
     loader.scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])  # it asks one for builders
     loader.scale = scale
     loader.load_multiple_collisions_from_file = True  # one convex part per sub-mesh
-    loader.set_material(0.5, 0.5, 0.0)
+    loader.set_material(*MATERIAL)
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / urdf.name
         copy.write_text(_self_contained(urdf, visuals), encoding="utf-8")

@@ -58,9 +58,6 @@ class World:
         # After the task's own, so that these are built alike with clutter and without.
         plain = ObjectFactory(self.scene, plan.pack, self.X_WT, 1.0)
         self.clutter: dict[str, SceneObject] = {p.name: plain.build(p) for p in plan.clutter}
-        table = self.room.table.find_component_by_type(physx.PhysxRigidStaticComponent)
-        assert isinstance(table, physx.PhysxRigidStaticComponent)
-        self._table_surface = SimSurface("table", table.collision_shapes)
         self._bodies = [b for o in self.objects.values() for b in o.bodies]
         embodiment = self.robot.embodiment
         self._head_camera = HeadCamera(embodiment)
@@ -83,7 +80,11 @@ class World:
     @property
     def surfaces(self) -> Sequence[SimSurface]:
         objects = [s for o in self.scene_objects.values() for s in o.surfaces]
-        return [*objects, self._table_surface, *self.robot.pads]
+        return [*objects, self.room.table_surface, *self.robot.pads]
+
+    @property
+    def scenery(self) -> Sequence[SimSurface]:
+        return [*self.room.scenery, self.robot.body]
 
     @property
     def joints(self) -> Sequence[SimJoint]:
