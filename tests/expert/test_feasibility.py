@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import default_pack
+from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Pose
 from rtphys.core.seeds import stream
 from rtphys.episode.generate import start
@@ -128,3 +129,28 @@ def test_verbs_state_their_intent_and_what_an_aim_asks_is_none(rollout: Rollout)
     reached = feasibility.planner.kinematics[side].ee_pose(again[side].posture)
     task = rollout.world.to_task(reached)
     assert min(np.linalg.norm(task.p - end.p) for end in ends) < 1e-3, "the grasp, not its aim"
+
+
+def test_a_grasp_that_allows_no_aim_is_the_first_and_the_intent(
+    rollout: Rollout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtphys.expert.arm.MOST_AIMED", 3)
+    side, plain, aimed = side_of(rollout, "red"), dict[str, Intent](), dict[str, Intent]()
+    ExpertArm(side, asked_afresh(rollout), plain).grasp("red", pre=0.08)
+    nowhere = Aim(Pose((0.0, 5.0, 1.0)), None, Placing(mode="free"))
+    ExpertArm(side, asked_afresh(rollout), aimed).grasp("red", pre=0.08, aim=nowhere)
+    np.testing.assert_array_equal(aimed[side].posture, plain[side].posture)
+
+
+def test_placing_looks_where_things_are_now(
+    rollout: Rollout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    feasibility = asked_afresh(rollout)
+    told: list[object] = []
+    monkeypatch.setattr(feasibility.planner, "set_obstacles", told.append)
+    side, red = side_of(rollout, "red"), rollout.scene.pose("red")
+    arm = ExpertArm(side, feasibility, {})
+    rollout.tick()
+    with pytest.raises(Infeasible, match="cannot place red there"):  # it has looked all the same
+        arm.place("red", red.moved((0, 5, 0)))
+    assert len(told) == 1

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtphys.core.poses import Array
-from rtphys.plan.online import Straight, Tracker, gripper_ramp
+from rtphys.plan.online import Straight, Tracker
 from rtphys.plan.path import JointLimits, Trajectory, retime
 
 DT = 1 / 250
@@ -99,13 +99,3 @@ def test_still_tracker_stays() -> None:
     motion = tracker.advance(1)
     np.testing.assert_allclose(motion.q, 0.3)
     np.testing.assert_allclose(motion.qd, 0)
-
-
-def test_gripper_ramp_has_constant_speed_and_exact_ends() -> None:
-    ramp = gripper_ramp(1.0, 0.0, 0.4, DT)
-    assert len(ramp) == 101
-    assert ramp[0] == 1.0
-    assert ramp[-1] == 0.0
-    np.testing.assert_allclose(np.diff(ramp), -0.01)
-    assert len(gripper_ramp(0.0, 1.0, 0.0, DT)) == 2
-    np.testing.assert_array_equal(gripper_ramp(0.5, 0.5, 0.4, DT), [0.5])

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, islice
 
 import numpy as np
 
@@ -112,23 +113,28 @@ class ExpertArm:
             raise Infeasible("ungraspable", f"{prop} has no contact points")
         points = [(i, self._scene.contact(prop, i)) for i in numbers]
         points += self._around(prop, points)
-        first = None
-        tested = 0
+        reachable = islice(self._reachable_grasps(prop, points, depths), MOST_AIMED)
+        first = next(reachable, None)
+        if first is None:
+            raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
+        fit = (
+            (grasp, path)
+            for grasp, path in chain([first], reachable)
+            if aim is None or self._allows(prop, grasp.backed_off(depths[1]), aim)
+        )
+        grasp, path = next(fit, first)
+        self._intend(path, prop)
+        return grasp, tuple(path.start.tolist())
+
+    def _reachable_grasps(
+        self, prop: str, points: list[tuple[int, Pose]], depths: tuple[float, float]
+    ) -> Iterator[tuple[Grasp, Path]]:
+        """Grasps that nothing hinders, best first, each sought when it is asked for."""
         for grasp in candidates(points, self.side, TABLE_TOP, self._hand):
             before, at = (grasp.backed_off(d) for d in depths)
             path = self._feasibility.grasp(self.side, prop, (before, at), self._other)
-            if path is None:
-                continue
-            self._intend(path, prop)
-            choice = grasp, tuple(path.start.tolist())
-            if aim is None or self._allows(prop, at, aim):
-                return choice
-            first, tested = first or choice, tested + 1
-            if tested >= MOST_AIMED:
-                break
-        if first is None:
-            raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
-        return first
+            if path is not None:
+                yield grasp, path
 
     def _around(self, prop: str, points: list[tuple[int, Pose]]) -> list[tuple[int, Pose]]:
         """More contact points of a round object, which lies as it rolled: 22.5 deg beside each."""
@@ -151,6 +157,7 @@ class ExpertArm:
         self, prop: str, target: Pose, point: int | None = None, how: Placing | None = None
     ) -> Motion:
         how = how or Placing()
+        self._feasibility.refresh()
         # The commanded hand, not the measured one: the load's droop is then in the grasp, and the
         # load itself arrives where it should.
         placement = self._placement(self._load(prop, self.ee(), point), target, how)

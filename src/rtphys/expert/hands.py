@@ -10,7 +10,7 @@ from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.expert.pace import hold_margin, pace_of
 from rtphys.expert.planner import DualArmPlanner
-from rtphys.plan.online import gripper_ramp
+from rtphys.plan.smooth import stroke
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Grip
@@ -45,7 +45,7 @@ class Hands:
         """Commands (n,) from the present one to `opening`."""
         now = self.world.robot.arm(side).gripper
         seconds = max(STROKE_TIME * abs(opening - now), 0.02)
-        return gripper_ramp(now, opening, seconds)
+        return stroke(now, opening, seconds, TIME_STEP)
 
     def closed(self, side: str, grip: Grip) -> None:
         """Take note of what a gripper motion has taken or released.

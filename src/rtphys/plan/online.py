@@ -1,4 +1,4 @@
-"""Motions without a path: point to point, following targets that change, gripper ramps."""
+"""Motions of a policy's actions: from rest to rest, or following targets that change."""
 
 from math import ceil, sqrt
 
@@ -110,14 +110,3 @@ class Tracker:
             q.append(self._state.new_position)
             qd.append(self._state.new_velocity)
         return Trajectory(np.array(q), np.array(qd))
-
-
-def gripper_ramp(g0: float, g1: float, seconds: float, dt: float = TIME_STEP) -> Array:
-    """Gripper commands from g0 to g1 at constant speed, (N,), both ends included.
-
-    N = steps + 1 with the duration rounded up to whole steps; N = 1 when g0 equals g1.
-    """
-    if g0 == g1:
-        return np.array([float(g1)])
-    steps = max(int(np.ceil(seconds / dt - 1e-9)), 1)
-    return np.linspace(g0, g1, steps + 1)

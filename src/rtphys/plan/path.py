@@ -1,4 +1,4 @@
-"""Time along a path: the fastest rest-to-rest motion inside velocity and acceleration limits."""
+"""Time along a path: rest-to-rest motions inside velocity and acceleration limits."""
 
 from dataclasses import dataclass
 
@@ -9,6 +9,7 @@ from toppra.interpolator import AbstractGeometricPath
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array
 from rtphys.plan.blend import BlendedPath
+from rtphys.plan.smooth import straight
 from rtphys.plan.speed import fastest
 from rtphys.plan.trajectory import JointLimits, Trajectory
 
@@ -61,10 +62,10 @@ class _ToppraPath(AbstractGeometricPath):
 def retime(waypoints: Array, limits: JointLimits, dt: float = TIME_STEP) -> Trajectory:
     """The motion along a polyline, from rest to rest.
 
-    Two points give the exact straight line with the trapezoidal profile that is its optimum. More
-    give the polyline with rounded corners (`rtphys.plan.blend`, which bounds the deviation), timed
-    by TOPP-RA. The result is then slowed as a whole until the sampled motion keeps the limits
-    exactly: on curves TOPP-RA oversteps accelerations between its grid points by up to 10 %.
+    Two points give the exact straight line, its jerk limited (`rtphys.plan.smooth`). More give the
+    polyline with rounded corners (`rtphys.plan.blend`, which bounds the deviation), timed by
+    TOPP-RA. That is then slowed as a whole until the sampled motion keeps the limits exactly: on
+    curves TOPP-RA oversteps accelerations between its grid points by up to 10 %.
 
     Args:
         waypoints: (n, d) joint positions [rad], n >= 1.
@@ -76,7 +77,7 @@ def retime(waypoints: Array, limits: JointLimits, dt: float = TIME_STEP) -> Traj
         path without length gives N = 1.
 
     Raises:
-        Infeasible: "retime_failed", TOPP-RA found no timing.
+        Infeasible: "retime_failed", TOPP-RA or ruckig found no timing.
     """
     points = np.atleast_2d(np.asarray(waypoints, float))
     if not np.isfinite(points).all():
@@ -84,7 +85,9 @@ def retime(waypoints: Array, limits: JointLimits, dt: float = TIME_STEP) -> Traj
     path = BlendedPath.through(points)
     if path is None:
         return Trajectory(points[-1:], np.zeros((1, points.shape[1])))
-    profile = _trapezoid(path, limits) if path.straight else _toppra(path, limits)
+    if path.straight:
+        return straight(points[0], points[-1], limits, dt)
+    profile = _toppra(path, limits)
     seconds = float(profile.t[-1])
     s, qd = _at_steps(path, profile, seconds, dt)
     for _ in range(_RETRIES - 1):
@@ -120,20 +123,6 @@ def _excess(qd: Array, limits: JointLimits, dt: float) -> float:
     v = np.abs(qd) / limits.velocity
     a = np.abs(qd[1:] - qd[:-1]) / dt / limits.acceleration
     return float(max(v.max(), np.sqrt(a.max())))
-
-
-def _trapezoid(path: BlendedPath, limits: JointLimits) -> _Profile:
-    """Accelerate, cruise, brake: the optimum of a straight line."""
-    share = np.maximum(np.abs(path.slope[0]), 1e-12)
-    a = float((limits.acceleration / share).min())
-    v = min(float((limits.velocity / share).min()), float(np.sqrt(a * path.length)))
-    ramp = v * v / (2 * a)
-    cruise = max(path.length - 2 * ramp, 0.0)
-    t = np.cumsum([0.0, v / a, cruise / v, v / a])
-    s = np.array([0.0, ramp, path.length - ramp, path.length])
-    speed = np.array([0.0, v, v, 0.0])
-    keep = np.array([True, True, cruise > 1e-12, True])  # no interval without duration
-    return _Profile(t[keep], s[keep], speed[keep])
 
 
 def _toppra(path: BlendedPath, limits: JointLimits) -> _Profile:
