@@ -7,7 +7,7 @@ import numpy as np
 from rtphys.core.seeds import stream
 from rtphys.data.conditions import Conditions
 from rtphys.data.episode import CameraFrames, Episode, Frames, Images
-from rtphys.physics import after, attributes, load_domain
+from rtphys.physics import acting, after, attributes, load_domain
 from rtphys.setting.setting import Setting
 
 CAMERAS = ("head_camera", "left_camera", "right_camera")
@@ -70,14 +70,22 @@ def pictures(seed: int, frames: int = 8) -> Iterator[Images]:
 
 
 def phys_meta(seed: int) -> dict[str, object]:
-    physics = DOMAIN.sample(seed, inside=after(seed % 3))
+    rules = Setting("click_bell", "phys_random").rules
+    physics = rules.draw(seed, inside=after(seed % 3))
+    acts = acting(physics, ("bodies", "joints"))
     return {
         "seed": seed,
         "task": "click_bell",
         "protocol": "phys_random",
         "domain": {"name": DOMAIN.name, "digest": DOMAIN.digest},
         "attributes": {
-            key: {"value": physics[key], "unit": known.unit, "varied": key in physics.varied}
+            key: {
+                "value": physics[key],
+                "unit": known.unit,
+                "varied": key in physics.varied,
+                "source": rules.source(key, physics),
+                "acts": key in acts,
+            }
             for key, known in attributes().items()
         },
         "draws": {key: physics[key] for key in physics if key not in attributes()},

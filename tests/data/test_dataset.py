@@ -67,7 +67,9 @@ def test_physics_is_what_was_drawn(dataset: Dataset) -> None:
     from rtphys.physics import after
 
     for episode in dataset:
-        drawn = synthetic.DOMAIN.sample(episode.seed, inside=after(episode.seed % 3))
+        drawn = synthetic.DOMAIN.sample(
+            episode.seed, inside=after(episode.seed % 3), task=episode.task
+        )
         assert episode.physics == drawn
     assert dataset[0].instructions.seen[0] == "ring the bell"
     assert dataset[0].meta.readback.bodies["bell"]["mass"] == 0.25

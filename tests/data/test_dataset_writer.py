@@ -172,7 +172,7 @@ def test_a_file_where_the_folder_should_be(tmp_path: Path) -> None:
 
 def test_foreign_manifest_is_refused(tmp_path: Path) -> None:
     (tmp_path / "manifest.json").write_text('{"name": "my web app"}')
-    with pytest.raises(faults.DatasetMismatch, match="manifest version was None"):
+    with pytest.raises(faults.DatasetMismatch, match="dataset version was None"):
         DatasetWriter(tmp_path)
     (tmp_path / "manifest.json").write_text("not json")
     with pytest.raises(BadFile, match="line 1, column 1"):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rtphys.assets.material import Finish, substance
+from rtphys.assets.material import Finish, density
 from rtphys.assets.solid import Solid
 
 Array = NDArray[np.float64]
@@ -18,7 +18,7 @@ class Part:
 
     solid: Solid
     finish: Finish
-    material: str = "plastic"  # for mass and inertia, see material.SUBSTANCES
+    material: str = "plastic"  # for mass and inertia, see material.DENSITIES
     crease_deg: float = 35.0
 
 
@@ -39,7 +39,7 @@ class Body:
         """Mass properties of all parts, scaled to `mass_kg`."""
         if self.given is not None:
             return self.given
-        weighed = [(substance(p.material).density, *p.solid.moments) for p in self.visual]
+        weighed = [(density(p.material), *p.solid.moments) for p in self.visual]
         mass = sum(rho * volume for rho, volume, _, _ in weighed)
         first = sum((rho * m for rho, _, m, _ in weighed), start=np.zeros(3))
         second = sum((rho * m for rho, _, _, m in weighed), start=np.zeros((3, 3)))
@@ -66,7 +66,7 @@ class AssetModel:
     """A rigid model from a generator, in the official object frame: y up, metres."""
 
     body: Body
-    material: str  # in material.SUBSTANCES; gives the friction
+    material: str  # in material.DENSITIES
     description: tuple[str, ...]  # noun phrases without article; the last third is for unseen text
     contact_points: tuple[Array, ...] = ()  # (4, 4)
     functional_points: tuple[Array, ...] = ()

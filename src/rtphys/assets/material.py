@@ -1,4 +1,4 @@
-"""Materials of objects: density, friction and appearance."""
+"""Materials of objects: density and appearance."""
 
 from dataclasses import dataclass
 
@@ -11,38 +11,31 @@ Picture = NDArray[np.uint8]  # (h, w, 3) RGB, top row first
 Colour = tuple[float, float, float]  # sRGB, each 0..1
 
 
-@dataclass(frozen=True)
-class Substance:
-    """Physical properties of a material: handbook values, rounded."""
-
-    density: float  # [kg/m^3]
-    friction: float  # [1] against a wooden table and rubber pads, static = dynamic
-
-
-SUBSTANCES = {
-    "aluminium": Substance(2700, 0.4),
-    "bread": Substance(250, 0.6),
-    "cardboard": Substance(690, 0.5),
-    "ceramic": Substance(2400, 0.4),
-    "fabric": Substance(400, 0.7),
-    "food": Substance(950, 0.6),
-    "glass": Substance(2500, 0.35),
-    "leather": Substance(860, 0.6),
-    "paper": Substance(800, 0.5),
-    "plastic": Substance(1050, 0.4),
-    "rubber": Substance(1150, 0.9),
-    "soap": Substance(1000, 0.35),
-    "steel": Substance(7850, 0.4),
-    "wicker": Substance(450, 0.5),
-    "wood": Substance(650, 0.5),
+DENSITIES = {
+    "aluminium": 2700.0,
+    "bread": 250.0,
+    "cardboard": 690.0,
+    "ceramic": 2400.0,
+    "fabric": 400.0,
+    "food": 950.0,
+    "glass": 2500.0,
+    "leather": 860.0,
+    "paper": 800.0,
+    "plastic": 1050.0,
+    "rubber": 1150.0,
+    "soap": 1000.0,
+    "steel": 7850.0,
+    "wicker": 450.0,
+    "wood": 650.0,
 }
+"""[kg/m^3] by material: handbook values, rounded."""
 
 
-def substance(name: str) -> Substance:
-    """The material of this name. Raises UnknownName with the nearest match."""
-    if name not in SUBSTANCES:
-        raise UnknownName("material", name, SUBSTANCES)
-    return SUBSTANCES[name]
+def density(material: str) -> float:
+    """Density of a material [kg/m^3]. Raises UnknownName with the nearest match."""
+    if material not in DENSITIES:
+        raise UnknownName("material", material, DENSITIES)
+    return DENSITIES[material]
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,6 @@ class Model:
     inertia: Array | None  # (3, 3) [kg m^2] about the centre of mass, object axes
     material: str
     density: float | None  # [kg/m^3] mean over the solid
-    friction: float | None  # nominal coefficient, static = dynamic
     categories: tuple[str, ...]
     description: tuple[str, ...]  # noun phrases without article, for language
     stable: bool  # it stays upright by itself, so it may be clutter
@@ -74,7 +73,6 @@ class Articulation:
     balanced_links: tuple[str, ...]  # links without gravity: a spring carries their weight
     mass_kg: float | None  # of all links together
     material: str
-    friction: float | None
     categories: tuple[str, ...]
     description: tuple[str, ...]
 
@@ -125,7 +123,6 @@ def read_model(folder: Path, index: int) -> Model:
             inertia=_array(data.get("inertia"), (3, 3)),
             material=str(data.get("material", "")),
             density=_number(data.get("density")),
-            friction=_number(data.get("friction")),
             categories=_words(data.get("categories")),
             description=_words(data.get("description")),
             stable=box.stable,
@@ -179,7 +176,6 @@ def read_articulation(folder: Path, index: int) -> Articulation:
             balanced_links=_words(data.get("balanced_links")),
             mass_kg=_number(data.get("mass_kg")),
             material=str(data.get("material", "")),
-            friction=_number(data.get("friction")),
             categories=_words(data.get("categories")),
             description=_words(data.get("description")),
         )

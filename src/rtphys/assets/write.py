@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rtphys.assets.asset_model import ArticulatedModel, AssetModel, Body, Part
 from rtphys.assets.glb import glb_bytes
-from rtphys.assets.material import Finish, substance
+from rtphys.assets.material import Finish
 from rtphys.assets.shading import bare, surface
 from rtphys.assets.urdf import urdf_text, write_meshes
 
@@ -88,7 +88,6 @@ def _model_data(model: AssetModel) -> dict[str, object]:
         "inertia": [[_figures(v) for v in row] for row in inertial.inertia],
         "material": model.material,
         "density": _figures(inertial.density),
-        "friction": substance(model.material).friction,
         "categories": list(model.categories),
         "description": list(model.description),
     }
@@ -111,7 +110,6 @@ def _articulated_data(model: ArticulatedModel) -> dict[str, object]:
         "joint_damping": moving[0].damping if moving else 0.0,
         "mass_kg": _figures(sum(b.inertial().mass for b in bodies)),
         "material": model.material,
-        "friction": substance(model.material).friction,
         "categories": list(model.categories),
         "description": list(model.description),
     }

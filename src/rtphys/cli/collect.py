@@ -12,7 +12,7 @@ from rtphys.cli.stopping import Incomplete, resumable
 from rtphys.core import library
 from rtphys.core.errors import BadValue
 from rtphys.setting.option import Option
-from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.plan import Run, TaskPlan, without_effect
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,8 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     from rtphys.studies.collect.shard import own_plans
 
     plans = _plans(request, template)
+    for sentence in without_effect(plans):
+        typer.echo(sentence, err=True)
     if request.dry_run:
         from rtphys.cli.collect_forecast import show_plans
 

@@ -35,19 +35,18 @@ def sample(
 ) -> None:
     """The values that an episode draws, exactly as its label will say.
 
-    For a task, the centre of mass is redrawn until it lies inside the task's own bodies; for a
-    domain it is as first drawn.
+    For a task, the centre of mass is redrawn until it lies inside the task's own bodies. For a
+    domain it is as first drawn, from the streams that all tasks share under `pair_tasks`.
     """
     domain = domain_named(task)
     wanted = split(only) or None
     overrides = parse_overrides(assignments or [])
     drawn: dict[int, Physics] = {}
     for s in range(seed, seed + episodes):
-        drawn[s] = domain.sample(s, wanted, overrides)
         if task in library.names("tasks"):
-            drawn[s] = _inside_bodies(
-                Setting(task, "phys_random", wanted, overrides).at(s), drawn[s]
-            )
+            drawn[s] = _inside_bodies(Setting(task, "phys_random", wanted, overrides).at(s))
+        else:
+            drawn[s] = domain.sample(s, wanted, overrides)
     if as_json:
         rows = [{"seed": s, "domain": domain.name, **p.to_json()} for s, p in drawn.items()]
         typer.echo(json.dumps(rows, ensure_ascii=False))
@@ -146,8 +145,9 @@ def _tell(key: str, law: str, trials: "list[Trial]") -> None:
         typer.echo(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
 
 
-def _inside_bodies(recipe: Recipe, first: Physics) -> Physics:
-    """The same draw with the centre of mass that fits; `first` where the episode has none."""
+def _inside_bodies(recipe: Recipe) -> Physics:
+    """The draw with the centre of mass that fits; the first one where the episode has none."""
+    first = recipe.setting.draw(recipe.seed)
     if "center_of_mass" not in first.varied:
         return first
     from rtphys.assets.pack import default_pack

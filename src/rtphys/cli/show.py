@@ -71,9 +71,9 @@ def _physics(episode: Episode) -> Table:
         numbers = [] if value is None else [f"{v:.4g}" for v in np.ravel(value)]
         table.add_row(
             key,
-            ", ".join(numbers) or "asset's own",
+            (", ".join(numbers) or "asset's own") + ("" if label.acts else ", acts on nothing"),
             label.unit,
-            style="" if label.varied else "dim",
+            style="" if label.varied and label.acts else "dim",
         )
     return table
 

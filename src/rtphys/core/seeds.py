@@ -1,6 +1,7 @@
 """Random streams: one generator for each purpose, derived from the episode seed and a name."""
 
 import hashlib
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,3 +26,18 @@ def stream(seed: int, *name: str) -> np.random.Generator:
         raise ValueError(f"an episode seed is never negative, got {seed}")
     digest = hashlib.sha256("\x1f".join([str(int(seed)), *name]).encode()).digest()
     return np.random.Generator(np.random.PCG64(int.from_bytes(digest[:16], "little")))
+
+
+@dataclass(frozen=True)
+class Chance:
+    """The random streams of one episode: those of its seed in its task.
+
+    Without a task they are the streams that all tasks share.
+    """
+
+    seed: int
+    task: str = ""
+
+    def stream(self, *name: str) -> np.random.Generator:
+        """The generator of one purpose; raises `ValueError` on a negative seed."""
+        return stream(self.seed, *([self.task] if self.task else []), *name)

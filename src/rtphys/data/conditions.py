@@ -31,6 +31,7 @@ class Conditions:
     twin: str | None = None  # config of the task dataset with the same seeds, another protocol
     twin_of: str | None = None  # config of the task dataset whose twin this is
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
+    dataset_version: str = DATASET_VERSION
 
     def __post_init__(self) -> None:
         if self.layout not in LAYOUTS:
@@ -61,12 +62,13 @@ class Conditions:
     def from_json(header: Mapping[str, JSON]) -> "Conditions":
         """Inverse of `to_json`, but for `setting.ranges`, which the resolved domain replaces."""
         own = {name: header.get(name) for name in Conditions.__dataclass_fields__}
+        own["dataset_version"] = header.get("dataset_version") or DATASET_VERSION
         known = {name: header[name] for name in SETTING if header.get(name) is not None}
         lists = {key: tuple(v) if isinstance(v, list) else v for key, v in own.items()}
         return Conditions(**{**lists, "setting": Setting(**known)})  # type: ignore[arg-type] - to_json wrote them
 
     def to_json(self) -> dict[str, JSON]:
-        """One flat object; what a look or a recovery alone needs is null where there is none."""
+        """One flat object; what few settings need is null elsewhere."""
         own = {key: getattr(self, key) for key in self.__dataclass_fields__ if key != "setting"}
         setting = {key: getattr(self.setting, key) for key in SETTING}
         header = {
@@ -75,14 +77,14 @@ class Conditions:
             "embodiment": embodiment_folder(self.setting.embodiment),
             "split": None if self.visual is None else self.setting.split,
             "recovery": None if self.setting.recovery else False,
+            "pair_tasks": True if self.setting.pair_tasks else None,
             "domain_name": self.domain.get("name", ""),
             "domain_digest": self.domain.get("digest", ""),
-            "dataset_version": DATASET_VERSION,
         }
         return {key: plain(value, key) for key, value in header.items()}
 
 
-SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery")
+SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery", "pair_tasks")
 """Fields of a setting that are stored as they are; its ranges are part of the domain."""
 
 

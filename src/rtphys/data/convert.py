@@ -1,6 +1,7 @@
 """Converts a dataset to the other official layout; no picture is decoded, no number lost."""
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from rtphys.core.errors import BadFile, UnknownName
@@ -51,7 +52,10 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
     written, done = [], 0
     with DatasetWriter(out) as dataset:
         for entry in manifest.task_datasets.values():
-            conditions = conditions_of(entry, manifest.domains, layout)
+            conditions = replace(
+                conditions_of(entry, manifest.domains, layout),
+                dataset_version=manifest.dataset_version,
+            )
             task = dataset.task(conditions, entry.episodes)
             for _ in _copy(entry.below(source), entry, task):
                 done += 1

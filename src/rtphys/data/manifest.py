@@ -12,7 +12,7 @@ from rtphys.data.files import FileFacts
 from rtphys.data.journal import Line
 from rtphys.data.json_text import parse_mapping, pretty
 from rtphys.data.layout import JOURNAL, MANIFEST, TaskDataset
-from rtphys.data.schema import DATASET_VERSION, MANIFEST_VERSION, Manifest
+from rtphys.data.schema import DATASET_VERSION, Manifest
 
 Entry = Mapping[str, JSON]
 
@@ -23,6 +23,7 @@ OPTIONAL = (
     "twin_of",
     "stride",
     "recovery",
+    "pair_tasks",
 )  # conditions that most task datasets do without
 
 
@@ -36,6 +37,17 @@ class TaskDatasetHistory:
     @property
     def header(self) -> Entry:
         return self.lines[0].entry
+
+    @property
+    def version(self) -> str:
+        """Of the dataset that it belongs to."""
+        return str(self.header.get("dataset_version") or DATASET_VERSION)
+
+    @property
+    def acting(self) -> list[str]:
+        """Attributes that acted in some attempt."""
+        physics = [entry.get("physics") for entry in self.attempts]
+        return sorted({key for values in physics if isinstance(values, Mapping) for key in values})
 
     @property
     def attempts(self) -> list[Entry]:
@@ -81,6 +93,7 @@ class TaskDatasetHistory:
         return {
             **{key: header[key] for key in copied},
             **{key: header[key] for key in OPTIONAL if header.get(key) is not None},
+            **({} if self.version == "1.0" else {"acting": self.acting}),
             "protocol": header["protocol"],
             "config": header.get("config") or header["protocol"],
             "domain": {"name": header["domain_name"], "digest": header["domain_digest"]},
@@ -126,10 +139,11 @@ def manifest_of(histories: Sequence[TaskDatasetHistory]) -> bytes:
     listed: dict[str, JSON] = {}
     for history in histories:
         listed |= history.files()
+    version = histories[0].version if histories else DATASET_VERSION
     return pretty(
         {
-            "schema_version": MANIFEST_VERSION,
-            "dataset_version": DATASET_VERSION,
+            "schema_version": version,
+            "dataset_version": version,
             "leaves": {history.task_dataset.name: history.entry() for history in histories},
             "domains": domains,
             "files": listed,

@@ -22,9 +22,8 @@ from rtphys.data.schema_model import (
 
 Kind = TypeVar("Kind", bound=Model)
 
-PHYS_META_VERSION = "1.0"
-MANIFEST_VERSION = "1.0"
-DATASET_VERSION = "1.0"  # raised by any change that alters what an accepted seed looks like
+DATASET_VERSION = "2.0"  # raised by any change that alters what an accepted seed looks like
+Version = Literal["1.0", "2.0"]  # that can be read; only the last is written
 
 
 class DomainName(Model):
@@ -40,6 +39,12 @@ class AttributeLabel(Model):
     value: FiniteFloat | list[FiniteFloat] | None = Field(description="null: the asset's own value")
     unit: str
     varied: bool = Field(description="false: nominal in this episode")
+    source: Literal["nominal", "domain", "set", "look"] | None = Field(
+        default=None, description="who chose the value; null: version 1"
+    )
+    acts: bool = Field(
+        default=True, description="false: there is nothing in this episode that it changes"
+    )
 
 
 class Readback(Model):
@@ -67,12 +72,18 @@ class VisualLabel(Model):
     split: Literal["seen", "unseen"]
     table_texture: str | None = Field(description="such as seen/planks_0; null: plain")
     wall_texture: str | None
-    table_height: FiniteFloat = Field(description="m, on top of the attribute of that name")
     lights: dict[str, JsonValue] = Field(description="RGB; null: as in clean")
     flickers: bool = Field(description="light colours are drawn anew for every picture")
-    camera_shift: Vector3 = Field(description="m, head camera, on top of physics, its own frame")
-    camera_turn: Vector3 = Field(description="rad, rotation vector, likewise")
     clutter: list[dict[str, JsonValue]] = Field(description="name, category, model")
+    table_height: FiniteFloat | None = Field(
+        default=None, description="version 1: m, on top of the attribute of that name"
+    )
+    camera_shift: Vector3 | None = Field(
+        default=None, description="version 1: m, head camera, on top of physics, its own frame"
+    )
+    camera_turn: Vector3 | None = Field(
+        default=None, description="version 1: rad, rotation vector, likewise"
+    )
 
 
 class Verdict(Model):
@@ -93,7 +104,7 @@ class Verdict(Model):
 class PhysMeta(Model):
     """`phys_meta/episode_*.json`: the physics of one episode as the contact solver had it."""
 
-    schema_version: Literal["1.0"] = PHYS_META_VERSION
+    schema_version: Version = DATASET_VERSION
     seed: Seed
     task: str
     protocol: str
@@ -164,6 +175,12 @@ class TaskDatasetEntry(Model):
     )
     split: Literal["seen", "unseen"] = "seen"
     recovery: bool = Field(default=True, description="false: episodes with a recovery are left out")
+    pair_tasks: bool = Field(
+        default=False, description="a seed has the same physics and look in every task"
+    )
+    acting: list[str] | None = Field(
+        default=None, description="attributes that acted in some attempt; null: version 1"
+    )
     protocol: str = Field(default="", description="empty: config is the protocol's name")
     twin: str | None = Field(
         default=None,
@@ -198,8 +215,8 @@ class ResolvedDomain(Model):
 class Manifest(Model):
     """`manifest.json`: everything needed to check the dataset and to make it again."""
 
-    schema_version: Literal["1.0"] = MANIFEST_VERSION
-    dataset_version: str = DATASET_VERSION
+    schema_version: Version = DATASET_VERSION
+    dataset_version: Version = DATASET_VERSION
     task_datasets: dict[str, TaskDatasetEntry] = Field(
         alias="leaves", description="by folder below the manifest"
     )
@@ -236,10 +253,9 @@ def check(name: str, value: object) -> BaseModel:
 
 def json_schema(name: str) -> dict[str, object]:
     """JSON Schema (2020-12) of one of `MODELS`, with its version in `$id`."""
-    version = MANIFEST_VERSION if name == "manifest" else PHYS_META_VERSION
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": f"https://rtphys.dev/schemas/{name}-{version}.json",
+        "$id": f"https://rtphys.dev/schemas/{name}-{DATASET_VERSION}.json",
     }
     return {**head, **MODELS[name].model_json_schema()}
 

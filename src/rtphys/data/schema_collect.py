@@ -33,6 +33,7 @@ class CollectionRun(Model):
     first_seed: Seed = 0
     domain: str = Field(default="", description="name or file; empty: each task's own")
     recovery: bool = Field(default=True, description="false: none in which a load was lost")
+    pair_tasks: bool = Field(default=False, description="one draw of a seed for every task")
     only: list[str] | None = Field(default=None, description="vary these attributes alone")
     set: dict[str, FiniteFloat | list[FiniteFloat] | str] = Field(
         default={}, description="attributes that are held"

@@ -27,7 +27,7 @@ class Rejection:
     seed: int
     reason: str
     detail: str = ""  # deterministic text: it enters the journal
-    physics: Mapping[str, object] = field(default_factory=dict)  # attribute -> value, for reports
+    physics: Mapping[str, object] = field(default_factory=dict)  # value of what acts, for reports
 
     @staticmethod
     def of(entry: Mapping[str, JSON]) -> "Rejection":
@@ -198,6 +198,8 @@ def _recovered(meta: Mapping[str, JSON]) -> dict[str, JSON]:
 
 
 def _values(phys_meta: Mapping[str, JSON]) -> JSON:
+    """Attribute -> value of those that act."""
     attributes = phys_meta["attributes"]
     assert isinstance(attributes, Mapping)
-    return {key: a["value"] if isinstance(a, Mapping) else None for key, a in attributes.items()}
+    labels = {key: label for key, label in attributes.items() if isinstance(label, Mapping)}
+    return {key: label["value"] for key, label in labels.items() if label.get("acts", True)}

@@ -128,7 +128,10 @@ def _check_episodes(
     release = version("rtphys")
     find_pack = cache(pack_with)  # for this call only: packs come and go
     for name, entry in tree.manifest.task_datasets.items():
-        physics, look = PhysicsCheck(entry, tree.manifest.domains), LookCheck(entry, find_pack)
+        physics, look = (
+            PhysicsCheck(entry, tree.manifest),
+            LookCheck(entry, tree.manifest, find_pack),
+        )
         if look.gap:
             findings.notes.append(f"{name}: {look.gap}")
         for number in range(tree.episodes[name]):
@@ -153,5 +156,6 @@ def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> s
     digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
     entry = claim.entry
     drawn = (entry.only, entry.overrides, entry.visual, entry.split, entry.recovery)
+    drawn = (*drawn, entry.pair_tasks, tree.manifest.dataset_version)
     asked = (entry.task, entry.config, entry.layout, entry.cameras, drawn)
     return Verified.key(looked, digests, claim.number, claim.seed, entry.domain, asked)

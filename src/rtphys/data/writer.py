@@ -4,9 +4,11 @@ import time
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
+from typing import get_args
 
 from rtphys.data import files
 from rtphys.data.conditions import Conditions
+from rtphys.data.episode import JSON
 from rtphys.data.faults import CannotWrite, DatasetMismatch
 from rtphys.data.files import replace_file
 from rtphys.data.journal import read_journal
@@ -14,7 +16,7 @@ from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import MANIFEST
 from rtphys.data.lock import FolderLock
 from rtphys.data.manifest import TaskDatasetHistory, journals_below, manifest_of, task_dataset_of
-from rtphys.data.schema import MANIFEST_VERSION
+from rtphys.data.schema import DATASET_VERSION, Version
 from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection, TaskWriter
 
@@ -53,27 +55,36 @@ class DatasetWriter:
         files.make_folder(self.out)
         self._lock = FolderLock(self.out)
         try:
-            self._check_manifest()
+            self._version = self._stored_version()
         except BaseException:
             self._lock.release()
             raise
 
-    def _check_manifest(self) -> None:
+    def _stored_version(self) -> JSON:
+        """That of the dataset in the folder; None where there is none yet."""
         path = self.out / MANIFEST
-        if path.exists():
-            stored = parse_mapping(files.read(path), path).get("schema_version")
-            if stored != MANIFEST_VERSION:
-                clause = f"manifest version was {stored!r}, now {MANIFEST_VERSION!r}"
-                raise DatasetMismatch(self.out, [clause])
+        if not path.exists():
+            return None
+        stored = parse_mapping(files.read(path), path).get("dataset_version")
+        if stored not in get_args(Version):
+            clause = f"dataset version was {stored!r}, now {DATASET_VERSION!r}"
+            raise DatasetMismatch(self.out, [clause])
+        return stored
 
     def task(self, conditions: Conditions, episodes: int) -> TaskWriter:
         """Opens one task dataset, continuing what is there.
 
         Raises:
-            DatasetMismatch: it was collected under other conditions.
+            DatasetMismatch: it was collected under other conditions, or the dataset is of another
+                version.
             DatasetExists: it has attempts and `resume` is False.
             BadFile: its journal is damaged, or a listed file is missing.
         """
+        version = conditions.dataset_version
+        if self._version not in (None, version):
+            clause = f"dataset version was {self._version!r}, now {version!r}"
+            raise DatasetMismatch(self.out, [clause])
+        self._version = version
         place = conditions.task_dataset(self.out)
         writer = self._tasks.get(place.name) or TaskWriter(place, conditions, resume=self.resume)
         writer.wanted = episodes

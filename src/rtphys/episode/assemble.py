@@ -1,7 +1,7 @@
 """Assembles an accepted attempt and its pictures into the episode that the files hold."""
 
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from importlib import metadata
 
@@ -14,11 +14,11 @@ from rtphys.data.episode import Episode, Frames
 from rtphys.episode.generate import Attempt
 from rtphys.episode.instance import Instance
 from rtphys.episode.photograph import Photographs
-from rtphys.physics import Physics, attributes, disagreements, readback
+from rtphys.physics import Physics, acting, attributes, disagreements, readback
 from rtphys.sim.recorder import Recording
 from rtphys.sim.rollout import Outcome
 from rtphys.task.instructions import instructions, scene_info
-from rtphys.task.props import Articulated, Mesh, Prop
+from rtphys.task.props import Articulated, Mesh, Prop, parts
 from rtphys.task.spec import Task
 from rtphys.visual import disturbed
 
@@ -63,19 +63,25 @@ def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
 
 def _label(instance: Instance) -> dict[str, object]:
     recipe, physics = instance.recipe, instance.physics
-    known = attributes()
+    known, rules, acts = attributes(), recipe.setting.rules, acting(physics, parts(instance.props))
     return {
         "seed": recipe.seed,
         "task": recipe.task,
         "protocol": recipe.protocol,
         "domain": {"name": instance.domain.name, "digest": instance.domain.digest},
         "attributes": {
-            key: {"value": physics[key], "unit": known[key].unit, "varied": key in physics.varied}
+            key: {
+                "value": physics[key],
+                "unit": known[key].unit,
+                "varied": key in physics.varied,
+                "source": rules.source(key, physics),
+                "acts": key in acts,
+            }
             for key in known
         },
         "draws": {key: physics[key] for key in physics if key not in known},
         "readback": readback(instance.world),
-        **({} if recipe.setting.visual() is None else {"visual": instance.look.to_json()}),
+        **({} if rules.visual is None else {"visual": instance.look.to_json()}),
     }
 
 
@@ -149,9 +155,9 @@ def describer(pack: Pack):
     return describe
 
 
-def values(physics: Physics) -> dict[str, object]:
-    """Attribute -> value, for the record of a rejection."""
-    return {key: physics[key] for key in attributes()}
+def values(physics: Physics, props: Iterable[Prop]) -> dict[str, object]:
+    """Attribute -> value of those that act, for the record of a rejection."""
+    return {key: physics[key] for key in sorted(acting(physics, parts(props)))}
 
 
 def versions(task: Task) -> dict[str, str]:

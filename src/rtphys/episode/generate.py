@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import Infeasible
-from rtphys.core.seeds import stream
 from rtphys.core.timing import PhaseTimer
 from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.expert.robot import ExpertRobot
@@ -51,7 +50,7 @@ def attempt(recipe: Recipe, task: Task, pack: Pack, timer: PhaseTimer | None = N
         with phases.phase("plan"):
             # The rollout times every step, which is too often for those who do not ask.
             rollout = start(instance, RolloutOptions(task.step_limit, POLL, timer=timer))
-            chance = stream(recipe.seed, "expert")
+            chance = recipe.stream("expert")
             task.script(ExpertRobot(rollout, chance, recipe.setting.recovery))
         with phases.phase("simulate"):
             outcome = rollout.finish()

@@ -42,11 +42,10 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
         Infeasible: "layout" or "invalid_physics".
     """
     arithmetic.warn()
-    setting, props = recipe.setting, tuple(task.props(recipe.seed))
-    drawn = setting.draw(recipe.seed)
-    blueprint = Blueprint()
-    enforce(blueprint, drawn)
-    look = draw_look(setting.visual(), recipe.seed, (task, props), pack, setting.split)
+    setting, seed, props = recipe.setting, recipe.seed, tuple(task.props(recipe.seed))
+    rules, blueprint = setting.rules, Blueprint()
+    enforce(blueprint, rules.draw(seed))
+    look = draw_look(rules.visual, rules.chance(seed), (task, props), pack, setting.split)
     plan = WorldPlan(
         pack,
         props,
@@ -54,23 +53,20 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
         _table(task, look, pack, visuals),
         setting.embodiment,
         clutter=look.clutter,
-        head_jitter=look.backdrop.camera,
         visuals=visuals,
     )
     world = World(plan)
     # The centre of mass may only be drawn once the bodies it must lie in are known.
     solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
-    physics = setting.draw(recipe.seed, inside(solids))
+    physics = rules.draw(seed, inside(solids))
     enforce(world, physics)
-    return Instance(recipe, task, setting.domain, props, physics, world, look)
+    return Instance(recipe, task, rules.domain, props, physics, world, look)
 
 
 def _table(task: Task, look: Look, pack: Pack, visuals: bool) -> TablePlan:
     names = (look.table_texture, look.wall_texture) if visuals else (None, None)
     table, wall = (None if name is None else texture_file(pack, name) for name in names)
-    # The look lowers the table beside physics: `table_height` keeps meaning what physics drew.
-    drop = task.table_drop - look.backdrop.table_height
-    return TablePlan(task.table_shift, drop, texture=table, wall_texture=wall)
+    return TablePlan(task.table_shift, task.table_drop, texture=table, wall_texture=wall)
 
 
 def settle(instance: Instance) -> None:

@@ -2,7 +2,7 @@
 
 from rtphys.physics.attribute import Attribute
 from rtphys.physics.domain import Domain
-from rtphys.physics.enforce import disagreements, enforce, read_back
+from rtphys.physics.enforce import acting, disagreements, enforce, read_back
 from rtphys.physics.handles import Blueprint, Body, Camera, Joint, Servo, Surface, World
 from rtphys.physics.interval import Interval
 from rtphys.physics.load import domain_for_task, load_domain
@@ -26,6 +26,7 @@ __all__ = [
     "Value",
     "Vector",
     "World",
+    "acting",
     "after",
     "attribute",
     "attributes",

@@ -1,7 +1,7 @@
 """The interface of a physical attribute: its key and unit, how to write it and how to read it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from rtphys.physics.values import Physics, Value, Vector
 Target = TypeVar("Target", Blueprint, World)
 Label = TypeVar("Label", float, Vector)
 Reading = float | Vector
+Part = Literal["bodies", "joints"]  # dynamic bodies, and joints of articulated task objects
 
 
 class Attribute(ABC, Generic[Target, Label]):
@@ -31,11 +32,20 @@ class Attribute(ABC, Generic[Target, Label]):
     size: ClassVar[int] = 1  # number of components, each drawn on its own
     resolution: ClassVar[float] = 0.0  # absolute error of `read` in single precision
     auxiliary: ClassVar[tuple[str, ...]] = ()  # keys of further draws that it needs
+    acts_on: ClassVar[Part | None] = None  # a world without any leaves it without effect
     what: ClassVar[str] = ""  # a phrase that describes it in tables
 
     def for_episode(self, physics: Physics) -> "Attribute[Target, Label]":
         """This attribute with the auxiliary draws of one episode filled in; most need none."""
         return self
+
+    def acts(self, parts: Collection[Part], value: Value) -> bool:
+        """Whether it changes anything where it has this value; if not, it is no factor.
+
+        Args:
+            parts: what the episode's world has.
+        """
+        return self.acts_on is None or self.acts_on in parts
 
     @abstractmethod
     def apply(self, target: Target, value: Label) -> None:

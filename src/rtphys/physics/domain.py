@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import cast
 
+from rtphys.core.seeds import Chance
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import Distribution, JsonRule, SameAs
 from rtphys.physics.registry import attributes
@@ -46,10 +47,11 @@ class Domain:
         only: Collection[str] | None = None,
         overrides: Mapping[str, Value] | None = None,
         inside: Callable[[Vector], bool] | None = None,
+        task: str = "",
     ) -> Physics:
         """The physics of one episode.
 
-        Every key draws from a stream of its own, `stream(seed, "physics", key)`. So `only`,
+        Every key draws from a stream of its own, `stream(seed, task, "physics", key)`. So `only`,
         `overrides` and new attributes never change the draws of the other keys.
 
         Args:
@@ -59,6 +61,7 @@ class Domain:
             inside: whether a centre of mass (3,) [m] lies inside every dynamic body; it is drawn
                 again from its own stream until it does. The test may depend on `object_scale`:
                 sample without it, read the scale, then sample again (see `hull.inside`).
+            task: whose streams; empty for those that all tasks share.
 
         Raises:
             UnknownName: `only` or `overrides` names no attribute.
@@ -66,7 +69,8 @@ class Domain:
                 each other.
             Infeasible: "invalid_physics" if no centre of mass fits.
         """
-        return draw(self.rules, Request(self.name, seed, only, overrides or {}, inside))
+        chance = Chance(seed, task)
+        return draw(self.rules, Request(self.name, chance, only, overrides or {}, inside))
 
     def problems(self, physics: Physics, held: Collection[str] = ()) -> list[str]:
         """One sentence for each value that this domain cannot draw; `held` keys may be anything."""

@@ -1,6 +1,8 @@
 """Writes an episode's physics into the simulator, and checks that the simulator has it."""
 
-from rtphys.physics.attribute import AnyAttribute, Reading
+from collections.abc import Collection
+
+from rtphys.physics.attribute import AnyAttribute, Part, Reading
 from rtphys.physics.handles import Blueprint, World
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import Physics
@@ -17,6 +19,11 @@ def enforce(target: Blueprint | World, physics: Physics) -> None:
         value = physics[attribute.key]
         if attribute.when == stage and value is not None:
             attribute.apply(target, value)
+
+
+def acting(physics: Physics, parts: Collection[Part]) -> frozenset[str]:
+    """Keys of the attributes that change anything in an episode whose world has these parts."""
+    return frozenset(a.key for a in _for_episode(physics) if a.acts(parts, physics[a.key]))
 
 
 def read_back(world: World, physics: Physics) -> dict[str, dict[str, Reading]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import repeat
 
 from rtphys.core.errors import BadValue, Infeasible, UnknownName
-from rtphys.core.seeds import stream
+from rtphys.core.seeds import Chance
 from rtphys.physics.attribute import AnyAttribute
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import By, Choice, Distribution, Fixed, SameAs, extremes
@@ -22,7 +22,7 @@ class Request:
     """The arguments of one `Domain.sample`, and the domain's name."""
 
     domain: str
-    seed: int
+    chance: Chance
     only: Collection[str] | None
     overrides: Mapping[str, Value]
     inside: Callable[[Vector], bool] | None
@@ -87,7 +87,7 @@ def _auxiliary(rules: Rules, request: Request, active: list[str]) -> dict[str, V
             rule = rules.get(key, AUXILIARY[key])
             if isinstance(rule, Choice):
                 rule = Choice(tuple(_compatible(key, rule, rules, (active, request.overrides))))
-            values[key] = rule.draw(stream(request.seed, "physics", key), 1)
+            values[key] = rule.draw(request.chance.stream("physics", key), 1)
     return values
 
 
@@ -102,7 +102,7 @@ def _own_draw(
         rule = rules[source]
     if isinstance(rule, By):
         rule = rule.branches[str(values[rule.selector])]
-    return rule.draw(stream(request.seed, "physics", source), attribute.size)
+    return rule.draw(request.chance.stream("physics", source), attribute.size)
 
 
 def _center_of_mass(
@@ -114,7 +114,7 @@ def _center_of_mass(
         if inside(override):
             return {}
         raise Infeasible("invalid_physics", f"center_of_mass {override} lies outside a body")
-    rng = stream(request.seed, "physics", CENTER_OF_MASS)
+    rng = request.chance.stream("physics", CENTER_OF_MASS)
     for redraws in range(MOST_REDRAWS):
         value = rules[CENTER_OF_MASS].draw(rng, 3)
         if isinstance(value, tuple) and inside(value):

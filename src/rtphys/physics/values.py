@@ -14,7 +14,7 @@ REDRAWS = "center_of_mass_redraws"  # key: draws that fell outside a body before
 class Physics(Mapping[str, Value]):
     """Attribute and auxiliary keys -> value, in each attribute's own unit.
 
-    None means the asset's own value (`friction`, `object_joint_damping`). For an auxiliary key
+    None means the asset's own value (`object_joint_damping`). For an auxiliary key
     such as `camera_mode` it means that nothing in this episode needs it.
     """
 

@@ -3,7 +3,6 @@
 from contextlib import suppress
 
 from rtphys.core.errors import Infeasible
-from rtphys.core.seeds import stream
 from rtphys.episode import PolicyEpisode
 from rtphys.expert.robot import ExpertRobot
 from rtphys.policies.policy import PolicySetup
@@ -22,7 +21,7 @@ class Expert:
 
     def play(self, episode: PolicyEpisode) -> None:
         rollout, outcome = episode.rollout, None
-        robot = ExpertRobot(rollout, stream(episode.seed, "expert"))
+        robot = ExpertRobot(rollout, episode.recipe.stream("expert"))
         with suppress(Infeasible):  # possible if the instance's certification fingerprint differs
             episode.instance.task.script(robot)
             outcome = rollout.finish()

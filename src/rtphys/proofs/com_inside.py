@@ -52,7 +52,7 @@ def outside(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) -> 
             solids = bodies.solids(loaded.props(seed))
         except Infeasible:
             continue
-        drawn = domain.sample(seed)
+        drawn = domain.sample(seed, task=task)
         tried += 1
         fits = inside(solids, drawn.scalar("object_scale"))
         out += not fits(drawn.vector("center_of_mass"))

@@ -107,7 +107,7 @@ def _tried(dataset: Dataset, entry: TaskDatasetEntry) -> list[tuple[bool, Mappin
             seed, physics = line.entry.get("seed"), line.entry.get("physics")
             if isinstance(seed, int) and isinstance(physics, Mapping) and physics:
                 known[seed] = physics
-    redraw = Redraw(entry, dataset.manifest.domains)
+    redraw = Redraw(entry, dataset.manifest)
     return [
         (attempt.verdict == "accepted", known.get(attempt.seed) or redraw.values(attempt.seed))
         for attempt in entry.attempts
@@ -121,7 +121,8 @@ def _joint_names(layout: ActionLayout) -> list[JSON]:
 
 def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
     frames, meta = episode.frames, episode.meta
-    labels: dict[str, JSON] = {key: label.value for key, label in meta.attributes.items()}
+    acting = {key: label for key, label in meta.attributes.items() if label.acts}
+    labels: dict[str, JSON] = {key: label.value for key, label in acting.items()}
     if len(frames) < 2:
         raise BadFile(episode.paths.hdf5, "holds fewer than two frames")
     rounded = np.round([frames.vector.min(axis=0), frames.vector.max(axis=0)], 4)
@@ -134,7 +135,8 @@ def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
         "says": episode.instructions.seen[0] if episode.instructions.seen else "",
         "success": meta.verdict.first_success_time,
         "values": [axis.of(labels) for axis in shown],
-        "varied": [meta.attributes[a.key].varied for a in shown if a.key in meta.attributes],
+        "acts": [a.key in acting for a in shown],
+        "varied": [a.key in acting and acting[a.key].varied for a in shown],
         "low": rounded[0].tolist(),
         "high": rounded[1].tolist(),
     }

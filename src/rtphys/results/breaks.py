@@ -44,8 +44,9 @@ class Break:
 def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
     """Effects of the attributes that varied, by increasing p-value; empty if none can be fitted.
 
-    A vector attribute counts by its norm. Every task has its own level in the regression.
-    Attributes that share a draw cannot be separated: they make one entry.
+    A vector attribute counts by its norm. Episodes in which an attribute does not act say
+    nothing of it. Every task has its own level in the regression. Attributes that share a draw
+    cannot be separated: they make one entry.
     """
     names = sorted({record.task for record in records})
     columns, same = _columns(records)
@@ -71,7 +72,8 @@ def _columns(
     columns: dict[str, list[float | None]] = {}
     same: dict[str, list[str]] = {}
     for key in attributes():
-        x = [_number(record.physics.get(key)) for record in records]
+        acting = [None if key in r.inert else r.physics.get(key) for r in records]
+        x = [_number(value) for value in acting]
         first = next((other for other, values in columns.items() if values == x), None)
         if first is None:
             columns[key] = x

@@ -1,6 +1,6 @@
 """The record of one evaluated episode: one line of JSON, the same bytes on every run."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
@@ -37,6 +37,7 @@ class EpisodeRecord:
     time: float = 0.0  # [s] simulated, until the policy stopped
     unreachable: int = 0  # number of end-effector targets that no joint posture reaches
     physics: Mapping[str, JSON] = field(default_factory=dict)  # value by attribute or other draw
+    inert: Sequence[str] = ()  # attributes that act on nothing in this episode
     state: str = ""  # SHA-256 over the states of the episode
     detail: str = ""  # a traceback, or what is missing for success
 
@@ -51,6 +52,7 @@ class EpisodeRecord:
             BadFile: a key is missing or unknown.
         """
         try:
-            return EpisodeRecord(**data)  # type: ignore[arg-type] - written by `to_json`
+            known = {key: tuple(v) if key == "inert" else v for key, v in data.items()}  # type: ignore[arg-type]
+            return EpisodeRecord(**known)  # type: ignore[arg-type] - written by `to_json`
         except TypeError as error:
             raise BadFile(where, f"is no record of an episode: {error}") from error

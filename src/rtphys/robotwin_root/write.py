@@ -101,7 +101,7 @@ def _config(protocol: Protocol) -> dict[str, object]:
             "random_background": look.textures,
             "cluttered_table": look.clutter > 0,
             "clean_background_rate": look.clean_background_rate,
-            "random_head_camera_dis": look.camera_shift,
+            "random_head_camera_dis": 0,
             "random_table_height": look.table_drop,
             "random_light": look.light_colours,
             "crazy_random_light_rate": look.flicker_rate,

@@ -1,7 +1,7 @@
 """Protocols: what varies between episodes besides the layout. A library may add its own."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import cast
 
@@ -14,16 +14,15 @@ class VisualRules:
     """How the visual appearance varies. Every default is that of protocol clean: it does not.
 
     Rates are shares of episodes. The numbers of OFFICIAL are those of RoboTwin's randomised
-    configuration, except the camera's, which it leaves at zero.
+    configuration. The head camera is no matter of the look: `camera_distance` and `camera_angle`
+    move it, and RoboTwin leaves it where it is.
     """
 
     textures: bool = False  # random pictures on table and wall
     clean_background_rate: float = 0.0  # table and wall, each: keeps its clean colour
     light_colours: bool = False  # random colours of directional and point lights, in [0, 1]^3
     flicker_rate: float = 0.0  # light colours change with every picture
-    table_drop: float = 0.0  # [m] largest lowering of the table below its physical height
-    camera_shift: float = 0.0  # [m] radius of the ball of random head camera shifts
-    camera_turn_deg: float = 0.0  # largest random rotation of the head camera, any axis
+    table_drop: float = 0.0  # [m] largest lowering of the table, as the value of `table_height`
     clutter: int = 0  # largest number of objects that the task does not need
 
     def to_json(self) -> dict[str, bool | int | float]:
@@ -40,6 +39,8 @@ class VisualRules:
         known = {f.name: f.default for f in fields(VisualRules)}
         values: dict[str, bool | int | float] = {}
         for key, value in data.items():
+            if key in HEAD_CAMERA:
+                raise BadValue(key, value, HEAD_CAMERA[key], where)
             if key not in known:
                 raise UnknownName("visual rule", key, known, where)
             values[key] = _checked(key, value, where)
@@ -50,11 +51,17 @@ _BOUNDS = {
     "clean_background_rate": 1.0,
     "flicker_rate": 1.0,
     "table_drop": 0.1,  # [m] the table's legs end 12 cm above the ground
-    "camera_shift": 0.1,  # [m]
-    "camera_turn_deg": 30.0,
     "clutter": 20,
 }
 """Largest value of each number; the smallest is 0."""
+
+
+_ASK = "the head camera is physics: leave it out, and vary"
+HEAD_CAMERA = {
+    "camera_shift": f"{_ASK} camera_distance (mode shift) in a domain",
+    "camera_turn_deg": f"{_ASK} camera_angle (mode rotate) in a domain",
+}
+"""Rules that looks had in datasets of version 1 -> what to do instead."""
 
 
 def _checked(key: str, value: object, where: str | Path) -> bool | int | float:
@@ -85,17 +92,17 @@ OFFICIAL = VisualRules(
     light_colours=True,
     flicker_rate=0.02,
     table_drop=0.03,
-    camera_shift=0.01,
-    camera_turn_deg=1.0,
     clutter=10,
 )
+# What physics varies, the look leaves alone.
+BESIDE_PHYSICS = replace(OFFICIAL, table_drop=0.0)
 
-_LOOK = "textures, lights, clutter, table height, head camera"
+_LOOK = "textures, lights, clutter"
 BUILTIN = (
     Protocol("clean", None, False, "nothing varies but the layout"),
-    Protocol("official_random", OFFICIAL, False, _LOOK),
+    Protocol("official_random", OFFICIAL, False, f"{_LOOK}, table height"),
     Protocol("phys_random", None, True, "the 13 physical attributes of the task's domain"),
-    Protocol("phys_random_all", OFFICIAL, True, f"the physical attributes; {_LOOK}"),
+    Protocol("phys_random_all", BESIDE_PHYSICS, True, f"the physical attributes; {_LOOK}"),
 )
 
 
@@ -146,11 +153,14 @@ def read_protocol(path: Path) -> Protocol:
     if not isinstance(physics, bool):
         raise BadValue("physics", physics, "write true or false", path)
     if visual == "official":
-        rules: VisualRules | None = OFFICIAL
+        rules: VisualRules | None = BESIDE_PHYSICS if physics else OFFICIAL
     elif visual is None:
         rules = None
     elif isinstance(visual, Mapping):
         rules = VisualRules.from_json(cast(Mapping[str, object], visual), path)
     else:
         raise BadValue("visual", visual, "a mapping of rules, or `official`", path)
+    if physics and rules is not None and rules.table_drop:
+        allowed = "with `physics: true` the domain draws table_height; leave table_drop out"
+        raise BadValue("table_drop", rules.table_drop, allowed, path)
     return Protocol(path.stem, rules, physics, str(content.get("what", "")))

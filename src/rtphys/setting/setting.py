@@ -5,14 +5,17 @@ from dataclasses import field, replace
 from functools import cached_property
 from typing import Annotated, cast
 
+import numpy as np
 from pydantic import PlainSerializer, PlainValidator, TypeAdapter, ValidationError
 
 from rtphys.core.errors import BadValue
+from rtphys.core.seeds import Chance
 from rtphys.physics.domain import Domain
 from rtphys.physics.load import domain_for_task, load_domain
 from rtphys.physics.values import Physics, Value, Vector
 from rtphys.setting.option import Option, checked_dataclass, one_of
 from rtphys.setting.protocol import VisualRules, load_protocol
+from rtphys.setting.rules import Rules
 
 SPLITS = ("seen", "unseen")
 """Which pictures may lie on table and wall: those of demonstrations, or those of evaluation."""
@@ -58,6 +61,9 @@ class Setting:
         True
     )
     embodiment: str = "aloha-agilex"
+    pair_tasks: Annotated[
+        bool, Option("Draw the same physics and look of a seed in every task.")
+    ] = False
 
     @cached_property
     def domain(self) -> Domain:
@@ -74,9 +80,15 @@ class Setting:
         """Rules of the look; None where it is that of `clean`. Raises `UnknownName`."""
         return load_protocol(self.protocol).visual
 
+    @property
+    def rules(self) -> Rules:
+        """What physics and looks are drawn by, resolved. Raises `UnknownName`: no such protocol."""
+        shared = "" if self.pair_tasks else self.task
+        return Rules(self.domain, self.visual(), self.only, self.overrides, shared)
+
     def draw(self, seed: int, inside: Callable[[Vector], bool] | None = None) -> Physics:
         """The physics of one episode (`Domain.sample`, which see)."""
-        return self.domain.sample(seed, self.only, self.overrides, inside)
+        return self.rules.draw(seed, inside)
 
     def under(self, protocol: str) -> "Setting":
         """The same under another protocol; one without physics holds and picks no attribute."""
@@ -91,7 +103,7 @@ class Setting:
     def to_json(self) -> dict[str, object]:
         """Plain values by field; those of rare fields only where they differ from the default."""
         found: dict[str, object] = _ADAPTER.dump_python(self, mode="json")
-        rare = {"ranges": None, "recovery": True}
+        rare = {"ranges": None, "recovery": True, "pair_tasks": False}
         return {k: v for k, v in found.items() if k not in rare or v != rare[k]}
 
 
@@ -111,6 +123,10 @@ class Recipe:
     def protocol(self) -> str:
         """Name of the setting's protocol."""
         return self.setting.protocol
+
+    def stream(self, *name: str) -> np.random.Generator:
+        """A generator of this task and seed that neither physics nor look draws from."""
+        return Chance(self.seed, self.task).stream(*name)
 
     def to_json(self) -> dict[str, object]:
         """As a label stores it."""

@@ -21,7 +21,6 @@ class HeadCamera:
         X_WC[:3, :3], X_WC[:3, 3] = axes, spec.position
         self._nominal = Pose.from_matrix(X_WC)
         self._pose = self._nominal
-        self.jitter: Pose | None = None  # of the look, on top of what physics says, camera frame
 
     @property
     def nominal_pose(self) -> Pose:
@@ -30,11 +29,6 @@ class HeadCamera:
     @property
     def pose(self) -> Pose:
         return self._pose
-
-    @property
-    def in_force(self) -> Pose:
-        """Where pictures are taken from: physics' pose, then the look's jitter."""
-        return self._pose if self.jitter is None else self._pose @ self.jitter
 
     def set_pose(self, pose: Pose) -> None:
         self._pose = pose

@@ -30,7 +30,7 @@ class Studio:
         self.cameras = [SimCamera(world.scene, s, world.robot.articulation) for s in specs]
         for camera in self.cameras:
             if camera.spec.name == world.head_camera.name:
-                camera.set_pose(world.head_camera.in_force)
+                camera.set_pose(world.head_camera.pose)
         self._full = world.scene.pack_poses()
 
     @property

@@ -37,7 +37,6 @@ class WorldPlan:
     table: TablePlan = field(default_factory=TablePlan)
     embodiment: str = "aloha-agilex"
     clutter: tuple[Prop, ...] = ()  # physical, but not the task's: only friction and tilt reach it
-    head_jitter: Pose | None = None  # head camera, in the frame where physics has it
     visuals: bool = False  # needs a Vulkan device; physics is the same without
 
 
@@ -61,7 +60,6 @@ class World:
         self._bodies = [b for o in self.objects.values() for b in o.bodies]
         embodiment = self.robot.embodiment
         self._head_camera = HeadCamera(embodiment)
-        self._head_camera.jitter = plan.head_jitter
         self.external_force = 0.0
         self.steps = 0  # since the world was built
         self.policy_stage = False  # the external force acts only when true

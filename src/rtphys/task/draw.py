@@ -9,7 +9,7 @@ import numpy as np
 
 from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose
-from rtphys.core.seeds import stream
+from rtphys.core.seeds import Chance
 from rtphys.task.orientation import IDENTITY, yawed
 from rtphys.task.props import TABLE_TOP
 
@@ -46,14 +46,16 @@ class Draw:
     Args:
         seed: episode seed.
         retry: number of earlier whole layouts that failed; part of every stream's key.
+        task: name of the task, likewise.
     """
 
     seed: int
     retry: int = 0
+    task: str = ""
 
     def _stream(self, name: str) -> np.random.Generator:
         extra = (f"retry{self.retry}",) if self.retry else ()
-        return stream(self.seed, "layout", name, *extra)
+        return Chance(self.seed, self.task).stream("layout", name, *extra)
 
     def uniform(self, name: str, low: float, high: float) -> float:
         return float(self._stream(name).uniform(low, high))

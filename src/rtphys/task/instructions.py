@@ -8,8 +8,10 @@ any arm, or if it has none at all.
 import re
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
 from rtphys.core.errors import BadValue
-from rtphys.core.seeds import stream
+from rtphys.core.seeds import Chance
 from rtphys.task.props import Articulated, Mesh, Prop
 from rtphys.task.spec import Phrases, Task
 
@@ -22,7 +24,7 @@ Describe = Callable[[Prop], Sequence[str]]  # noun phrases for a model, without 
 
 
 def instructions(task: Task, seed: int, describe: Describe) -> dict[str, list[str]]:
-    """`{"seen": [...], "unseen": [...]}` of an episode; depends on its seed alone.
+    """`{"seen": [...], "unseen": [...]}` of an episode; depends on its task and seed alone.
 
     Args:
         describe: what the asset pack calls a prop that has no phrase of its own.
@@ -32,10 +34,11 @@ def instructions(task: Task, seed: int, describe: Describe) -> dict[str, list[st
     """
     props = {prop.name: prop for prop in task.props(seed)}
     spoken = {letter: _spoken(value, props, describe) for letter, value in task.info.items()}
-    phrases = task.sentences()
+    phrases, chance = task.sentences(), Chance(seed, task.name)
     check_templates(phrases, task.info, task.name)
     return {
-        split: _fill(getattr(phrases, split), spoken, seed, split) for split in ("seen", "unseen")
+        split: _fill(getattr(phrases, split), spoken, chance.stream("language", split))
+        for split in ("seen", "unseen")
     }
 
 
@@ -71,10 +74,9 @@ def check_templates(phrases: Phrases, info: Mapping[str, str], where: str) -> No
 
 
 def _fill(
-    templates: Sequence[str], spoken: Mapping[str, Sequence[str]], seed: int, split: str
+    templates: Sequence[str], spoken: Mapping[str, Sequence[str]], rng: np.random.Generator
 ) -> list[str]:
     """Each template once, in an order of its own, each with phrases of its own."""
-    rng = stream(seed, "language", split)
     order = rng.permutation(len(templates))[:SENTENCES]
     filled: list[str] = []
     for i in order:

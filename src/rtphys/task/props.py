@@ -1,10 +1,12 @@
 """The things on the table: what a layout yields and a world builds. Poses are task-frame."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rtphys.core.poses import Array, Pose
+from rtphys.physics.attribute import Part
 
 TABLE_TOP = 0.74  # [m] task-frame height of the table's surface (RoboTwin)
 PINE = 450.0  # [kg/m^3] what wooden toy blocks are made of
@@ -95,3 +97,14 @@ class Articulated(Prop):
     category: str
     model: int
     opening: float = 0.0
+
+
+def parts(props: Iterable[Prop]) -> frozenset[Part]:
+    """What the props' world has for physical attributes to act on."""
+    found: set[Part] = set()
+    for prop in props:
+        if isinstance(prop, Articulated):
+            found |= {"bodies", "joints"}
+        elif not prop.fixed:
+            found.add("bodies")
+    return frozenset(found)

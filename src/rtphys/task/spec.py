@@ -60,14 +60,14 @@ class Task:
     source: Path = Path()
 
     def props(self, seed: int) -> list[Prop]:
-        """The layout of an episode; depends on the seed alone.
+        """The layout of an episode; depends on the task and the seed alone.
 
         Raises:
             Infeasible: "layout", after 50 whole redraws.
         """
         for retry in range(50):
             try:
-                return list(self.layout(Draw(seed, retry)))
+                return list(self.layout(Draw(seed, retry, self.name)))
             except Infeasible as problem:
                 if problem.reason != "layout":
                     raise

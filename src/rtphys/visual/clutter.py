@@ -9,7 +9,7 @@ import numpy as np
 
 from rtphys.assets.pack import Pack
 from rtphys.core.poses import Pose
-from rtphys.core.seeds import stream
+from rtphys.core.seeds import Chance
 from rtphys.task.draw import Spot
 from rtphys.task.orientation import UP_Z
 from rtphys.task.props import Articulated, Ball, Box, Mesh, Prop
@@ -102,7 +102,7 @@ def footprint(prop: Prop, pack: Pack) -> Area:
 
 
 def scatter(
-    seed: int, most: int, task: Task, props: Sequence[Prop], pack: Pack
+    chance: Chance, most: int, task: Task, props: Sequence[Prop], pack: Pack
 ) -> tuple[Mesh, ...]:
     """Up to `most` pieces, clear of the props, of `task.keep_clear` and of each other."""
     if not most:
@@ -113,7 +113,7 @@ def scatter(
     blocks = any(isinstance(p, Box) and not p.visual_only for p in props)
     # The category is drawn first, or bottles, of which there are twenty, would be everywhere.
     categories = _choice(pack, named, blocks)
-    rng = stream(seed, "visual", "clutter")
+    rng = chance.stream("visual", "clutter")
     placed: list[tuple[Piece, Spot]] = []
     failures = 0
     while categories and len(placed) < most and failures < FAILURES:

@@ -8,15 +8,14 @@ import numpy as np
 
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import UnknownName
-from rtphys.core.poses import Array, Pose, axis_angle
-from rtphys.core.seeds import stream
+from rtphys.core.poses import Array
+from rtphys.core.seeds import Chance
 from rtphys.setting.protocol import VisualRules
 from rtphys.task.props import Mesh, Prop
 from rtphys.task.spec import Task
 from rtphys.visual.clutter import scatter
 
-Vector = tuple[float, float, float]
-Colour = Vector  # RGB, each 0..1
+Colour = tuple[float, float, float]  # RGB, each 0..1
 
 AMBIENT = (0.5, 0.5, 0.5)  # RoboTwin's clean lighting
 FLICKER_AMBIENT = 0.1  # largest deviation of a flickering ambient light (RoboTwin)
@@ -35,27 +34,15 @@ class LightColours:
 class Backdrop:
     """The part of the appearance that needs no asset pack, so that a verifier can draw it again."""
 
-    seed: int = 0
+    chance: Chance
     lights: LightColours = LightColours()
     flickers: bool = False
-    table_height: float = 0.0  # [m] added to the physical table height, never positive
-    camera_shift: Vector = (0.0, 0.0, 0.0)  # [m] head camera, in its own frame
-    camera_turn: Vector = (0.0, 0.0, 0.0)  # [rad] head camera, rotation vector in its own frame
-
-    @property
-    def camera(self) -> Pose | None:
-        """Visual displacement of the head camera, in its physical frame; None if there is none."""
-        angle = float(np.linalg.norm(self.camera_turn))
-        if not any(self.camera_shift) and not angle:
-            return None
-        q = axis_angle(np.array(self.camera_turn) / angle, angle) if angle else (1.0, 0, 0, 0)
-        return Pose(self.camera_shift, q)
 
     def lights_at(self, frame: int) -> LightColours:
         """Light colours in one picture; `frame` counts from 0 at the start of the policy stage."""
         if not self.flickers:
             return self.lights
-        return _light_colours(self.seed, str(frame), FLICKER_AMBIENT)
+        return _light_colours(self.chance, str(frame), FLICKER_AMBIENT)
 
 
 @dataclass(frozen=True)
@@ -69,7 +56,7 @@ class Look:
     clutter: tuple[Mesh, ...] = ()  # task frame, upright; named clutter0, clutter1, ...
 
     def to_json(self) -> dict[str, object]:
-        """The `visual` part of a label file: lengths in m, angles in rad."""
+        """The `visual` part of a label file."""
         back = self.backdrop
         return {
             "split": self.split,
@@ -94,47 +81,43 @@ class Look:
         }
 
 
-CLEAN = Look(Backdrop())
+CLEAN = Look(Backdrop(Chance(0)))
 
 
 def backdrop_json(back: Backdrop) -> dict[str, object]:
     """A backdrop as plain JSON: the part of `Look.to_json` that needs no asset pack."""
     lights = back.lights
     return {
-        "table_height": back.table_height,
         "lights": {
             "ambient": list(lights.ambient),
             "directional": None if lights.directional is None else list(lights.directional),
             "points": None if lights.points is None else [list(c) for c in lights.points],
         },
         "flickers": back.flickers,
-        "camera_shift": list(back.camera_shift),
-        "camera_turn": list(back.camera_turn),
     }
 
 
-def backdrop(rules: VisualRules, seed: int) -> Backdrop:
+def backdrop(rules: VisualRules, chance: Chance) -> Backdrop:
     """Draw the part of the appearance that needs no asset pack."""
-    flickers = _chance(seed, "flicker", rules.flicker_rate)
-    height = -rules.table_drop * float(stream(seed, "visual", "table_height").uniform())
-    rng = stream(seed, "visual", "camera")
     return Backdrop(
-        seed=seed,
-        lights=_light_colours(seed) if rules.light_colours else LightColours(),
-        flickers=flickers,
-        table_height=height + 0.0,  # never -0.0
-        camera_shift=_in_ball(rng, rules.camera_shift),
-        camera_turn=_in_ball(rng, float(np.radians(rules.camera_turn_deg))),
+        chance,
+        lights=_light_colours(chance) if rules.light_colours else LightColours(),
+        flickers=_happens(chance, "flicker", rules.flicker_rate),
     )
 
 
 def draw_look(
-    rules: VisualRules | None, seed: int, scene: tuple[Task, Sequence[Prop]], pack: Pack, split: str
+    rules: VisualRules | None,
+    chance: Chance,
+    scene: tuple[Task, Sequence[Prop]],
+    pack: Pack,
+    split: str,
 ) -> Look:
     """Draw the appearance of one episode.
 
     Args:
         rules: visual rules of the protocol; None means as in protocol clean.
+        chance: the episode's streams of physics and look.
         scene: the task and its props in this episode, of which clutter keeps clear.
         split: "seen" or "unseen" pictures.
 
@@ -145,21 +128,21 @@ def draw_look(
         return CLEAN
     task, props = scene
     return Look(
-        backdrop=backdrop(rules, seed),
+        backdrop=backdrop(rules, chance),
         split=split,
-        table_texture=_texture(rules, seed, "table", pack, split),
-        wall_texture=_texture(rules, seed, "wall", pack, split),
-        clutter=scatter(seed, rules.clutter, task, props, pack),
+        table_texture=_texture(rules, chance, "table", pack, split),
+        wall_texture=_texture(rules, chance, "wall", pack, split),
+        clutter=scatter(chance, rules.clutter, task, props, pack),
     )
 
 
-def problems(label: Mapping[str, object], rules: VisualRules, seed: int) -> list[str]:
+def problems(label: Mapping[str, object], rules: VisualRules, chance: Chance) -> list[str]:
     """One sentence for each part of a stored `visual` label that the seed does not give.
 
     Pictures and clutter depend on the asset pack, so only their split and number are checked here.
     """
     wrong = []
-    for key, expected in backdrop_json(backdrop(rules, seed)).items():
+    for key, expected in backdrop_json(backdrop(rules, chance)).items():
         if label.get(key) != expected:
             wrong.append(f"visual.{key} is {label.get(key)!r}, the seed gives {expected!r}")
     for key in ("table_texture", "wall_texture"):
@@ -175,11 +158,11 @@ def problems(label: Mapping[str, object], rules: VisualRules, seed: int) -> list
     return wrong
 
 
-def _texture(rules: VisualRules, seed: int, place: str, pack: Pack, split: str) -> str | None:
-    if not rules.textures or _chance(seed, f"clean_{place}", rules.clean_background_rate):
+def _texture(rules: VisualRules, chance: Chance, place: str, pack: Pack, split: str) -> str | None:
+    if not rules.textures or _happens(chance, f"clean_{place}", rules.clean_background_rate):
         return None
     known = pack.textures(split)
-    index = int(stream(seed, "visual", f"{place}_texture").integers(len(known)))
+    index = int(chance.stream("visual", f"{place}_texture").integers(len(known)))
     return f"{split}/{known[index].stem}"
 
 
@@ -196,23 +179,17 @@ def texture_file(pack: Pack, name: str) -> Path:
     return known[stem]
 
 
-def _chance(seed: int, name: str, rate: float) -> bool:
-    return float(stream(seed, "visual", name).uniform()) < rate
+def _happens(chance: Chance, name: str, rate: float) -> bool:
+    return float(chance.stream("visual", name).uniform()) < rate
 
 
-def _light_colours(seed: int, frame: str = "", ambient: float = 0.0) -> LightColours:
-    rng = stream(seed, "visual", "lights", *([frame] if frame else []))
+def _light_colours(chance: Chance, frame: str = "", ambient: float = 0.0) -> LightColours:
+    rng = chance.stream("visual", "lights", *([frame] if frame else []))
     directional, left, right, shade = (rng.uniform(0, 1, 3) for _ in range(4))
     glow = np.array(AMBIENT) + ambient * (2 * shade - 1) if ambient else np.array(AMBIENT)
     return LightColours(_plain(glow), _plain(directional), (_plain(left), _plain(right)))
 
 
-def _in_ball(rng: np.random.Generator, radius: float) -> Vector:
-    """A point uniform in a ball of `radius`; takes the same number of draws for each radius."""
-    v, share = rng.normal(size=3), float(rng.uniform())
-    return _plain(v / np.linalg.norm(v) * (radius * share ** (1 / 3)) + 0.0)
-
-
-def _plain(values: Array) -> Vector:
+def _plain(values: Array) -> Colour:
     x, y, z = (float(v) for v in values)
     return x, y, z

@@ -1,14 +1,15 @@
 """Rotation of the head camera about its own position."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from math import degrees, radians
 from typing import cast
 
 from rtphys.physics import gaze
-from rtphys.physics.attribute import Attribute, Reading
+from rtphys.physics.attribute import Attribute, Part, Reading
 from rtphys.physics.handles import World
 from rtphys.physics.interval import Interval
-from rtphys.physics.values import Physics, Vector
+from rtphys.physics.values import Physics, Value, Vector
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,10 @@ class CameraAngle(Attribute[World, float]):
         if physics["camera_mode"] is None:
             return self
         return CameraAngle(cast(str, physics["camera_mode"]), physics.vector("camera_direction"))
+
+    def acts(self, parts: Collection[Part], value: Value) -> bool:
+        """Not where the mode of this episode is another one and leaves it at zero."""
+        return value != 0 or self.mode == "rotate"
 
     def apply(self, target: World, value: float) -> None:
         gaze.turn_by(target.head_camera, self.mode, self.direction, radians(value))

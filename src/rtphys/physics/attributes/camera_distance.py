@@ -1,15 +1,16 @@
 """Distance of the head camera from its nominal position."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 
 from rtphys.physics import gaze
-from rtphys.physics.attribute import Attribute, Reading
+from rtphys.physics.attribute import Attribute, Part, Reading
 from rtphys.physics.handles import World
 from rtphys.physics.interval import Interval
-from rtphys.physics.values import Physics, Vector
+from rtphys.physics.values import Physics, Value, Vector
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,10 @@ class CameraDistance(Attribute[World, float]):
         if physics["camera_mode"] is None:
             return self
         return CameraDistance(cast(str, physics["camera_mode"]), physics.vector("camera_direction"))
+
+    def acts(self, parts: Collection[Part], value: Value) -> bool:
+        """Not where the camera only turns in this episode."""
+        return value != 0 or self.mode != "rotate"
 
     def apply(self, target: World, value: float) -> None:
         gaze.move(target.head_camera, self.mode, self.direction, value)

@@ -20,6 +20,7 @@ class CenterOfMass(Attribute[World, Vector]):
     valid = Interval(-0.1, 0.1)
     size = 3
     resolution = 1e-8  # single precision at offsets and hulls of decimetres
+    acts_on = "bodies"
     what = "offset of the centre of mass in the body's frame"
 
     def apply(self, target: World, value: Vector) -> None:

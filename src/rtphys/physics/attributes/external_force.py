@@ -16,6 +16,7 @@ class ExternalForce(Attribute[World, float]):
     unit = "× m·g"
     nominal = 0.0
     valid = Interval(0, 2)
+    acts_on = "bodies"
     what = "force along world +X at the centre of mass, policy stage"
 
     def apply(self, target: World, value: float) -> None:

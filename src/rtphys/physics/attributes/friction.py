@@ -14,7 +14,7 @@ class Friction(Attribute[World, float]):
 
     key = "friction"
     unit = "1"
-    nominal = None
+    nominal = 0.5
     valid = Interval(0, 4)
     resolution = 1e-9
     what = "Coulomb coefficient of object, table top and finger pads"

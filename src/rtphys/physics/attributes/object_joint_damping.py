@@ -17,6 +17,7 @@ class ObjectJointDamping(Attribute[World, float]):
     nominal = None
     valid = Interval(0, 1000)
     resolution = 1e-9
+    acts_on = "joints"
     what = "viscous damping of articulated task objects"
 
     def apply(self, target: World, value: float) -> None:

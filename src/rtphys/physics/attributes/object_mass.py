@@ -14,6 +14,7 @@ class ObjectMass(Attribute[World, float]):
     unit = "×"
     nominal = 1.0
     valid = Interval(0.01, 100)
+    acts_on = "bodies"
     what = "mass and inertia of every dynamic task body"
 
     def apply(self, target: World, value: float) -> None:

@@ -19,11 +19,13 @@ from rtphys.core.errors import (
 )
 from rtphys.data.layout import LAYOUTS, TaskDataset
 from rtphys.doctor import PROBE, check_disk, check_renderer
+from rtphys.physics.attribute import Part
+from rtphys.physics.registry import attributes
 from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
 from rtphys.setting.protocol import protocols
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
-from rtphys.task.props import Articulated, Mesh
+from rtphys.task.props import Articulated, Mesh, parts
 from rtphys.task.spec import Task, load_task
 
 if TYPE_CHECKING:
@@ -211,6 +213,32 @@ def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
         cure = f"; cure: {finding.cure}" if finding.cure else ""
         raise NoRenderer(f"no pictures can be drawn: {finding.detail}{cure}")
     return tasks
+
+
+def without_effect(plans: Sequence[TaskPlan]) -> list[str]:
+    """One sentence for each attribute that is picked or held where it acts on nothing."""
+    where: dict[str, list[str]] = {}
+    asked_in: dict[str, list[str]] = {}
+    known = attributes()
+    for plan in plans:
+        task, has = plan.setting.task, frozenset[Part]()
+        with suppress(Infeasible):
+            has = parts(load_task(task).props(plan.first_seed))
+        for key in sorted({*(plan.setting.only or ()), *plan.setting.overrides} & known.keys()):
+            asked_in.setdefault(key, []).append(task)
+            if not known[key].acts(has, plan.setting.overrides.get(key)):
+                where.setdefault(key, []).append(task)
+    sentences: list[str] = []
+    for key, tasks in where.items():
+        named = list(dict.fromkeys(tasks))
+        count = f"{len(named)} of {len(set(asked_in[key]))} tasks, among them {named[0]}"
+        place = named[0] if len(named) == 1 else count
+        what = f"no {_PARTS[str(known[key].acts_on)]}"
+        sentences.append(f"{key} acts on nothing in {place}: there is {what}")
+    return sentences
+
+
+_PARTS = {"bodies": "object that can move", "joints": "object with joints"}
 
 
 def check_assets(plans: Sequence[TaskPlan], pack: Pack) -> None:

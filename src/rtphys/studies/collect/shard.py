@@ -23,7 +23,7 @@ from rtphys.setting.setting import Setting
 from rtphys.studies.collect.plan import Run, TaskPlan
 
 # What a shard's file keeps of a setting, of a plan and of a run, by field.
-OF_SETTING = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery")
+OF_SETTING = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery", "pair_tasks")
 OF_PLAN = ("first_seed", "cameras", "layout", "config", "twin", "most_attempts")
 OF_RUN = ("assets", "fallback", "shader")
 
@@ -40,7 +40,7 @@ class Unit:
     @staticmethod
     def of(plan: TaskPlan, run: Run) -> "Unit":
         """What the whole collection wants of one plan."""
-        setting = {"ranges": None, "recovery": True, **plan.setting.to_json()}
+        setting = {"ranges": None, "recovery": True, "pair_tasks": False, **plan.setting.to_json()}
         content = {key: setting[key] for key in OF_SETTING}
         content |= {key: getattr(plan, key) for key in OF_PLAN}
         content |= {"assets": None if run.assets is None else str(run.assets)}
@@ -51,7 +51,8 @@ class Unit:
 
     def task_plan(self) -> TaskPlan:
         """The plan that it was made from."""
-        setting = Setting(**{key: self.plan[key] for key in OF_SETTING})  # type: ignore[arg-type] - validated
+        kept = {key: self.plan[key] for key in OF_SETTING if key in self.plan}
+        setting = Setting(**kept)  # type: ignore[arg-type] - validated
         rest = {key: self.plan[key] for key in OF_PLAN}
         return TaskPlan(setting, self.episodes, **rest)  # type: ignore[arg-type] - likewise
 

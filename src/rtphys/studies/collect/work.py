@@ -8,11 +8,12 @@ from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.writer import Rejection
 from rtphys.episode.assemble import assemble, values
 from rtphys.episode.generate import Attempt, attempt
+from rtphys.episode.instance import Instance
 from rtphys.episode.photograph import photograph
-from rtphys.physics import Physics
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.studies.worker import StudyWorker
+from rtphys.task.spec import load_task
 
 Result = StagedEpisode | Rejection
 Results = tuple[Result, ...]
@@ -64,24 +65,25 @@ class CollectWorker(StudyWorker[Job, Results]):
 
 def _refused(tried: Attempt, attempts: list[Attempt]) -> Rejection:
     """Its own reason, or its twin's: half a pair is no episode."""
-    physics = tried.instance.physics if tried.instance else None
     if not tried.accepted:
-        return rejection(tried.recipe, tried.reason, tried.detail, physics)
+        return rejection(tried.recipe, tried.reason, tried.detail, tried.instance)
     other = next(twin for twin in attempts if not twin.accepted)
     why = f"under {other.recipe.protocol}: {other.reason}"
-    return rejection(tried.recipe, "untwinned", why, physics)
+    return rejection(tried.recipe, "untwinned", why, tried.instance)
 
 
 def rejection(
-    recipe: Recipe, reason: str, detail: str, physics: Physics | None = None
+    recipe: Recipe, reason: str, detail: str, instance: Instance | None = None
 ) -> Rejection:
     """With the physics of the attempt, as far as it can be known without its world."""
-    if physics is not None:
-        return Rejection(recipe.seed, reason, detail, values(physics))
+    if instance is not None:
+        known = values(instance.physics, instance.props)
+        return Rejection(recipe.seed, reason, detail, known)
     try:
-        drawn = recipe.setting.draw(recipe.seed)
+        drawn, props = recipe.setting.draw(recipe.seed), load_task(recipe.task).props(recipe.seed)
     except Infeasible:
         return Rejection(recipe.seed, reason, detail)
-    known = values(drawn)
-    known.pop("center_of_mass")  # it is redrawn until it lies inside bodies that nobody built
+    known = values(drawn, props)
+    # It is redrawn until it lies inside bodies that nobody built.
+    known.pop("center_of_mass", None)
     return Rejection(recipe.seed, reason, detail, known)

@@ -99,6 +99,9 @@ def _of_dataset(folder: Path, task: str, protocol: str, now: Fingerprint) -> Ins
     if entry.only is not None or entry.overrides:
         problem = "attributes were picked or held in it, which an evaluation does not know"
         raise BadValue("instances", str(folder), problem)
+    if entry.pair_tasks:
+        problem = "its tasks share one draw, and an evaluation draws for each task by itself"
+        raise BadValue("instances", str(folder), problem)
     slots = tuple(
         Slot(attempt.seed, (attempt.reason or "rejected") if attempt.verdict == "rejected" else "")
         for attempt in entry.attempts

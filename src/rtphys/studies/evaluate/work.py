@@ -9,12 +9,13 @@ from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.film import film
-from rtphys.physics import Physics
+from rtphys.physics import Physics, acting, attributes
 from rtphys.policies import Policy, PolicyGone, PolicySetup, open_policy
 from rtphys.results import EpisodeRecord
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.studies.worker import StudyWorker
+from rtphys.task.props import parts
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
 
 def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
     time = episode.rollout.scene.time
-    outcome = episode.finish()
+    outcome, physics = episode.finish(), episode.instance.physics
     success = episode.success and not trace
     return EpisodeRecord(
         task=episode.task,
@@ -93,7 +94,8 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
         steps=episode.taken,
         time=time,
         unreachable=episode.unreachable,
-        physics=_values(episode.instance.physics),
+        physics=_values(physics),
+        inert=tuple(sorted(attributes().keys() - acting(physics, parts(episode.instance.props)))),
         state=episode.rollout.recorder.recording.hash,
         detail=trace or "; ".join(outcome.missing),
     )
