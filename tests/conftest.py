@@ -37,7 +37,7 @@ def expert_actions() -> np.ndarray:
     from rtphys.setting.setting import Setting
     from rtphys.task.spec import load_task
 
-    done = attempt(Setting("click_bell").at(0), load_task("click_bell"), default_pack())
+    done = attempt(Setting("click_bell", "clean").at(0), load_task("click_bell"), default_pack())
     assert done.accepted, done.reason
     assert done.recording is not None
     return actions_of(done.recording)

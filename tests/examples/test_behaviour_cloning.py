@@ -66,7 +66,7 @@ def test_the_clone_plays(tmp_path: Path) -> None:
     net.save(tmp_path / "click_bell.npz")
     setup = PolicySetup("click_bell", options={"weights": str(tmp_path)})
     policy = open_policy(f"python:{FOLDER}/clone.py:open_clone", setup)
-    episode = begin(Setting("click_bell").at(0), load_task("click_bell"), default_pack())
+    episode = begin(Setting("click_bell", "clean").at(0), load_task("click_bell"), default_pack())
     episode.step_limit = CHUNK
     before = episode.observe().vector
     policy.play(episode)

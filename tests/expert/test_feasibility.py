@@ -28,7 +28,7 @@ pytestmark = pytest.mark.sim
 @pytest.fixture(scope="module")
 def rollout() -> Rollout:
     task, pack = load_task("stack_blocks_two"), default_pack()
-    instance = prepare(Setting(task.name).at(3), task, pack)
+    instance = prepare(Setting(task.name, "clean").at(3), task, pack)
     settle(instance)
     return start(instance)
 

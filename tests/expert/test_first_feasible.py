@@ -17,7 +17,7 @@ pytestmark = pytest.mark.sim
 
 def scripted(script: Callable[[Robot], None]) -> Attempt:
     task = replace(load_task("click_bell"), script=script)
-    return attempt(Setting("click_bell").at(0), task, default_pack())
+    return attempt(Setting("click_bell", "clean").at(0), task, default_pack())
 
 
 def test_the_first_height_in_reach_is_taken() -> None:

@@ -38,7 +38,9 @@ def tried(losses: int, recovery: bool = True) -> Attempt:
     task = load_task("stack_blocks_two")
     up = lifted("red", 0.05)
     scripted = replace(task, script=lambda robot: clumsy(robot, losses), success=up)
-    return attempt(Setting("stack_blocks_two", recovery=recovery).at(3), scripted, default_pack())
+    return attempt(
+        Setting("stack_blocks_two", "clean", recovery=recovery).at(3), scripted, default_pack()
+    )
 
 
 @pytest.mark.sim
@@ -93,10 +95,12 @@ def test_the_reason_is_typed_and_physical() -> None:
 def test_collections_with_and_without_it_do_not_mix() -> None:
     task, pack = load_task("click_bell"), default_pack()
     kept, without = (
-        conditions_of(TaskPlan(Setting("click_bell", recovery=recovery)), task, pack).to_json()
+        conditions_of(
+            TaskPlan(Setting("click_bell", "clean", recovery=recovery)), task, pack
+        ).to_json()
         for recovery in (True, False)
     )
-    assert Setting("click_bell").recovery, "kept unless it is said otherwise"
+    assert Setting("click_bell", "clean").recovery, "kept unless it is said otherwise"
     assert kept["recovery"] is None
     assert without["recovery"] is False
     assert kept != without

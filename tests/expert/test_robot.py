@@ -75,7 +75,7 @@ def attempts() -> list[Watched]:
             watched.watch(robot)
             task.script(robot)
 
-        done = attempt(Setting(name).at(0), replace(task, script=script), default_pack())
+        done = attempt(Setting(name, "clean").at(0), replace(task, script=script), default_pack())
         assert done.accepted, (name, done.reason, done.detail)
         found.append(watched)
     return found

@@ -92,7 +92,7 @@ def test_tracked_actions_all_last_a_frame() -> None:
 
 def test_the_experts_actions_ring_the_bell() -> None:
     task = load_task("click_bell")
-    done = attempt(Setting("click_bell").at(3), task, default_pack())
+    done = attempt(Setting("click_bell", "clean").at(3), task, default_pack())
     assert done.recording is not None
     env = gymnasium.make(BELL)
     seen, info = env.reset(seed=3)

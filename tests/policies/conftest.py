@@ -43,4 +43,4 @@ def painted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def new_episode(painted: None) -> Callable[[], PolicyEpisode]:
-    return lambda: begin(Setting(TASK).at(SEED), load_task(TASK), default_pack())
+    return lambda: begin(Setting(TASK, "clean").at(SEED), load_task(TASK), default_pack())

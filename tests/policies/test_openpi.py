@@ -178,7 +178,9 @@ def test_it_sees_the_world() -> None:
     seen: list[dict] = []
     with serving(repeating(np.zeros((1, 14)), 1, seen)) as where:
         policy = open_openpi(where, PolicySetup())
-        episode = begin(Setting("click_bell").at(0), load_task("click_bell"), default_pack())
+        episode = begin(
+            Setting("click_bell", "clean").at(0), load_task("click_bell"), default_pack()
+        )
         policy.infer(request(episode.observe(), episode.instruction))
         policy.close()
     views = seen[0]["images"]

@@ -47,7 +47,7 @@ def test_labels_are_in_force_on_every_body(name, pack):
 def test_physics_never_moves_the_layout(name, pack):
     task = load_task(name)
     for instance in instances(name, pack):
-        clean = prepare(Setting(name).at(instance.recipe.seed), task, pack)
+        clean = prepare(Setting(name, "clean").at(instance.recipe.seed), task, pack)
         there = {p.name: (p.pose.p.tolist(), p.pose.q.tolist()) for p in clean.props}
         here = {p.name: (p.pose.p.tolist(), p.pose.q.tolist()) for p in instance.props}
         assert here == there

@@ -63,7 +63,7 @@ def test_an_unknown_name_gets_a_suggestion() -> None:
     with pytest.raises(UnknownName, match="phys_random"):
         _ = Setting("click_bell", "phys_randm").domain
     with pytest.raises(UnknownName, match="unseen"):
-        Setting("click_bell", split="unsen")
+        Setting("click_bell", "clean", split="unsen")
 
 
 def test_rules_survive_json() -> None:

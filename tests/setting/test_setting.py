@@ -10,7 +10,7 @@ from rtphys.physics.load import load_domain
 from rtphys.setting.setting import Recipe, Setting
 
 RECIPES = (
-    Setting("click_bell").at(3),
+    Setting("click_bell", "clean").at(3),
     Setting("open_laptop", "phys_random", only=("friction", "table_tilt"), split="unseen").at(7),
     Setting(
         "stack_blocks_two",
@@ -65,6 +65,6 @@ def test_another_protocol_keeps_what_makes_sense_under_it() -> None:
 
 def test_a_setting_is_checked_when_it_is_made() -> None:
     with pytest.raises(UnknownName, match="did you mean 'seen'"):
-        Setting("click_bell", split="sen")
+        Setting("click_bell", "clean", split="sen")
     with pytest.raises(UnknownName, match="did you mean 'global'"):
         Setting("click_bell", "phys_random", ranges="globl")  # type: ignore[arg-type] - a name is loaded

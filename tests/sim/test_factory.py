@@ -13,7 +13,7 @@ pytestmark = pytest.mark.sim
 
 def places(task: str, tilt: float) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Position and rotation of each prop on the table, task frame."""
-    recipe = Setting(task, overrides={"table_tilt": tilt}).at(1)
+    recipe = Setting(task, "clean", overrides={"table_tilt": tilt}).at(1)
     world = prepare(recipe, load_task(task), default_pack()).world
     standing = {n: o for n, o in world.objects.items() if o.prop.on_table}
     seen = {n: world.to_task(o.pose) for n, o in standing.items()}

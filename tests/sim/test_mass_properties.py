@@ -73,7 +73,7 @@ def expected(prop: Prop, link: str, scale: float) -> np.ndarray:
 @pytest.mark.parametrize("name", task_names())
 @pytest.mark.parametrize("scale", [1.0, 0.85])
 def test_every_body_turns_as_its_mesh_would(name: str, scale: float) -> None:
-    recipe = Setting(name, overrides={"object_scale": scale}).at(1)
+    recipe = Setting(name, "clean", overrides={"object_scale": scale}).at(1)
     world = prepare(recipe, load_task(name), default_pack()).world
     for thing in world.objects.values():
         for body in thing.bodies:

@@ -105,7 +105,7 @@ def hold(name: str, label: float) -> Held:
     """Lift a task's first load with both damping labels at `label`, and let everything come to
     rest."""
     same = {"gripper_joint_damping": label, "arm_joint_damping": label}
-    recipe = Setting(name, overrides=same).at(1)
+    recipe = Setting(name, "clean", overrides=same).at(1)
     instance = prepare(recipe, load_task(name), default_pack())
     settle(instance)
     robot = Lifting(start(instance), stream(1, "expert"))

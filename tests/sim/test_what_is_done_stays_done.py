@@ -40,7 +40,7 @@ def done(name: str, seeds: Sequence[int] = range(4)) -> Rollout:
     task, pack = load_task(name), default_pack()
     for seed in seeds:
         try:
-            instance = prepare(Setting(name).at(seed), task, pack)
+            instance = prepare(Setting(name, "clean").at(seed), task, pack)
             settle(instance)
             rollout = start(instance, RolloutOptions(poll=5))
             task.script(ExpertRobot(rollout, stream(seed, "expert")))
@@ -90,7 +90,11 @@ def test_the_hammer_must_have_struck() -> None:
     rollout = done("beat_block_hammer")
     assert rollout.scene.peak("blow", 0.0) > 0.001  # [N s]
     before = start(
-        prepare(Setting("beat_block_hammer").at(0), load_task("beat_block_hammer"), default_pack())
+        prepare(
+            Setting("beat_block_hammer", "clean").at(0),
+            load_task("beat_block_hammer"),
+            default_pack(),
+        )
     )
     assert "the block was struck" in before.condition.failing(before.scene)
 

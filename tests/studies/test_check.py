@@ -22,7 +22,7 @@ KEYS = [
 
 
 def score_of(*trials: tuple[str, int, Trial]) -> Score:
-    score = Score(Setting("click_bell"), 3)
+    score = Score(Setting("click_bell", "clean"), 3)
     for robot, seed, trial in trials:
         score.add(robot, seed, trial)  # type: ignore[arg-type]
     return score
@@ -161,4 +161,4 @@ def test_a_task_that_holds_at_the_start_is_solved_by_idling(
     )
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
     task, pack = load_task("nothing_to_do"), default_pack()
-    assert solves(Setting("nothing_to_do").at(0), task, pack, "idle")
+    assert solves(Setting("nothing_to_do", "clean").at(0), task, pack, "idle")

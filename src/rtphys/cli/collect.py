@@ -12,6 +12,7 @@ from rtphys.cli.stopping import Incomplete, resumable
 from rtphys.core import library
 from rtphys.core.errors import BadValue
 from rtphys.setting.option import Option
+from rtphys.setting.protocol import load_protocol
 from rtphys.studies.collect.plan import Run, TaskPlan, without_effect
 
 
@@ -42,12 +43,13 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     from rtphys.studies.collect.shard import own_plans
 
     plans = _plans(request, template)
-    for sentence in without_effect(plans):
+    own = own_plans(plans, run)
+    for sentence in (*_protocols(request, template), *without_effect(plans)):
         typer.echo(sentence, err=True)
     if request.dry_run:
         from rtphys.cli.collect_forecast import show_plans
 
-        show_plans(own_plans(plans, run), run)
+        show_plans(own, run)
         return
     if not (request.manifest or request.estimate):
         _collect(plans, run)
@@ -55,7 +57,7 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     from rtphys.cli.collect_forecast import confirm, forecast
 
     with resumable():
-        before = forecast(own_plans(plans, run), run)
+        before = forecast(own, run)
     if not request.estimate:
         _collect(plans, run)
         confirm(before)
@@ -74,6 +76,14 @@ def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:
         allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
         raise BadValue("task", None, allowed)
     return plans_for(template, library.matching("tasks", list(request.task)), request.sweep)
+
+
+def _protocols(request: Request, template: TaskPlan) -> list[str]:
+    """What varies, and how to get another protocol; nothing where a manifest says it."""
+    if request.manifest:
+        return []
+    chosen = load_protocol(template.setting.protocol)
+    return [f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)"]
 
 
 def _collect(plans: Sequence[TaskPlan], run: Run) -> None:

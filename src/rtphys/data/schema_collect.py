@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, FiniteFloat, JsonValue
 
 from rtphys.data.schema_model import Model, Seed
+from rtphys.setting.protocol import PAPER
 
 
 class ShardUnit(Model):
@@ -29,7 +30,7 @@ class CollectionRun(Model):
 
     tasks: Annotated[list[str], Field(min_length=1)] = Field(description="names or patterns")
     episodes: Annotated[int, Field(ge=1)] = Field(description="of each task")
-    protocol: str = "clean"
+    protocol: str = PAPER
     first_seed: Seed = 0
     domain: str = Field(default="", description="name or file; empty: each task's own")
     recovery: bool = Field(default=True, description="false: none in which a load was lost")

@@ -106,6 +106,10 @@ BUILTIN = (
 )
 
 
+PAPER = "phys_random_all"
+"""The paper's Physical Random: what is collected where no protocol is named."""
+
+
 def protocols() -> dict[str, Protocol]:
     """All protocols by name: the builtin ones, then those of the libraries.
 

@@ -14,7 +14,7 @@ from rtphys.physics.domain import Domain
 from rtphys.physics.load import domain_for_task, load_domain
 from rtphys.physics.values import Physics, Value, Vector
 from rtphys.setting.option import Option, checked_dataclass, one_of
-from rtphys.setting.protocol import VisualRules, load_protocol
+from rtphys.setting.protocol import PAPER, VisualRules, load_protocol
 from rtphys.setting.rules import Rules
 
 SPLITS = ("seen", "unseen")
@@ -44,7 +44,7 @@ class Setting:
     """What decides an episode but its seed. Equal settings and seeds give equal bits."""
 
     task: str = ""  # empty in a template of several tasks
-    protocol: Annotated[str, Option("What varies between episodes.")] = "clean"
+    protocol: Annotated[str, Option("What varies between episodes.")] = PAPER
     only: Annotated[
         tuple[str, ...] | None, Option("Vary these attributes alone (comma-separated).")
     ] = None
@@ -69,10 +69,12 @@ class Setting:
     def domain(self) -> Domain:
         """`ranges`, else the task's own domain; no rule at all under a protocol without physics.
 
+        Attributes that `only` picks are drawn under every protocol.
+
         Raises:
             UnknownName: no such protocol.
         """
-        if not load_protocol(self.protocol).physics:
+        if self.only is None and not load_protocol(self.protocol).physics:
             return NOMINAL
         return self.ranges or domain_for_task(self.task)
 

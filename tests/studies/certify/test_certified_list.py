@@ -20,7 +20,7 @@ def plan(out: Path, **changes) -> CertifyPlan:
 
 
 def opened(out: Path, **changes) -> CertifiedList:
-    return CertifiedList(plan(out, **changes), Setting("click_bell"), FINGERPRINT)
+    return CertifiedList(plan(out, **changes), Setting("click_bell", "clean"), FINGERPRINT)
 
 
 def take(made: CertifiedList, *slots: Slot) -> None:
@@ -98,7 +98,7 @@ def test_another_fingerprint_is_refused(tmp_path: Path, closed: bool) -> None:
         opened(tmp_path, first_seed=7)
     other = {**FINGERPRINT, "assets": "else"}
     with pytest.raises(CertifiedOtherwise, match="assets was '', now 'else'"):
-        CertifiedList(plan(tmp_path), Setting("click_bell"), other)
+        CertifiedList(plan(tmp_path), Setting("click_bell", "clean"), other)
 
 
 def test_it_gives_up_and_says_why(tmp_path: Path) -> None:

@@ -113,7 +113,7 @@ def test_real_workers_that_die_on_a_seed(
 
 def opened(out: Path, **changes) -> CertifiedList:
     made = CertifyPlan((TASK,), ("clean",), out, **changes)
-    return CertifiedList(made, Setting(TASK), FINGERPRINT)
+    return CertifiedList(made, Setting(TASK, "clean"), FINGERPRINT)
 
 
 def test_a_lost_seed_past_the_last_one_needed_does_not_matter(tmp_path: Path) -> None:

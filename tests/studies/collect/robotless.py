@@ -23,7 +23,7 @@ MADE: list[int] = []
 
 
 def plans(tasks: int = 2, episodes: int = EPISODES) -> tuple[TaskPlan, ...]:
-    return plans_for(TaskPlan(Setting(), episodes, first_seed=3), TASKS[:tasks])
+    return plans_for(TaskPlan(Setting(protocol="clean"), episodes, first_seed=3), TASKS[:tasks])
 
 
 def conditions(

@@ -15,7 +15,7 @@ from rtphys.studies.cost import ATTEMPT, PICTURES, Cost, Spent
 
 
 def plans(count: int) -> list[TaskPlan]:
-    return [TaskPlan(Setting(task), 10) for task in "abc"[:count]]
+    return [TaskPlan(Setting(task, "clean"), 10) for task in "abc"[:count]]
 
 
 def measured(accepted: int = 4, start_cpu: float = 0.0, pace: float = 1.0) -> Measured:

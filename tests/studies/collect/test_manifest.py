@@ -85,7 +85,7 @@ def test_a_run_is_what_the_options_would_be(tmp_path: Path) -> None:
     )
     tasks = ("click_alarmclock", "click_bell", "lift_pot")
     assert tuple(first) == plans_for(template, tasks)
-    assert [low.config, high.config] == ["clean.friction=0.1", "clean.friction=0.2"]
+    assert [low.config, high.config] == [f"phys_random_all.friction={mu}" for mu in (0.1, 0.2)]
     assert {(plan.setting.task, plan.episodes) for plan in (low, high)} == {("lift_pot", 2)}
 
 
@@ -108,7 +108,7 @@ WRONG = {
     RUN % ", sweep: friction": (BadValue, "key=value,value"),
     "collect: [{tasks: [lift_pot, lift_pot], episodes: 1}, {tasks: [lift_pot], episodes: 2}]": (
         BadFile,
-        "clean/lift_pot/aloha_agilex is collected by two runs",
+        "phys_random_all/lift_pot/aloha_agilex is collected by two runs",
     ),
 }
 

@@ -83,7 +83,7 @@ def test_little_is_left_to_do_where_they_are_merged(of: int, tmp_path: Path) -> 
 
 
 def test_a_task_given_up_by_all_is_given_up(tmp_path: Path) -> None:
-    whole = plans_for(TaskPlan(Setting(), EPISODES, most_attempts=10), [HARD])
+    whole = plans_for(TaskPlan(Setting(protocol="clean"), EPISODES, most_attempts=10), [HARD])
     alone = collect(whole, tmp_path / "alone")
     (tally,) = merge(shards(whole, 3, tmp_path), tmp_path / "joined")
     assert tally.stopped == "10 attempts were made, the most that were allowed"

@@ -142,7 +142,7 @@ def test_a_bug_in_a_script_stops_the_run_with_a_traceback_in_a_file(
     make_task("robot.dance()")
     out = tmp_path / "data"
     with pytest.raises(Bug, match=r"hopeless, seed 0: AttributeError: .*dance") as caught:
-        collect([TaskPlan(Setting("hopeless"), 1)], Run(out))
+        collect([TaskPlan(Setting("hopeless", "clean"), 1)], Run(out))
     log = out / "error.log"
     assert str(log) in str(caught.value)
     assert "robot.dance()" in log.read_text()

@@ -91,7 +91,7 @@ def test_a_false_label_is_an_error_not_an_episode() -> None:
 
 def test_a_rejected_attempt_is_no_episode() -> None:
     task, pack = load_task("click_bell"), default_pack()
-    tried = attempt(Setting("click_bell").at(0), task, pack)
+    tried = attempt(Setting("click_bell", "clean").at(0), task, pack)
     rejected = replace(tried, reason="slipped")
     with pytest.raises(ValueError, match="slipped"):
         assemble(rejected, Photographs({}, {}, iter(())), pack)

@@ -25,7 +25,7 @@ def opened(out: Path, episodes: int = 3) -> TaskEvaluation:
     )
     instances = InstanceList(TASK, "clean", {}, slots)
     plan = EvaluatePlan("idle", (TASK,), ("clean",), out=out)
-    return TaskEvaluation(plan, Setting(TASK), instances.first(episodes))
+    return TaskEvaluation(plan, Setting(TASK, "clean"), instances.first(episodes))
 
 
 def record(seed: int, success: bool = False) -> EpisodeRecord:

@@ -22,7 +22,6 @@ from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.physics.attribute import Part
 from rtphys.physics.registry import attributes
 from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
-from rtphys.setting.protocol import protocols
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import Articulated, Mesh, parts
@@ -111,17 +110,12 @@ class TaskPlan:
             UnknownName, BadValue, BadFile: names the nearest match, or the place.
         """
         setting = self.setting
-        if setting.ranges is not None:
+        if setting.ranges is not None and setting.only is None:
             check_varies(setting.ranges, (setting.protocol,))
         own, *twins = self.sides
         if own.setting in [twin.setting for twin in twins]:
             raise BadValue("twin", self.twin, "it is the protocol itself; name another")
         task = load_task(setting.task)
-        chosen = set(setting.only or ()) - setting.overrides.keys()
-        if chosen and not setting.domain.rules:
-            varying = ", ".join(row.name for row in protocols().values() if row.physics)
-            allowed = f"protocol {setting.protocol!r} varies no physics; use {varying}"
-            raise BadValue("only", ",".join(setting.only or ()), allowed)
         setting.draw(0)
         check_templates(task.sentences(), task.info, str(task.source))
         return task
