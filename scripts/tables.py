@@ -12,7 +12,8 @@ from pathlib import Path
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
 from rtphys.physics import attributes, load_domain
-from rtphys.proofs.com_inside import Bodies, narrowed, outside
+from rtphys.physics.load import domain_for_task
+from rtphys.proofs.com_inside import Bodies, narrowed, survival
 from rtphys.results.instance_file import read_instances
 from rtphys.results.instances import InstanceList
 from rtphys.task.rates import rates
@@ -60,10 +61,26 @@ def center_of_mass() -> str:
     bodies, whole = Bodies(default_pack()), load_domain("global")
     rows = []
     for name, domain in narrowed().items():
-        shares = [outside(name, d, bodies, range(DRAWN)) for d in (domain, whole)]
+        shares = [1 - survival(name, d, bodies, range(DRAWN)).share for d in (domain, whole)]
         shown = [f"{share:.0%}" for share in shares]
         rows.append((f"`{name}`", str(domain.rules["center_of_mass"]), *shown, domain.why))
     return _table(("task", "own range [m]", "outside, own", "outside, global", "why"), rows)
+
+
+def com_rejection() -> str:
+    """Table of tasks with something to move: draws that survive, and their spread."""
+    bodies, rows = Bodies(default_pack()), []
+    for name in sorted(library.names("tasks")):
+        if not bodies.solids(load_task(name).props(0)):
+            continue
+        found = survival(name, domain_for_task(name), bodies, range(DRAWN))
+        spreads = [_millimetres(spread) for spread in (found.drawn, found.left)]
+        rows.append((f"`{name}`", f"{found.share:.0%}", *spreads))
+    return _table(("task", "first draws that survive", "drawn [mm]", "left [mm]"), rows)
+
+
+def _millimetres(spread: Iterable[float]) -> str:
+    return ", ".join(f"{1000 * value:.1f}" for value in spread)
 
 
 def feasibility() -> str:
@@ -137,6 +154,7 @@ TABLES = {
     "tasks": tasks,
     "physics": physics,
     "center_of_mass": center_of_mass,
+    "com_rejection": com_rejection,
     "feasibility": feasibility,
     "benchmark": benchmark,
     "baselines": baselines,

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import linprog
 
 from rtphys.assets.pack import default_pack
-from rtphys.physics import domain_for_task, load_domain
+from rtphys.physics import Domain, domain_for_task, load_domain
 from rtphys.physics.hull import inside
-from rtphys.proofs.com_inside import Bodies, narrowed, outside
+from rtphys.proofs.com_inside import Bodies, narrowed, survival
 from rtphys.task.spec import load_task, task_names
 
 pytestmark = pytest.mark.sim
@@ -48,10 +48,21 @@ def test_it_lies_inside_every_body(name: str) -> None:
             assert holds(np.asarray(solid.vertices) * scale, np.asarray(solid.com) * scale + offset)
 
 
+def rejected(name: str, domain: Domain) -> float:
+    return 1 - survival(name, domain, bodies(), range(60)).share
+
+
 def test_a_narrow_domain_needs_no_second_draw_where_the_global_one_would() -> None:
-    own = {name: outside(name, d, bodies(), range(60)) for name, d in narrowed().items()}
-    whole = {name: outside(name, load_domain("global"), bodies(), range(60)) for name in own}
+    own = {name: rejected(name, domain) for name, domain in narrowed().items()}
+    whole = {name: rejected(name, load_domain("global")) for name in own}
     assert len(own) >= 6
     assert set(own.values()) == {0.0}
     assert whole["dump_bin_bigbin"] > 0.8
     assert sum(share > 0.05 for share in whole.values()) >= 4
+
+
+def test_rejection_narrows_the_spread_along_the_thin_axis_of_a_body() -> None:
+    found = survival("move_playingcard_away", load_domain("global"), bodies(), range(200))
+    assert 0.2 < found.share < 0.9
+    assert (found.left < 0.8 * found.drawn).any()
+    assert np.allclose(found.drawn, found.drawn.mean(), rtol=0.2)

@@ -1,14 +1,17 @@
-"""How often a drawn centre of mass lies outside a task's bodies: the reason for narrow domains."""
+"""Which drawn centres of mass lie inside a task's bodies: the reason for narrow domains."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from rtphys.assets.pack import Pack
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
-from rtphys.core.poses import Pose
+from rtphys.core.poses import Array, Pose
 from rtphys.physics import Domain, load_domain
 from rtphys.physics.hull import Solid, inside
+from rtphys.physics.values import Vector
 from rtphys.sim.engine import new_scene
 from rtphys.sim.factory import ObjectFactory
 from rtphys.task.props import Prop
@@ -40,23 +43,33 @@ class Bodies:
         return solids
 
 
-def outside(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) -> float:
-    """Share of seeds whose first draw of the centre of mass lies outside some body.
+@dataclass(frozen=True, eq=False)
+class Survival:
+    """What rejection leaves of the drawn centres of mass.
 
-    An episode draws again until the centre lies inside, so the share shows how much of a domain no
-    real object of the task could have. Outside means outside the hull shrunk by a tenth.
+    An episode draws again until the centre lies inside every body, that is inside its convex hull
+    shrunk by a tenth. So its label is a draw that survives.
     """
-    loaded, tried, out = load_task(task), 0, 0
+
+    share: float  # of the seeds whose first draw survives
+    drawn: Array  # (3,) standard deviation of all first draws along the body's axes [m]
+    left: Array  # (3,) the same of those that survive [m]
+
+
+def survival(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) -> Survival:
+    """Count the first draws of some seeds that lie inside all bodies of a task."""
+    loaded, drawn, kept = load_task(task), list[Vector](), list[bool]()
     for seed in seeds:
         try:
             solids = bodies.solids(loaded.props(seed))
         except Infeasible:
             continue
-        drawn = domain.sample(seed, task=task)
-        tried += 1
-        fits = inside(solids, drawn.scalar("object_scale"))
-        out += not fits(drawn.vector("center_of_mass"))
-    return out / tried
+        physics = domain.sample(seed, task=task)
+        drawn.append(physics.vector("center_of_mass"))
+        kept.append(inside(solids, physics.scalar("object_scale"))(drawn[-1]))
+    points, survive = np.array(drawn), np.array(kept)
+    left = points[survive].std(axis=0) if survive.any() else np.zeros(3)
+    return Survival(float(survive.mean()), points.std(axis=0), left)
 
 
 def narrowed() -> dict[str, Domain]:
