@@ -24,6 +24,7 @@ from rtphys.task.spec import load_task
 
 NAMES = tuple(row.name for row in BUILTIN)
 TASKS = ("click_bell", "place_dual_shoes", "open_laptop")
+FROM_CV = np.array([[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]], float)
 RADIUS, CORNER = 0.01, (0.56, 0.30)  # [m] of the ball; where on the table nothing else stands
 
 
@@ -60,8 +61,10 @@ def measured_top(instance: Instance) -> tuple[float, float]:
     far, near, left = (table_point(instance, *at) for at in ((x, y), (x, -y), (-x, y)))
     normal = np.cross(far - left, far - near)
     normal *= np.sign(normal[2]) / np.linalg.norm(normal)
-    middle = (left + near) / 2 - RADIUS * normal
-    return float(middle[2]), float(np.degrees(np.arctan2(normal[1], normal[2])))
+    # Where the plane under the balls meets the upright line through the table's centre.
+    away = near[:2] - RADIUS * normal[:2] - instance.task.table_shift
+    height = near[2] - RADIUS * normal[2] + normal[:2] @ away / normal[2]
+    return float(height), float(np.degrees(np.arctan2(normal[1], normal[2])))
 
 
 @pytest.mark.sim
@@ -97,7 +100,9 @@ def test_pictures_are_taken_from_where_the_label_says(protocol: str, pack: Pack)
         instance = prepare(recipe, load_task("click_bell"), pack, visuals=True)
         studio, label = Studio(instance.world, ["head"]), labels(instance)
         (camera,) = studio.cameras
-        taken = Pose(camera.camera.entity_pose.p, camera.camera.entity_pose.q)
+        world_to_camera = np.eye(4)  # OpenCV axes, as the renderer has it
+        world_to_camera[:3] = camera.component.get_extrinsic_matrix()
+        taken = Pose.from_matrix(np.linalg.inv(world_to_camera) @ FROM_CV)
         nominal = instance.world.head_camera.nominal_pose
         moved = float(np.linalg.norm(taken.p - nominal.p))
         assert moved == pytest.approx(float(label["camera_distance"]["value"]), abs=1e-6)
