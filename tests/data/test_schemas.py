@@ -28,6 +28,7 @@ def test_golden_phys_meta() -> None:
     golden = json.loads((GOLDEN / "phys_meta.json").read_text())
     model = schema.check("phys_meta", golden)
     assert json.loads(pretty(model.model_dump(mode="json"))) == golden
+    assert golden == json.loads(pretty(schema.check("phys_meta", label()).model_dump(mode="json")))
 
 
 def label(**changes: object) -> dict[str, object]:

@@ -9,7 +9,7 @@ from rtphys.assets.pack import Pack, default_pack
 from rtphys.episode.generate import attempt
 from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.physics import disagreements
-from rtphys.setting.protocol import BUILTIN, OFFICIAL
+from rtphys.setting.protocol import BUILTIN
 from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
 
@@ -83,32 +83,12 @@ def test_clutter_rests_obeys_friction_and_tilt_but_not_the_objects_own_physics(p
         assert np.linalg.norm(thing.bodies[0].component.linear_velocity) < 0.01
 
 
-def test_the_look_lowers_the_table_beside_physics(pack: Pack) -> None:
-    both = under("click_bell", 4, "phys_random_all", pack)
-    drop, drawn = both.look.backdrop.table_height, both.physics.scalar("table_height")
-    assert -OFFICIAL.table_drop < drop < 0
-    centre = both.world.X_WT @ np.array([0, 0, 0.74])
-    assert centre[2] == pytest.approx(0.74 + drawn + drop, abs=1e-9)
-    assert both.world.measured_table()[1] == pytest.approx(drawn, abs=1e-6)
-
-
-def test_camera_jitter_comes_on_top_of_physics(pack: Pack) -> None:
-    plain, both = (under("click_bell", 6, p, pack) for p in ("phys_random", "phys_random_all"))
-    jitter = both.look.backdrop.camera
-    assert jitter is not None
-    head = both.world.head_camera
-    expected = plain.world.head_camera.pose @ jitter
-    assert np.allclose(head.in_force.p, expected.p)
-    assert head.in_force.angle_to(expected) < 1e-6
-    assert plain.world.head_camera.in_force is plain.world.head_camera.pose
-
-
 @pytest.mark.parametrize("physics", [False, True])
 def test_what_is_only_seen_changes_no_state(
     physics: bool, pack: Pack, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "protocols").mkdir()
-    rules = "{textures: true, light_colours: true, flicker_rate: 1, camera_shift: 0.01}"
+    rules = "{textures: true, light_colours: true, flicker_rate: 1}"
     text = f"physics: {str(physics).lower()}\nvisual: {rules}\n"
     (tmp_path / "protocols" / "seen_only.yaml").write_text(text)
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))

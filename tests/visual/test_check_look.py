@@ -6,9 +6,11 @@ from dataclasses import replace
 import pytest
 
 from rtphys.assets.pack import default_pack
+from rtphys.core.seeds import Chance
 from rtphys.data.check_look import LookCheck
-from rtphys.data.schema import PhysMeta, TaskDatasetEntry, VisualLabel
+from rtphys.data.schema import DomainName, Manifest, PhysMeta, TaskDatasetEntry, VisualLabel
 from rtphys.setting.protocol import OFFICIAL
+from rtphys.setting.setting import NOMINAL
 from rtphys.task.spec import load_task
 from rtphys.visual import draw_look
 
@@ -21,29 +23,39 @@ def entry(**changes: object) -> TaskDatasetEntry:
         "task": "click_bell",
         "visual": OFFICIAL.to_json(),
         "split": "seen",
+        "only": None,
+        "overrides": {},
+        "domain": DomainName(name=NOMINAL.name, digest=NOMINAL.digest),
         "assets": {"digest": default_pack().digest},
         "versions": {"task": load_task("click_bell").digest},
     }
     return TaskDatasetEntry.model_construct(**{**told, **changes})
 
 
+def look_check(told: TaskDatasetEntry) -> LookCheck:
+    """The check of a manifest that holds this entry and its domain."""
+    return LookCheck(told, Manifest.model_construct(domains={NOMINAL.digest: NOMINAL.to_json()}))
+
+
 def label(changes: Mapping[str, object] | None = None, split: str = "seen") -> PhysMeta:
     task = load_task("click_bell")
-    look = draw_look(OFFICIAL, SEED, (task, task.props(SEED)), default_pack(), split)
+    look = draw_look(
+        OFFICIAL, Chance(SEED, "click_bell"), (task, task.props(SEED)), default_pack(), split
+    )
     visual = VisualLabel.model_validate({**look.to_json(), **(changes or {})})
     return PhysMeta.model_construct(seed=SEED, visual=visual)
 
 
 def test_the_true_label_is_sound() -> None:
-    check = LookCheck(entry())
+    check = look_check(entry())
     assert (check.gap, check.problems(label())) == ("", [])
-    unseen = LookCheck(entry(split="unseen"))
+    unseen = look_check(entry(split="unseen"))
     assert unseen.problems(label(split="unseen")) == []
     assert unseen.problems(label()) != []
 
 
 def test_another_picture_or_piece_of_the_same_split_is_found() -> None:
-    check, true = LookCheck(entry()), label()
+    check, true = look_check(entry()), label()
     assert true.visual is not None
     others = [path.stem for path in default_pack().textures("seen")]
     for key in ("table_texture", "wall_texture"):
@@ -60,21 +72,21 @@ def test_another_picture_or_piece_of_the_same_split_is_found() -> None:
         assert text.startswith("visual.clutter is ")
 
 
-def test_lights_and_jitter_need_no_pack() -> None:
-    check = LookCheck(entry(assets={"digest": "0" * 64}))
+def test_lights_need_no_pack() -> None:
+    check = look_check(entry(assets={"digest": "0" * 64}))
     assert "the asset pack 000000000000 is not on this machine" in check.gap
     assert check.problems(label()) == []
-    for changes in ({"flickers": True}, {"camera_turn": [0.0, 0.0, 0.01]}, {"table_height": 0.0}):
+    for changes in ({"flickers": True}, {"lights": {"ambient": [0.5, 0.5, 0.5]}}):
         (text,) = check.problems(label(changes))
         assert "the seed gives" in text
 
 
 def test_another_version_of_the_task_is_told() -> None:
-    check = LookCheck(entry(versions={"task": "0" * 16}))
+    check = look_check(entry(versions={"task": "0" * 16}))
     assert "is another version of the task" in check.gap
-    assert LookCheck(entry(task="click_bel")).gap != ""
+    assert look_check(entry(task="click_bel")).gap != ""
 
 
 @pytest.mark.parametrize("rules", [None, replace(OFFICIAL, clutter=2).to_json()])
 def test_rules_that_are_not_those_of_the_collection(rules: dict | None) -> None:
-    assert LookCheck(entry(visual=rules)).problems(label()) != []
+    assert look_check(entry(visual=rules)).problems(label()) != []

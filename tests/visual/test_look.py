@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import Pack, default_pack
+from rtphys.core.seeds import Chance
 from rtphys.setting.protocol import OFFICIAL, VisualRules
+from rtphys.setting.setting import Setting
 from rtphys.task.draw import Spot
 from rtphys.task.props import Mesh
 from rtphys.task.spec import load_task
@@ -27,7 +29,7 @@ def pack() -> Pack:
 
 def look(name: str, seed: int, pack: Pack, rules: VisualRules = OFFICIAL) -> Look:
     task = load_task(name)
-    return draw_look(rules, seed, (task, task.props(seed)), pack, "seen")
+    return draw_look(rules, Chance(seed, name), (task, task.props(seed)), pack, "seen")
 
 
 def placed(one: Look, pack: Pack) -> list[tuple[Piece, np.ndarray]]:
@@ -61,7 +63,7 @@ def test_clutter_keeps_clear_of_the_task_and_of_itself(name: str, pack: Pack) ->
 def test_keep_clear_is_kept_clear(pack: Pack) -> None:
     task = replace(load_task("click_bell"), keep_clear=(((-0.6, 0.6), (-0.35, 0.1)),))
     for seed in SEEDS:
-        one = draw_look(OFFICIAL, seed, (task, task.props(seed)), pack, "seen")
+        one = draw_look(OFFICIAL, Chance(seed), (task, task.props(seed)), pack, "seen")
         assert all(p[1] - piece.radius >= 0.1 for piece, p in placed(one, pack))
 
 
@@ -82,22 +84,18 @@ def test_equal_seeds_look_alike_and_others_differ(pack: Pack) -> None:
 def test_each_part_has_a_stream_of_its_own(pack: Pack) -> None:
     """Turning one rule off moves no other draw."""
     full = look("click_bell", 5, pack)
-    bare = look("click_bell", 5, pack, replace(OFFICIAL, light_colours=False, table_drop=0.0))
+    bare = look("click_bell", 5, pack, replace(OFFICIAL, light_colours=False))
     assert bare.table_texture == full.table_texture
-    assert bare.backdrop.camera_shift == full.backdrop.camera_shift
     assert [p.category for p in bare.clutter] == [p.category for p in full.clutter]
     assert bare.backdrop.lights.directional is None
-    assert bare.backdrop.table_height == 0.0
 
 
 def test_draws_are_spread_over_their_ranges() -> None:
-    many = [backdrop(replace(OFFICIAL, flicker_rate=0.3), seed) for seed in range(400)]
-    heights = [b.table_height for b in many]
+    setting = Setting("click_bell", "official_random")
+    heights = [setting.draw(seed).scalar("table_height") for seed in range(400)]
     assert -0.03 <= min(heights) < -0.028
     assert -0.002 < max(heights) <= 0
-    shifts = np.linalg.norm([b.camera_shift for b in many], axis=1)
-    assert 0.009 < shifts.max() <= 0.01
-    assert np.degrees(np.linalg.norm([b.camera_turn for b in many], axis=1)).max() <= 1.0 + 1e-9
+    many = [backdrop(replace(OFFICIAL, flicker_rate=0.3), Chance(seed)) for seed in range(400)]
     assert 0.2 < np.mean([b.flickers for b in many]) < 0.4
     colours = np.array([b.lights.directional for b in many])
     assert colours.min() < 0.02
@@ -105,18 +103,20 @@ def test_draws_are_spread_over_their_ranges() -> None:
 
 
 def test_a_flicker_is_the_same_every_time_it_is_drawn() -> None:
-    wild = backdrop(replace(OFFICIAL, flicker_rate=1.0), 7)
-    assert wild.lights_at(3) == backdrop(replace(OFFICIAL, flicker_rate=1.0), 7).lights_at(3)
+    wild = backdrop(replace(OFFICIAL, flicker_rate=1.0), Chance(7))
+    assert wild.lights_at(3) == backdrop(replace(OFFICIAL, flicker_rate=1.0), Chance(7)).lights_at(
+        3
+    )
     assert wild.lights_at(3) != wild.lights_at(4)
     assert abs(wild.lights_at(3).ambient[0] - 0.5) <= 0.1
-    still = backdrop(replace(OFFICIAL, flicker_rate=0.0), 7)
+    still = backdrop(replace(OFFICIAL, flicker_rate=0.0), Chance(7))
     assert still.lights_at(3) == still.lights_at(4) == still.lights
 
 
 def test_splits_share_no_picture(pack: Pack) -> None:
     task = load_task("click_bell")
     for seed in SEEDS:
-        one = draw_look(OFFICIAL, seed, (task, task.props(seed)), pack, "unseen")
+        one = draw_look(OFFICIAL, Chance(seed), (task, task.props(seed)), pack, "unseen")
         assert all(
             n is None or n.startswith("unseen/") for n in (one.table_texture, one.wall_texture)
         )
@@ -126,17 +126,17 @@ def test_splits_share_no_picture(pack: Pack) -> None:
 @pytest.mark.parametrize(
     ("key", "value"),
     [
-        ("table_height", -0.01),
         ("flickers", True),
-        ("camera_shift", [0, 0, 0]),
         ("clutter", [{}] * 11),
         ("table_texture", "unseen/tartan_0"),
     ],
 )
 def test_a_changed_label_is_found(key: str, value: object, pack: Pack) -> None:
     label = look("click_bell", 2, pack).to_json()
-    assert problems(label, OFFICIAL, 2) == []
-    assert any(f"visual.{key}" in text for text in problems({**label, key: value}, OFFICIAL, 2))
+    chance = Chance(2, "click_bell")
+    assert problems(label, OFFICIAL, chance) == []
+    changed = {**label, key: value}
+    assert any(f"visual.{key}" in text for text in problems(changed, OFFICIAL, chance))
 
 
 def test_what_counts_as_disturbed() -> None:

@@ -77,10 +77,11 @@ class Conditions:
             "embodiment": embodiment_folder(self.setting.embodiment),
             "split": None if self.visual is None else self.setting.split,
             "recovery": None if self.setting.recovery else False,
-            "pair_tasks": True if self.setting.pair_tasks else None,
             "domain_name": self.domain.get("name", ""),
             "domain_digest": self.domain.get("digest", ""),
         }
+        if not self.setting.pair_tasks:  # which version 1 did not know
+            del header["pair_tasks"]
         return {key: plain(value, key) for key, value in header.items()}
 
 

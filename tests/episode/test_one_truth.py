@@ -1,0 +1,138 @@
+"""Under every protocol the label is what an independent measurement of the world gives.
+
+The measurements ask raw SAPIEN, not what the attributes read back: a ball that is dropped on the
+table, and the camera that takes the pictures.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import sapien
+from sapien import physx
+
+from rtphys.assets.pack import Pack, default_pack
+from rtphys.core.errors import BadValue
+from rtphys.core.poses import Pose
+from rtphys.episode.assemble import _label
+from rtphys.episode.instance import Instance, prepare
+from rtphys.setting.protocol import BUILTIN, OFFICIAL
+from rtphys.setting.setting import Setting
+from rtphys.sim import renderer
+from rtphys.sim.studio import Studio
+from rtphys.task.spec import load_task
+
+NAMES = tuple(row.name for row in BUILTIN)
+TASKS = ("click_bell", "place_dual_shoes", "open_laptop")
+FROM_CV = np.array([[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]], float)
+RADIUS, CORNER = 0.01, (0.56, 0.30)  # [m] of the ball; where on the table nothing else stands
+
+
+@pytest.fixture(scope="module")
+def pack() -> Pack:
+    return default_pack()
+
+
+def labels(instance: Instance) -> dict[str, dict[str, object]]:
+    """The attributes of the label that a recording of this instance would have."""
+    return _label(instance)["attributes"]  # pyright: ignore[reportReturnType]
+
+
+def table_point(instance: Instance, dx: float, dy: float) -> np.ndarray:
+    """Point (3,) of the table's surface under a ball that was dropped from above, world [m]."""
+    scene, shift = instance.world.scene, instance.task.table_shift
+    material = physx.PhysxMaterial(2.0, 2.0, 0.0)
+    builder = scene.create_actor_builder()
+    builder.add_sphere_collision(radius=RADIUS, material=material, density=1e4)
+    builder.initial_pose = sapien.Pose([shift[0] + dx, shift[1] + dy, 0.80])
+    ball = builder.build("probe")
+    body = ball.find_component_by_type(physx.PhysxRigidDynamicComponent)
+    for _ in range(250):
+        scene.step()
+        body.set_angular_velocity([0.0, 0.0, 0.0])  # it slides at most: friction is large
+    centre = np.asarray(ball.pose.p, float)
+    scene.remove_actor(ball)
+    return centre
+
+
+def measured_top(instance: Instance) -> tuple[float, float]:
+    """Height [m] of the table's centre, and its lean [deg], from balls in three corners."""
+    x, y = CORNER
+    far, near, left = (table_point(instance, *at) for at in ((x, y), (x, -y), (-x, y)))
+    normal = np.cross(far - left, far - near)
+    normal *= np.sign(normal[2]) / np.linalg.norm(normal)
+    # Where the plane under the balls meets the upright line through the table's centre.
+    away = near[:2] - RADIUS * normal[:2] - instance.task.table_shift
+    height = near[2] - RADIUS * normal[2] + normal[:2] @ away / normal[2]
+    return float(height), float(np.degrees(np.arctan2(normal[1], normal[2])))
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("protocol", NAMES)
+@pytest.mark.parametrize("name", TASKS)
+def test_a_ball_on_the_table_lies_where_the_label_says(
+    name: str, protocol: str, pack: Pack
+) -> None:
+    heights = []
+    for seed in range(2):
+        instance = prepare(Setting(name, protocol).at(seed), load_task(name), pack)
+        label = labels(instance)
+        height, tilt = measured_top(instance)
+        expected = 0.74 - instance.task.table_drop + float(label["table_height"]["value"])
+        assert height == pytest.approx(expected, abs=1e-4)
+        assert tilt == pytest.approx(float(label["table_tilt"]["value"]), abs=0.02)
+        heights.append(label["table_height"])
+    source = {"clean": "nominal", "official_random": "look"}.get(protocol, "domain")
+    assert [one["source"] for one in heights] == [source] * 2
+    assert [one["varied"] for one in heights] == [protocol != "clean"] * 2
+    if protocol == "official_random":
+        values = [float(one["value"]) for one in heights]
+        assert -OFFICIAL.table_drop < min(values) < max(values) < 0
+
+
+@pytest.mark.render
+@pytest.mark.parametrize("protocol", NAMES)
+def test_pictures_are_taken_from_where_the_label_says(protocol: str, pack: Pack) -> None:
+    renderer.configure("slim")
+    renderer.hold_anchor()
+    for seed in range(3):
+        recipe = Setting("click_bell", protocol).at(seed)
+        instance = prepare(recipe, load_task("click_bell"), pack, visuals=True)
+        studio, label = Studio(instance.world, ["head"]), labels(instance)
+        (camera,) = studio.cameras
+        world_to_camera = np.eye(4)  # OpenCV axes, as the renderer has it
+        world_to_camera[:3] = camera.component.get_extrinsic_matrix()
+        taken = Pose.from_matrix(np.linalg.inv(world_to_camera) @ FROM_CV)
+        nominal = instance.world.head_camera.nominal_pose
+        moved = float(np.linalg.norm(taken.p - nominal.p))
+        assert moved == pytest.approx(float(label["camera_distance"]["value"]), abs=1e-6)
+        turned = np.degrees(taken.angle_to(nominal))
+        if instance.physics["camera_mode"] != "orbit":  # whose gaze follows from the distance
+            assert turned == pytest.approx(float(label["camera_angle"]["value"]), abs=1e-3)
+        if protocol in ("clean", "official_random"):
+            assert (moved, turned) == (pytest.approx(0, abs=1e-6), pytest.approx(0, abs=1e-3))
+
+
+@pytest.mark.sim
+def test_a_held_height_stays_and_is_told_as_set(pack: Pack) -> None:
+    setting = Setting("click_bell", "official_random", overrides={"table_height": -0.05})
+    label = labels(prepare(setting.at(3), load_task("click_bell"), pack))["table_height"]
+    assert (label["value"], label["source"]) == (-0.05, "set")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("visual: {camera_shift: 0.01}", "camera_shift = 0.01 is not allowed; the head camera"),
+        ("visual: {camera_turn_deg: 1}", "vary camera_angle"),
+        ("physics: true\nvisual: {table_drop: 0.02}", "table_drop = 0.02 is not allowed; with"),
+    ],
+)
+def test_a_look_that_would_contradict_physics_is_refused(
+    text: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "protocols").mkdir()
+    (tmp_path / "protocols" / "own.yaml").write_text(text + "\n")
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    with pytest.raises(BadValue, match=words):
+        Setting("click_bell", "own").visual()
