@@ -15,7 +15,7 @@ from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.rollout import Rollout
 from rtphys.task.arm import Grip
 
-STROKE_TIME = 0.4  # [s] for the whole stroke: 11 cm/s a finger, what the real gripper does
+STROKE_TIME = 0.4  # [s] for the whole stroke at the real gripper's greatest speed, 11 cm/s a finger
 GRIP_LIMIT = 400  # [steps] for the fingers to stop: damped ones creep over thin objects
 OPEN_LIMIT = 250  # [steps] for them to open: thrice the damping makes them lag by 0.6 s
 CLOSED = 0.3  # commanded opening; hands that are made slim for a purpose stay wider

@@ -1,8 +1,9 @@
 """Straight motions and finger strokes from rest to rest whose jerk is limited, by ruckig.
 
 Each is one coordinate on a line: how far the joint that moves most has come. ruckig calculates its
-fastest course once, and the other joints follow in proportion. So the line stays exactly straight,
-also where ruckig's own phase synchronisation gives it up because the limits of joints differ.
+fastest course as a whole, before the motion; the other joints follow in proportion. So the line
+stays exactly straight, also where ruckig's own phase synchronisation gives that up because the
+limits of joints differ.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array
 from rtphys.plan.trajectory import JointLimits, Trajectory
 
-JERK = 100.0  # [rad/s^3] of the joint that moves most: cuRobo's limit in RoboTwin
+JERK = 100.0  # [rad/s^3] of the joint that moves most: cuRobo's official limit
 # A motion takes at most this much longer than without a limit of jerk, and is then rounded up to
 # whole steps. A short one, which would take longer under JERK, gets as little more as that allows.
 LONGER = 1.15
