@@ -44,8 +44,8 @@ KINDS: dict[Place, tuple[Kind, ...]] = {
     ),
 }
 CANVAS: dict[Place, Canvas] = {
-    "table": Canvas(1.2, 0.7, 1024, 600),
-    "wall": Canvas(3.0, 1.5, 1024, 512),
+    "table": Canvas(1.2, 0.7, 768, 448),
+    "wall": Canvas(3.0, 1.5, 768, 384),
 }
 """Size of each picture; a wall goes on beside it as in a mirror."""
 
