@@ -3,11 +3,10 @@
 import hashlib
 import os
 import re
-from collections.abc import Mapping
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from rtphys.assets.embodiment import Embodiment, read_embodiment
 from rtphys.assets.identity import STAMP, description_digest, source_digest
@@ -21,14 +20,14 @@ from rtphys.assets.model import (
     read_json,
     read_model,
 )
-from rtphys.assets.surfaces import KINDS, NAMES, SPLITS, Place, draw_surface
+from rtphys.assets.surfaces import Place
+from rtphys.assets.textures import Textures
 from rtphys.core.errors import BadFile, MissingAsset, UnknownName
 
 if TYPE_CHECKING:  # the generators need trimesh and manifold3d, a finished pack needs neither
     from rtphys.assets.build import Progress
 
 FALLBACKS = ("", "builtin")
-TEXTURE_FOLDERS = ("textures", "background_texture")  # in the builtin and in the official pack
 
 
 class Pack:
@@ -52,8 +51,7 @@ class Pack:
             raise BadFile(root, "is no asset pack: it has neither objects/ nor embodiments/")
         self.root, self.fallback = root, fallback
         # Read once per process: every episode asks again, and planners are cached by embodiment.
-        self._textures: dict[str, dict[str, Path]] = {}
-        self._names: dict[tuple[str, str], tuple[str, ...]] = {}
+        self._textures = Textures(root)
         self._listings: dict[str, tuple[int, ...]] = {}
         self._models: dict[tuple[str, int], Model] = {}
         self._robots: dict[str, Embodiment] = {}
@@ -173,16 +171,13 @@ class Pack:
     def textures(self, split: str, place: Place) -> tuple[str, ...]:
         """Names of the textures of tables or walls, of a split, in a fixed order.
 
-        A pack has pictures, which lie on either, or surfaces that are drawn from their names.
         Raises UnknownName (the split) or MissingAsset.
         """
-        if split not in SPLITS:
-            raise UnknownName("texture split", split, SPLITS)
-        if names := tuple(self._pictures(split)) or self._surfaces(split, place):
+        if names := self._textures.names(split, place):
             return names
         if self.fallback:
             return self.fallback.textures(split, place)
-        raise MissingAsset(f"{split} textures", self.root / TEXTURE_FOLDERS[0] / split)
+        raise MissingAsset(f"{split} textures", self.root / "textures" / split)
 
     def texture(self, place: Place, name: str) -> Path | Picture:
         """The file of a picture, or a drawn surface, of a name such as "seen/planks_017".
@@ -190,31 +185,11 @@ class Pack:
         Raises UnknownName or MissingAsset.
         """
         split, _, stem = name.partition("/")
-        known = self.textures(split, place)
-        if stem not in known:
+        if stem not in (known := self.textures(split, place)):
             raise UnknownName("texture", stem, known)
-        if pictures := self._pictures(split):
-            return pictures[stem]
-        if self._surfaces(split, place) or self.fallback is None:
-            return draw_surface(place, name)
+        if self._textures.names(split, place) or self.fallback is None:
+            return self._textures.find(place, split, stem)
         return self.fallback.texture(place, name)
-
-    def _surfaces(self, split: str, place: Place) -> tuple[str, ...]:
-        if not self._names:
-            file = self.root / TEXTURE_FOLDERS[0] / NAMES
-            data = read_json(file) if file.is_file() else {}
-            for each in SPLITS:
-                listed = cast(Mapping[str, list[str]], data.get(each) or {})
-                for where in KINDS:
-                    self._names[each, where] = tuple(listed.get(where, ()))
-        return self._names[split, place]
-
-    def _pictures(self, split: str) -> dict[str, Path]:
-        if split not in self._textures:
-            folders = (self.root / name / split for name in TEXTURE_FOLDERS)
-            listings = (sorted(f.glob("*.png"), key=lambda p: p.name) for f in folders)
-            self._textures[split] = {p.stem: p for p in next(filter(None, listings), ())}
-        return self._textures[split]
 
     # ---- identity --------------------------------------------------------------------------
 

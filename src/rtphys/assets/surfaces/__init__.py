@@ -40,7 +40,7 @@ KINDS: dict[Place, tuple[Kind, ...]] = {
         *(woods.panels, woods.weatherboard, stones.concrete, stones.stone_wall),
         *(tiles.tiles, tiles.subway, tiles.bricks, tiles.hexagons),
         *(cloths.plaster, cloths.wallpaper, cloths.banded),
-        *(stones.marble, woods.planks, cloths.linen),
+        *(stones.marble, woods.planks, woods.weathered, cloths.linen),
     ),
 }
 CANVAS: dict[Place, Canvas] = {
