@@ -56,7 +56,11 @@ def test_points_cannot_be_written_to(pack):
         (lambda p: p.model("bell", 0), UnknownName, ["did you mean '050_bell'"]),
         (lambda p: p.articulation("015_laptop", 99), MissingAsset, ["model 99 of 015_laptop"]),
         (lambda p: p.embodiment("aloha"), UnknownName, ["did you mean 'aloha-agilex'"]),
-        (lambda p: p.textures("train"), UnknownName, ["texture split 'train'", "seen, unseen"]),
+        (
+            lambda p: p.textures("train", "table"),
+            UnknownName,
+            ["texture split 'train'", "seen, unseen"],
+        ),
     ],
 )
 def test_errors_name_what_is_missing(pack, ask, error, words):

@@ -50,3 +50,20 @@ def test_json_names_the_attribute_and_its_bins() -> None:
     assert data["log_odds"] == effect.curve.slope > 0
     assert isinstance(data["bins"], list)
     assert sum(part["trials"] for part in data["bins"]) == 11
+
+
+def test_an_attribute_that_does_not_act_is_no_factor() -> None:
+    def record(seed: int, inert: tuple[str, ...]) -> EpisodeRecord:
+        physics = {"friction": seed / 9, "object_mass": 4 - seed / 9}
+        win = seed % 3 == 0
+        return EpisodeRecord("bell", "phys_random", seed, win, physics=physics, inert=inert)
+
+    (one,) = breaks([record(seed, ("object_mass",)) for seed in range(30)])
+    assert (one.key, one.same) == ("friction", ())
+    both = breaks([record(seed, ("object_mass",) * (seed % 2)) for seed in range(30)])
+    trials = {effect.key: sum(rate.trials for *_, rate in effect.bins) for effect in both}
+    assert trials == {"friction": 30, "object_mass": 15}
+    assert EpisodeRecord.from_json(
+        one_json := record(1, ("object_mass",)).to_json(), "x"
+    ) == record(1, ("object_mass",))
+    assert one_json["inert"] == ["object_mass"]

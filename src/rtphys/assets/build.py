@@ -16,19 +16,19 @@ from rtphys.assets.asset_model import ArticulatedModel
 from rtphys.assets.embodiments import EMBODIMENTS
 from rtphys.assets.identity import STAMP, content_digest, source_digest
 from rtphys.assets.objects import catalogue
-from rtphys.assets.textures import texture_names, write_texture
+from rtphys.assets.surfaces import NAMES, write_names
 from rtphys.assets.write import write_articulated, write_rigid
 
 Progress = Callable[[int, int, str], None]  # jobs done, jobs in all, name of the one just done
 
-FORMAT = 1  # of the pack; raise it when the loader can no longer read older packs
+FORMAT = 2  # of the pack; raise it when the loader can no longer read older packs
 FEW_JOBS = 12  # up to this many are written without starting processes
 MOST_WORKERS = 8  # processes by default; more find too few jobs to share
 
 
 @dataclass(frozen=True, order=True)
 class Job:
-    """One model, robot or texture to write. Names only, so that it can go to another process."""
+    """One model or robot, or the list of surfaces, by names, which can go to another process."""
 
     kind: str  # "embodiment", "object" or "texture"
     name: str
@@ -43,17 +43,17 @@ def jobs(names: Iterable[str] = ()) -> list[Job]:
     wanted = set(names)
     every = [Job("embodiment", name) for name in EMBODIMENTS]
     every += [Job("object", name, i) for name, makers in catalogue().items() for i in makers]
-    every += [Job("texture", name) for name in texture_names()]
+    every.append(Job("texture", NAMES))
     return [job for job in every if not wanted or job.name in wanted]
 
 
 def write(root: Path, job: Job) -> Job:
-    """Generate one job's model, robot or texture and write its files under `root`."""
+    """Generate one job's model, robot or list of surfaces and write its files under `root`."""
     if job.kind == "embodiment":
         EMBODIMENTS[job.name](root / "embodiments" / job.name)
         return job
     if job.kind == "texture":
-        write_texture(root / "textures", job.name)
+        write_names(root / "textures")
         return job
     folder = root / "objects" / job.name
     model = catalogue()[job.name][job.index]()

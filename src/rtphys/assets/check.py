@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from rtphys.assets.pack import Pack
+from rtphys.assets.surfaces import KINDS, SPLITS
 from rtphys.core.errors import RtphysError
 
 
@@ -46,9 +47,9 @@ def _indices(pack: Pack, name: str, problems: list[str]) -> tuple[int, ...]:
 
 def _textures(pack: Pack) -> dict[str, int]:
     counts = {}
-    for split in ("seen", "unseen"):
+    for split in SPLITS:
         try:
-            counts[split] = len(pack.textures(split))
+            counts[split] = sum(len(pack.textures(split, place)) for place in KINDS)
         except RtphysError:
             counts[split] = 0
     return counts

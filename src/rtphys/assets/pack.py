@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rtphys.assets.embodiment import Embodiment, read_embodiment
 from rtphys.assets.identity import STAMP, description_digest, source_digest
+from rtphys.assets.material import Picture
 from rtphys.assets.model import (
     Articulation,
     Box,
@@ -19,13 +20,14 @@ from rtphys.assets.model import (
     read_json,
     read_model,
 )
+from rtphys.assets.surfaces import Place
+from rtphys.assets.textures import Textures
 from rtphys.core.errors import BadFile, MissingAsset, UnknownName
 
 if TYPE_CHECKING:  # the generators need trimesh and manifold3d, a finished pack needs neither
     from rtphys.assets.build import Progress
 
 FALLBACKS = ("", "builtin")
-TEXTURE_FOLDERS = ("textures", "background_texture")  # in the builtin and in the official pack
 
 
 class Pack:
@@ -49,7 +51,7 @@ class Pack:
             raise BadFile(root, "is no asset pack: it has neither objects/ nor embodiments/")
         self.root, self.fallback = root, fallback
         # Read once per process: every episode asks again, and planners are cached by embodiment.
-        self._textures: dict[str, tuple[Path, ...]] = {}
+        self._textures = Textures(root)
         self._listings: dict[str, tuple[int, ...]] = {}
         self._models: dict[tuple[str, int], Model] = {}
         self._robots: dict[str, Embodiment] = {}
@@ -166,22 +168,28 @@ class Pack:
             raise MissingAsset(f"embodiment {name!r}", folder / "config.yml")
         raise UnknownName("embodiment", name, self.embodiments, self.root)
 
-    def textures(self, split: str) -> tuple[Path, ...]:
-        """Table and wall pictures of a split, "seen" or "unseen", in a fixed order."""
-        if split not in ("seen", "unseen"):
-            raise UnknownName("texture split", split, ("seen", "unseen"))
-        if pictures := self._pictures(split):
-            return pictures
-        if self.fallback:
-            return self.fallback.textures(split)
-        raise MissingAsset(f"{split} textures", self.root / TEXTURE_FOLDERS[0] / split)
+    def textures(self, split: str, place: Place) -> tuple[str, ...]:
+        """Names of the textures of tables or walls, of a split, in a fixed order.
 
-    def _pictures(self, split: str) -> tuple[Path, ...]:
-        if split not in self._textures:
-            folders = (self.root / name / split for name in TEXTURE_FOLDERS)
-            listings = (sorted(f.glob("*.png"), key=lambda p: p.name) for f in folders)
-            self._textures[split] = tuple(next(filter(None, listings), ()))
-        return self._textures[split]
+        Raises UnknownName (the split) or MissingAsset.
+        """
+        if names := self._textures.names(split, place):
+            return names
+        if self.fallback:
+            return self.fallback.textures(split, place)
+        raise MissingAsset(f"{split} textures", self.root / "textures" / split)
+
+    def texture(self, place: Place, name: str) -> Path | Picture:
+        """The file of a picture, or a drawn surface, of a name such as "seen/planks_017".
+
+        Raises UnknownName or MissingAsset.
+        """
+        split, _, stem = name.partition("/")
+        if stem not in (known := self.textures(split, place)):
+            raise UnknownName("texture", stem, known)
+        if self._textures.names(split, place) or self.fallback is None:
+            return self._textures.find(place, split, stem)
+        return self.fallback.texture(place, name)
 
     # ---- identity --------------------------------------------------------------------------
 

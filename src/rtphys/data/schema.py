@@ -70,7 +70,7 @@ class VisualLabel(Model):
     """How the episode looks: what its protocol's visual rules drew."""
 
     split: Literal["seen", "unseen"]
-    table_texture: str | None = Field(description="such as seen/planks_0; null: plain")
+    table_texture: str | None = Field(description="such as seen/planks_017; null: plain")
     wall_texture: str | None
     lights: dict[str, JsonValue] = Field(description="RGB; null: as in clean")
     flickers: bool = Field(description="light colours are drawn anew for every picture")

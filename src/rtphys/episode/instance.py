@@ -1,6 +1,6 @@
 """The world of a recipe: layout and physics are drawn, built, in force, and at rest."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rtphys.assets.pack import Pack
 from rtphys.core import arithmetic
@@ -16,7 +16,7 @@ from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
 from rtphys.task.props import Ball, Prop
 from rtphys.task.spec import Task
-from rtphys.visual import CLEAN, Look, draw_look, texture_file
+from rtphys.visual import CLEAN, Look, draw_look
 
 MOST_SLIDE = 0.05  # [m] and
 MOST_TURN = 0.26  # [rad], 15 deg: an object that settled further away has fallen or run off
@@ -64,9 +64,15 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
 
 
 def _table(task: Task, look: Look, pack: Pack, visuals: bool) -> TablePlan:
-    names = (look.table_texture, look.wall_texture) if visuals else (None, None)
-    table, wall = (None if name is None else texture_file(pack, name) for name in names)
-    return TablePlan(task.table_shift, task.table_drop, texture=table, wall_texture=wall)
+    plan = TablePlan(task.table_shift, task.table_drop)
+    if not visuals:
+        return plan
+    table, wall = look.table_texture, look.wall_texture
+    return replace(
+        plan,
+        texture=None if table is None else pack.texture("table", table),
+        wall_texture=None if wall is None else pack.texture("wall", wall),
+    )
 
 
 def settle(instance: Instance) -> None:

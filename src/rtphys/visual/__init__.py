@@ -9,7 +9,6 @@ from rtphys.visual.look import (
     Look,
     backdrop,
     draw_look,
-    texture_file,
 )
 
 __all__ = [
@@ -22,5 +21,4 @@ __all__ = [
     "disturbed",
     "draw_look",
     "scatter",
-    "texture_file",
 ]

@@ -2,12 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from rtphys.assets.pack import Pack
-from rtphys.core.errors import UnknownName
+from rtphys.assets.surfaces import Place
 from rtphys.core.poses import Array
 from rtphys.core.seeds import Chance
 from rtphys.setting.protocol import VisualRules
@@ -51,7 +50,7 @@ class Look:
 
     backdrop: Backdrop
     split: str = "seen"
-    table_texture: str | None = None  # "seen/planks_0", a picture of the pack
+    table_texture: str | None = None  # "seen/planks_017", of the pack
     wall_texture: str | None = None
     clutter: tuple[Mesh, ...] = ()  # task frame, upright; named clutter0, clutter1, ...
 
@@ -158,25 +157,14 @@ def problems(label: Mapping[str, object], rules: VisualRules, chance: Chance) ->
     return wrong
 
 
-def _texture(rules: VisualRules, chance: Chance, place: str, pack: Pack, split: str) -> str | None:
+def _texture(
+    rules: VisualRules, chance: Chance, place: Place, pack: Pack, split: str
+) -> str | None:
     if not rules.textures or _happens(chance, f"clean_{place}", rules.clean_background_rate):
         return None
-    known = pack.textures(split)
+    known = pack.textures(split, place)
     index = int(chance.stream("visual", f"{place}_texture").integers(len(known)))
-    return f"{split}/{known[index].stem}"
-
-
-def texture_file(pack: Pack, name: str) -> Path:
-    """The file of a picture that a look names, such as "seen/planks_0".
-
-    Raises:
-        UnknownName, MissingAsset: not in this pack.
-    """
-    split, _, stem = name.partition("/")
-    known = {path.stem: path for path in pack.textures(split)}
-    if stem not in known:
-        raise UnknownName("texture", stem, known)
-    return known[stem]
+    return f"{split}/{known[index]}"
 
 
 def _happens(chance: Chance, name: str, rate: float) -> bool:

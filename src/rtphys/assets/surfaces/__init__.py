@@ -5,11 +5,11 @@ in metres, depths of relief) and for the chance of the drawing; both follow from
 pack of pictures would hold 2 GB.
 """
 
+import hashlib
+import json
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from types import ModuleType
 from typing import Literal
 
 import numpy as np
@@ -21,6 +21,8 @@ from rtphys.core.errors import UnknownName
 from rtphys.core.seeds import stream
 
 Place = Literal["table", "wall"]
+SPLITS = ("seen", "unseen")
+NAMES = "surfaces.json"  # in the folder of a pack's textures
 Kind = Callable[[Canvas, Knobs], Field]
 
 EACH = 100  # surfaces of each kind
@@ -38,28 +40,14 @@ KINDS: dict[Place, tuple[Kind, ...]] = {
         *(woods.panels, woods.weatherboard, stones.concrete, stones.stone_wall),
         *(tiles.tiles, tiles.subway, tiles.bricks, tiles.hexagons),
         *(cloths.plaster, cloths.wallpaper, cloths.banded),
-        *(stones.marble, woods.planks, cloths.linen),
+        *(stones.marble, woods.planks, woods.weathered, cloths.linen),
     ),
 }
 CANVAS: dict[Place, Canvas] = {
-    "table": Canvas(1.2, 0.7, 1024, 600),
-    "wall": Canvas(6.0, 3.0, 1536, 768),
+    "table": Canvas(1.2, 0.7, 768, 448),
+    "wall": Canvas(3.0, 1.5, 768, 384),
 }
-"""Size of each face in the room, and of its picture."""
-
-
-@dataclass(frozen=True)
-class Surface:
-    """One surface by name: what decides how it looks."""
-
-    place: Place
-    split: str
-    kind: str
-    number: int
-
-    @property
-    def name(self) -> str:
-        return f"{self.split}/{self.kind}_{self.number:03d}"
+"""Size of each picture; a wall goes on beside it as in a mirror."""
 
 
 @lru_cache(maxsize=8)
@@ -88,9 +76,20 @@ def parameters(place: Place, name: str) -> dict[str, float]:
     return _drawn(place, name)[1].values
 
 
+def write_names(folder: Path) -> None:
+    """Write `<folder>/surfaces.json`: all names, and a digest of the code that draws them."""
+    code = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        code.update(path.name.encode() + b"\0" + path.read_bytes())
+    names = {split: {place: surface_names(place, split) for place in KINDS} for split in SPLITS}
+    folder.mkdir(parents=True, exist_ok=True)
+    text = json.dumps({"drawn_by": code.hexdigest(), **names}, indent=1)
+    (folder / NAMES).write_text(text + "\n")
+
+
 def _drawn(place: Place, name: str) -> tuple[Picture, Knobs]:
     split, _, stem = name.partition("/")
-    known = surface_names(place, split) if split in ("seen", "unseen") else ()
+    known = surface_names(place, split) if split in SPLITS else ()
     if stem not in known:
         raise UnknownName(f"surface of a {place}", name, (f"{split}/{one}" for one in known))
     kind = next(kind for kind in KINDS[place] if kind.__name__ == stem.rpartition("_")[0])

@@ -90,7 +90,7 @@ class Canvas:
         return along[i] * (1 - s) + along[i + 1] * s
 
     def clouds(self, rng: Generator, cell: float, octaves: int = 5, fade: float = 0.55) -> Field:
-        """Noises summed, each half as coarse and `fade` times as strong as the last; about -1..1."""
+        """Noises summed, each half as wide and `fade` times as strong as the last; about -1..1."""
         total = self.noise(rng, cell)
         for k in range(1, octaves):
             total += self.noise(rng, cell / 2**k) * np.float32(fade**k)

@@ -110,6 +110,6 @@ def banded(canvas: Canvas, knobs: Knobs) -> Field:
     wide = (u < share).astype(np.float32)
     thin = (np.abs(u - (1 + share) / 2) < 0.03).astype(np.float32)
     picture = mix(ground, band, np.maximum(wide, thin) + 0 * canvas.y)
-    return picture * (1 + 0.025 * canvas.noise(rng, 0.008) + 0.02 * canvas.noise(rng, 0.6))[
-        ..., None
-    ]
+    return (
+        picture * (1 + 0.025 * canvas.noise(rng, 0.008) + 0.02 * canvas.noise(rng, 0.6))[..., None]
+    )

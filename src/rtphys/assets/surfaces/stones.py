@@ -42,7 +42,7 @@ def terrazzo(canvas: Canvas, knobs: Knobs) -> Field:
     picture = shaded(ground, 1 + 0.03 * canvas.noise(rng, 0.006) + 0.03 * canvas.noise(rng, 0.3))
     scale = canvas.columns / canvas.width
     cover = knobs.number("cover", 0.25, 0.55)
-    count = min(int(cover * canvas.width * canvas.height / (2.6 * size**2)), 900)
+    count = min(int(cover * canvas.width * canvas.height / (2.6 * size**2)), 500)
     turns = np.linspace(0, 2 * np.pi, 6, endpoint=False)
     for _ in range(count):
         r = size * scale * float(rng.uniform(0.35, 1.5))
@@ -103,7 +103,7 @@ def brushed(canvas: Canvas, knobs: Knobs) -> Field:
 def stone_wall(canvas: Canvas, knobs: Knobs) -> Field:
     """Courses of blocks of changing length, with rough faces."""
     rng = knobs.rng
-    base = knobs.colour("base", (0.03, 0.7), (0.03, 0.3), (0.4, 0.8))
+    base = knobs.colour("base", (0.02, 0.16), (0.03, 0.3), (0.4, 0.8))
     mortar = knobs.colour("mortar", (0.05, 0.6), (0.0, 0.15), (0.45, 0.85))
     tall, long = knobs.number("tall", 0.12, 0.3), knobs.number("long", 0.25, 0.6)  # [m]
     row = np.floor(canvas.y / tall)
