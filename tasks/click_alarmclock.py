@@ -1,8 +1,8 @@
 """Tap the button on top of an alarm clock.
 
-Success: a fingertip of a closed hand that points down has touched the clock at its button. Upstream
-does not ask where the hand points; then an arm that drifts at random brushes the button from the
-side in 4 of 100 episodes.
+Success: a fingertip of a closed hand that points down has touched the clock from above at its
+button. Upstream does not ask where the hand points; then an arm that drifts at random brushes the
+button from the side in 4 of 100 episodes.
 """
 
 from math import pi
@@ -29,7 +29,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=pressed("clock", 0, (0.03, 0.03, 0.03), closed_below=0.2, tilted_below=pi / 4),
+    success=pressed("clock", contact=0, within=(0.03, 0.03, 0.03)),
     step_limit=400,
     mechanism="press",
     info={"A": "clock", "a": "arm:clock"},

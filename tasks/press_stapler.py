@@ -1,7 +1,7 @@
 """Press the stapler down at its free end.
 
-Success: a fingertip of a closed hand has touched the stapler at its press point. Upstream does not
-ask for a closed hand.
+Success: a fingertip of a closed hand that points down has touched the stapler from above at its
+press point. Upstream asks neither for a closed hand nor where it points.
 """
 
 from math import pi
@@ -28,7 +28,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=pressed("stapler", contact=PRESS_POINT, within=(0.03, 0.03, 0.03), closed_below=0.2),
+    success=pressed("stapler", contact=PRESS_POINT, within=(0.03, 0.03, 0.03)),
     step_limit=400,
     mechanism="press",
     info={"A": "stapler", "a": "arm:stapler"},

@@ -28,7 +28,7 @@ def test_a_specification_is_name_and_argument() -> None:
         parse_spec("randm")
 
 
-@pytest.mark.parametrize("name", ["idle", "random", "expert"])
+@pytest.mark.parametrize("name", ["idle", "random", "jitter", "expert"])
 def test_policies_without_argument_are_opened(name: str) -> None:
     assert name in BUILTIN
     assert not open_policy(name).needs_images

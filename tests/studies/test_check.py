@@ -17,7 +17,7 @@ from rtphys.task.spec import load_task
 
 KEYS = [
     "task", "protocol", "seeds", "accepted", "rejected", "replay_success", "idle_success",
-    "random_success", "cpu_seconds_mean",
+    "random_success", "jitter_success", "cpu_seconds_mean",
 ]  # fmt: skip
 
 
@@ -43,6 +43,7 @@ def test_a_score_counts_by_reason_and_leaves_out_what_was_not_tried() -> None:
         "replay_success": 1.0,
         "idle_success": None,
         "random_success": None,
+        "jitter_success": None,
         "cpu_seconds_mean": pytest.approx(5 / 3),
     }
     assert score.good_seed == 0
@@ -113,6 +114,7 @@ def test_the_command_writes_the_numbers(tmp_path: Path) -> None:
     assert numbers["accepted"] == 2
     assert numbers["replay_success"] == 1.0
     assert numbers["idle_success"] is numbers["random_success"] is None
+    assert numbers["jitter_success"] is None
     assert 0 < numbers["cpu_seconds_mean"] < 60
 
 

@@ -12,7 +12,7 @@ import typer
 from rtphys.cli.derived import takes
 from rtphys.core.errors import BadFile, NoRenderer
 from rtphys.setting.option import Option
-from rtphys.studies.check import CheckPlan, Score, sheet
+from rtphys.studies.check import BLIND, CheckPlan, Score, sheet
 from rtphys.studies.check import check as run_check
 
 MOST_FAILURES = 10
@@ -42,8 +42,8 @@ class Output:
 def check(plan: CheckPlan, output: Output) -> None:
     """Try a task's expert over many seeds, without pictures.
 
-    The expert's actions are replayed open loop; an idle robot and one that moves at random must
-    fail. Exit code 1: a robot that sees nothing succeeded, or a seed gave two outcomes.
+    The expert's actions are replayed open loop; the policies idle, random and jitter must fail.
+    Exit code 1: a robot that sees nothing succeeded, or a seed gave two outcomes.
     """
     plan.check()
     output.check()
@@ -70,7 +70,7 @@ def complaints(scores: Sequence[Score]) -> list[str]:
         at = f"{score.task}, {score.protocol}"
         found += [
             f"{at}: the {robot} robot solves {score.solved[robot]} of {score.tried[robot]} seeds"
-            for robot in ("idle", "random")
+            for robot in BLIND
             if score.solved[robot]
         ]
         if not score.deterministic:
@@ -82,14 +82,14 @@ def _show(scores: Sequence[Score]) -> None:
     from rtphys.cli.fitting import fitting_table, wide_console
     from rtphys.cli.progress import reasons
 
-    columns = ("accepted", "replay", "idle", "random", "CPU-s", "rejected")
+    columns = ("accepted", "replay", *BLIND, "CPU-s", "rejected")
     table = fitting_table(["task", "protocol"], columns)
     for score in scores:
         table.add_row(
             score.task,
             score.protocol,
             f"{score.accepted} / {score.seeds}",
-            *(_percent(score.rate(robot)) for robot in ("expert", "idle", "random")),
+            *(_percent(score.rate(robot)) for robot in ("expert", *BLIND)),
             f"{sum(score.cpu) / len(score.cpu):.2f}",
             reasons(score.rejected),
         )

@@ -12,6 +12,7 @@ Opener = Callable[[str, PolicySetup], Policy]
 BUILTIN: dict[str, str] = {
     "idle": "rtphys.policies.idle:open_idle",
     "random": "rtphys.policies.random:open_random",
+    "jitter": "rtphys.policies.jitter:open_jitter",
     "expert": "rtphys.policies.expert:open_expert",
     "replay": "rtphys.policies.replay:open_replay",
     "robotwin": "rtphys.policies.robotwin.policy:open_robotwin",

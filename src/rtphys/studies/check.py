@@ -39,7 +39,8 @@ from rtphys.task.spec import Task, load_task
 TWICE = 2  # seeds that the expert does twice, to compare the states
 SHEET_CAMERAS = ("head", "left", "right", "front")
 
-Robot = Literal["expert", "again", "idle", "random", "sheet"]
+Robot = Literal["expert", "again", "idle", "random", "jitter", "sheet"]
+BLIND: tuple[Robot, ...] = ("idle", "random", "jitter")  # they see nothing, and must fail
 
 
 @checked_dataclass(frozen=True)
@@ -51,7 +52,7 @@ class CheckPlan:
     seeds: Annotated[Positive, Option("Number of seeds of each task and protocol.")] = 20
     first_seed: Annotated[Seed, Option("The first seed.")] = 0
     robots: Annotated[
-        Seed, Option("Number of seeds for the idle and the random robot, which cost the most.")
+        Seed, Option("Number of seeds for the robots that see nothing, which cost the most.")
     ] = 20
     workers: Workers = None
     ranges: Annotated[
@@ -88,7 +89,7 @@ class Trial:
 
     reason: str = ""  # of the expert: empty if accepted
     detail: str = ""
-    success: bool = False  # of the idle or random robot; of the expert's actions, replayed
+    success: bool = False  # of a blind robot; of the expert's actions, replayed
     cpu_seconds: float = 0.0  # of the expert's attempt alone
     hash: str = ""
     picture: bytes = b""  # PNG, of a sheet
@@ -122,7 +123,7 @@ class Score:
         self.tried[robot] += 1
         if robot in ("expert", "again") and trial.hash:
             self.hashes.setdefault(seed, set()).add(trial.hash)
-        if robot in ("idle", "random"):
+        if robot in BLIND:
             self.solved[robot] += trial.success
         if robot == "expert":
             self._add_expert(seed, trial)
@@ -158,8 +159,7 @@ class Score:
             "accepted": self.accepted,
             "rejected": dict(sorted(self.rejected.items())),
             "replay_success": self.rate("expert"),
-            "idle_success": self.rate("idle"),
-            "random_success": self.rate("random"),
+            **{f"{robot}_success": self.rate(robot) for robot in BLIND},
             "cpu_seconds_mean": float(np.mean(self.cpu)) if self.cpu else None,
             **({"domain": ranges.name} if ranges and drawn else {}),
         }
@@ -194,7 +194,7 @@ class RobotTrials(Study[Job, Trial]):
 
 
 def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list[Score]:
-    """Tries the expert, its actions replayed, an idle robot and one that moves at random.
+    """Tries the expert, its actions replayed, and the robots that see nothing.
 
     Raises:
         RtphysError: what `CheckPlan.check` refuses, or an error in a worker.
@@ -202,7 +202,7 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list
     plan.check()
     scores = [Score(setting, plan.seeds) for setting in plan.settings()]
     counts: dict[Robot, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
-    counts |= {"idle": plan.robots, "random": plan.robots}
+    counts |= dict.fromkeys(BLIND, plan.robots)
     series = [
         RobotTrials(robot, score).series(plan.first_seed, count)
         for score in scores
@@ -240,7 +240,7 @@ class CheckWorker(StudyWorker[Job, Trial]):
     def do(self, job: Job) -> Trial:
         robot, recipe = job
         task = self.tasks[recipe.task]
-        if robot in ("idle", "random"):
+        if robot in BLIND:
             return Trial(success=solves(recipe, task, self.pack, robot))
         if robot == "sheet":
             renderer.configure()  # before the first scene

@@ -32,7 +32,7 @@ MOST_MEMORY = 256e9  # [bytes]
 class EvaluatePlan:
     """One run of `evaluate`: a policy on certified instances of tasks under protocols."""
 
-    policy: Annotated[str, Option("idle, random, expert, replay:DATASET, ...")]
+    policy: Annotated[str, Option("idle, random, jitter, expert, replay:DATASET, ...")]
     tasks: Tasks
     protocols: Protocols
     episodes: Annotated[
