@@ -84,8 +84,9 @@ def _compare(meta: PhysMeta, drawn: Physics) -> list[str]:
         elif key not in known:
             differences.append(f"attributes.{key} is no attribute")
         else:
-            expected = (drawn[key], known[key].unit, key in drawn.varied)
-            stored = (_value(label.value), label.unit, label.varied)
+            tolerance = None if label.tolerance is None else known[key].deviation(drawn[key])
+            expected = (drawn[key], known[key].unit, key in drawn.varied, tolerance)
+            stored = (_value(label.value), label.unit, label.varied, label.tolerance)
             differences += _clauses(f"attributes.{key}", stored, expected)
     for key in AUXILIARY:
         if (stored := _value(meta.draws.get(key))) != drawn[key]:
@@ -101,7 +102,7 @@ def _value(raw: JSON) -> Value:
 
 
 def _clauses(key: str, stored: tuple[object, ...], expected: tuple[object, ...]) -> list[str]:
-    parts = zip(("", ".unit", ".varied"), stored, expected, strict=True)
+    parts = zip(("", ".unit", ".varied", ".tolerance"), stored, expected, strict=True)
     return [
         f"{key}{part} is {is_!r}, the seed gives {should!r}"
         for part, is_, should in parts

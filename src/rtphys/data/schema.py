@@ -40,6 +40,9 @@ class AttributeLabel(Model):
     value: FiniteFloat | list[FiniteFloat] | None = Field(description="null: the asset's own value")
     unit: str
     varied: bool = Field(description="false: nominal in this episode")
+    tolerance: FiniteFloat | None = Field(
+        default=None, description="how far the world may differ, in `unit`; null: not stated"
+    )
 
 
 class Readback(Model):

@@ -70,8 +70,13 @@ def _label(instance: Instance) -> dict[str, object]:
         "protocol": recipe.protocol,
         "domain": {"name": instance.domain.name, "digest": instance.domain.digest},
         "attributes": {
-            key: {"value": physics[key], "unit": known[key].unit, "varied": key in physics.varied}
-            for key in known
+            key: {
+                "value": physics[key],
+                "unit": attribute.unit,
+                "varied": key in physics.varied,
+                "tolerance": attribute.deviation(physics[key]),
+            }
+            for key, attribute in known.items()
         },
         "draws": {key: physics[key] for key in physics if key not in known},
         "readback": readback(instance.world),

@@ -17,6 +17,7 @@ class ObjectJointDamping(Attribute[World, float]):
     nominal = None
     valid = Interval(0, 1000)
     resolution = 1e-9
+    tolerance = 0.05
     what = "viscous damping of articulated task objects"
 
     def apply(self, target: World, value: float) -> None:
