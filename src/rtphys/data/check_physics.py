@@ -129,11 +129,13 @@ class PhysicsCheck:
                 differences.append(f"attributes.{key} is no attribute")
                 continue
             varied = key in drawn.varied
+            tolerance = None if label.tolerance is None else known[key].deviation(drawn[key])
             pairs = {
                 "": (_value(label.value), drawn[key]),
                 ".unit": (label.unit, known[key].unit),
                 ".varied": (label.varied, varied),
                 ".source": (label.source, None if self._first else rules.source(key, drawn)),
+                ".tolerance": (label.tolerance, tolerance),
                 ".acts": (label.acts, label.acts if has is None else key in acts),
             }
             if self._first and not varied and label.value is None:

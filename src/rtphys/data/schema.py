@@ -45,6 +45,9 @@ class AttributeLabel(Model):
     acts: bool = Field(
         default=True, description="false: there is nothing in this episode that it changes"
     )
+    tolerance: FiniteFloat | None = Field(
+        default=None, description="how far the world may differ, in `unit`; null: not stated"
+    )
 
 
 class Readback(Model):

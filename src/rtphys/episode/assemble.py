@@ -72,12 +72,13 @@ def _label(instance: Instance) -> dict[str, object]:
         "attributes": {
             key: {
                 "value": physics[key],
-                "unit": known[key].unit,
+                "unit": attribute.unit,
                 "varied": key in physics.varied,
                 "source": rules.source(key, physics),
                 "acts": key in acts,
+                "tolerance": attribute.deviation(physics[key]),
             }
-            for key in known
+            for key, attribute in known.items()
         },
         "draws": {key: physics[key] for key in physics if key not in known},
         "readback": readback(instance.world),

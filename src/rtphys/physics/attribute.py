@@ -31,6 +31,7 @@ class Attribute(ABC, Generic[Target, Label]):
     when: ClassVar[Literal["before_build", "after_build"]] = "after_build"
     size: ClassVar[int] = 1  # number of components, each drawn on its own
     resolution: ClassVar[float] = 0.0  # absolute error of `read` in single precision
+    tolerance: ClassVar[float] = 1e-6  # [1] share of the value by which the world may differ
     auxiliary: ClassVar[tuple[str, ...]] = ()  # keys of further draws that it needs
     acts_on: ClassVar[Part | None] = None  # a world without any leaves it without effect
     what: ClassVar[str] = ""  # a phrase that describes it in tables
@@ -68,6 +69,16 @@ class Attribute(ABC, Generic[Target, Label]):
             if want is None or not agree(reading, want, self.resolution):
                 wrong.append(f"{self.key} at {name}: read {reading}, label says {want}")
         return sorted(wrong)
+
+    def deviation(self, value: Value) -> float | None:
+        """How far the world may be from the label `value`, in `unit`; None for the asset's own.
+
+        What independent experiments in whole worlds found (docs/physics.md), not what `read` says.
+        """
+        if value is None:
+            return None
+        size = float(np.abs(np.asarray(value, float)).max())
+        return max(self.tolerance * size, self.resolution)
 
     def check(self, value: Value, where: str = "") -> None:
         """Raise unless the simulator can have this value.

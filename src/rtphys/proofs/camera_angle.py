@@ -38,4 +38,5 @@ PROOF = Proof(
     (0.0, 5.0, 10.0),
     run,
     ({"table_height": -0.08}, {"table_tilt": 2.0}),
+    {"camera_distance": None},  # one draw decides whether the camera moves or turns
 )

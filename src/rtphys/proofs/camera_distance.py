@@ -62,4 +62,5 @@ PROOF = Proof(
     (0.0, 0.03, 0.10),
     run,
     ({"table_height": -0.08}, {"table_tilt": 2.0}),
+    {"camera_angle": None},  # one draw decides whether the camera moves or turns
 )

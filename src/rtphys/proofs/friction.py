@@ -5,10 +5,14 @@ import numpy as np
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.proofs.grip import finger_friction
+from rtphys.proofs.hold import creep, lost_at
 from rtphys.proofs.lab import Lab, launch, pose_of, puck, record
 from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 
 RUNWAY = 0.25  # [m] stopping distance for which the plate is launched
+ROUGH = 0.1  # ten times the slope of the company's table
+HELD = 0.05  # of 2 mu N: the hand yields while the load grows
+CREPT = 0.05  # [mm/s]
 FALL = 50  # [steps] until the plate, dropped from 1 mm, lies still
 
 
@@ -62,11 +66,23 @@ def _nominal_friction(lab: Lab, values: Values) -> float:
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     values = {**others, "friction": value}
     mu = _nominal_friction(lab, values) if value is None else number(value)
-    distance, trace = stopping(lab, values, mu)
-    return [
+    # On a tilted table a plate that is nearly without friction slides by itself.
+    table = {**values, "table_tilt": 0.0} if mu < ROUGH else values
+    distance, trace = stopping(lab, table, mu)
+    trials = [
         Trial("stopping distance v²/2μg on the table", RUNWAY, distance, "m", trace=trace),
-        Trial("breakaway push on the table", mu, breakaway(lab, values, mu), "m·g"),
+        Trial("breakaway push on the table", mu, breakaway(lab, table, mu), "m·g"),
         Trial("coefficient between finger and object", mu, finger_friction(lab, values, mu), "1"),
+    ]
+    if mu < ROUGH:  # the fingers lean by more than the angle of friction, as hands do
+        return trials
+    # A load aside of the pads turns between them before it slips.
+    held = {**values, "center_of_mass": (0.0, 0.0, 0.0)}
+    dropped, crept = lost_at(lab, held, mu), creep(lab, held, mu)
+    return [
+        *trials,
+        Trial("load that is lost from the hand", 1.0, dropped, "2μN", tolerance=HELD),
+        Trial("creep under half that load", 0.0, crept, "mm/s", 1.0, CREPT),
     ]
 
 

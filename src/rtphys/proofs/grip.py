@@ -25,7 +25,9 @@ def finger_friction(lab: Lab, values: Values, mu: float) -> float:
     empty = lab.world([], values)  # a name keeps it alive: its robot dies with it
     tcp = empty.robot.left.tcp()
     size = (LONG, HALF, LONG)
-    block = Box(name="block", pose=tcp, half_size=size, resting=False, density=DENSITY)
+    block = Box(
+        name="block", pose=tcp, half_size=size, resting=False, on_table=False, density=DENSITY
+    )
     world = lab.world([block], values)
     body, arm = floating(world, "block"), world.robot.left
     # The block may not turn: turning between the pads would take up some of the friction.

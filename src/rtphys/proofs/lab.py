@@ -89,7 +89,7 @@ def block(
     half: tuple[float, float, float], at: tuple[float, float, float], name: str = "block"
 ) -> Box:
     """A block floating in the air at a point of the world [m]."""
-    return Box(name=name, pose=Pose(at), half_size=half, resting=False)
+    return Box(name=name, pose=Pose(at), half_size=half, resting=False, on_table=False)
 
 
 def puck(x: float = 0.15, y: float = -0.05, name: str = "puck") -> Box:

@@ -21,8 +21,9 @@ def rest(lab: Lab, values: Values) -> tuple[float, float]:
     world = lab.world([Box(name="block", pose=Pose((0.2, 0, 0)), half_size=HALF)], values)
     for _ in range(150):
         world.step()
-    top = world.object("block").functional_points[1].pose.p[2]
-    return float(pose_of(world.bodies[0]).p[2]) - TABLE_TOP, float(top) - TABLE_TOP
+    top = world.to_task(world.object("block").functional_points[1].pose)
+    middle = world.to_task(pose_of(world.bodies[0]))
+    return float(middle.p[2]) - TABLE_TOP, float(top.p[2]) - TABLE_TOP
 
 
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:

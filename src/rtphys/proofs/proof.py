@@ -12,6 +12,26 @@ from rtphys.proofs.lab import Lab
 Values = Mapping[str, Value]  # attribute or auxiliary key -> value
 
 
+# Every attribute varied at once; each law must hold in this company too.
+COMPANY: Values = {
+    "arm_joint_damping": 2.0,
+    "camera_angle": 6.0,
+    "camera_distance": 0.05,
+    "camera_mode": "orbit",
+    "camera_direction": (0.0, 1.0, 0.0),
+    "center_of_mass": (0.01, 0.01, -0.01),
+    "external_force": 0.05,
+    "friction": 0.4,
+    "gripper_joint_damping": 2.0,
+    "object_joint_damping": 0.5,
+    "object_mass": 2.0,
+    "object_scale": 0.9,
+    "restitution": 0.3,
+    "table_height": -0.05,
+    "table_tilt": 1.5,
+}
+
+
 @dataclass(frozen=True, eq=False)
 class Trace:
     """The recorded curve of one experiment and the curve of the law, for a figure."""
@@ -60,6 +80,7 @@ class Proof:
             so far from nominal that an attribute without effect must fail.
         run: the experiments at one setting: (lab, setting, values of other attributes) -> trials.
         others: values of other attributes under which the law must hold too.
+        except_for: changes of COMPANY for this law; None leaves an attribute nominal.
     """
 
     key: str
@@ -67,6 +88,13 @@ class Proof:
     settings: tuple[Value, ...]
     run: Callable[[Lab, Value, Values], list[Trial]]
     others: tuple[Values, ...] = field(default_factory=tuple)
+    except_for: Values = field(default_factory=dict)
+
+    @property
+    def company(self) -> Values:
+        """Values of all other attributes, all varied at once."""
+        values = {**COMPANY, **self.except_for}
+        return {key: v for key, v in values.items() if key != self.key and v is not None}
 
 
 def number(value: Value) -> float:

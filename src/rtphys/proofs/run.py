@@ -28,15 +28,21 @@ def proof(key: str) -> Proof:
 
 def run_trials(lab: Lab, law: Proof, value: Value, others: Values) -> list[Trial]:
     """All trials of one law at one setting, each with the setting filled in."""
-    setting = ", ".join(f"{k} = {value_text(v)}" for k, v in {law.key: value, **others}.items())
+    if others == law.company:
+        setting = f"{law.key} = {value_text(value)}, in company with all"
+    else:
+        together = {law.key: value, **others}
+        setting = ", ".join(f"{k} = {value_text(v)}" for k, v in together.items())
     return [replace(trial, setting=setting) for trial in law.run(lab, value, others)]
 
 
 def prove(lab: Lab, key: str) -> Iterator[Trial]:
-    """All trials of one attribute: each setting alone, then the last one with other attributes."""
+    """All trials of one attribute: each setting alone and with all others varied, then the last
+    one beside extreme values of a few."""
     law = proof(key)
-    for value in law.settings:
-        yield from run_trials(lab, law, value, {})
+    for others in ({}, law.company):
+        for value in law.settings:
+            yield from run_trials(lab, law, value, others)
     for others in law.others:
         yield from run_trials(lab, law, law.settings[-1], others)
 

@@ -1,5 +1,9 @@
 """A dropped body comes to rest at the height of the table."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab, block, pose_of, record
@@ -13,19 +17,30 @@ FULL = 0.08  # [m] the domain's depth
 
 
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
-    height = number(value)
+    height, scale = number(value), number(others.get("object_scale", 1.0))
+    slope = np.tan(np.radians(number(others.get("table_tilt", 0.0))))
     size = (HALF, HALF, HALF)
     # A prop's pose rides on the table; START is a height of the world.
     places = [(x, y, START - height) for x, y in PLACES]
-    blocks = [block(size, place, f"block{i}") for i, place in enumerate(places)]
+    blocks = [
+        replace(block(size, place, f"block{i}"), on_table=True) for i, place in enumerate(places)
+    ]
     world = lab.world(blocks, {**others, "table_height": value})
     t, z = record(world, 250, lambda: [pose_of(b).p[2] for b in world.bodies])
-    floor = TABLE_TOP + height + HALF
+    half = HALF * scale
+    floor = TABLE_TOP + height + half - slope * PLACES[0][1]
     fall = (START - 0.5 * GRAVITY * t**2).clip(min=floor)
     trace = Trace(t, z[:, 0], fall, "time [s]", "height of the block [m]")
     trials = [
-        Trial(f"contact height at ({x:g}, {y:g})", height, contact, "m", FULL, trace=trace)
-        for (x, y), contact in zip(PLACES, z[-1] - HALF - TABLE_TOP, strict=True)
+        Trial(
+            f"contact height at ({x:g}, {y:g})",
+            height - slope * y,
+            contact,
+            "m",
+            FULL,
+            trace=trace,
+        )
+        for (x, y), contact in zip(PLACES, z[-1] - half - TABLE_TOP, strict=True)
     ]
     landed = t[(z[:, 0] < floor + 5e-4).argmax()]
     law = (2 * (START - floor) / GRAVITY) ** 0.5

@@ -35,7 +35,9 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     line = recorded.measured[FALL] + law * (recorded.x - recorded.x[FALL])
     trace = replace(recorded, law=line)
     ball = Ball(name="ball", pose=Pose((0.15, -0.1, 0)), radius=0.025)
-    roll, _ = downhill(lab.world([ball], {**others, "table_tilt": value, "friction": ROUGH}))
+    # A ball whose weight is aside would sway.
+    even = {**others, "table_tilt": value, "friction": ROUGH, "center_of_mass": (0.0, 0.0, 0.0)}
+    roll, _ = downhill(lab.world([ball], even))
     plate = lab.world([puck()], {**smooth, "friction": 1.0})
     for _ in range(150):
         plate.step()

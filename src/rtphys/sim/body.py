@@ -14,6 +14,13 @@ from rtphys.physics.handles import Material
 Component = physx.PhysxRigidDynamicComponent | physx.PhysxArticulationLinkComponent
 AnyBody = Component | physx.PhysxRigidStaticComponent
 
+FOOT_RADIUS = 5e-4  # [m] of the spheres of `feet.py`; no other shape is so small
+
+# [m] Radius for torsional friction, far too small to matter. With any radius PhysX solves a contact
+# by itself, not four at once in a code that gets the friction of light bodies wrong (a plate of
+# 20 g at mu 0.01, with three others in the scene, was held for ever).
+SINGLE = 1e-6
+
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _RING = np.array([[np.cos(a), np.sin(a)] for a in np.arange(24) * np.pi / 12])
 
@@ -56,9 +63,19 @@ def shape_size(shape: physx.PhysxCollisionShape) -> float:
     raise TypeError(f"no size for a {type(shape).__name__}")
 
 
+def own_shapes(component: AnyBody) -> list[physx.PhysxCollisionShape]:
+    """A body's collision shapes without its feet, which lie within them but for micrometres."""
+    return [shape for shape in component.collision_shapes if not _is_foot(shape)]
+
+
+def _is_foot(shape: physx.PhysxCollisionShape) -> bool:
+    sphere = isinstance(shape, physx.PhysxCollisionShapeSphere)
+    return sphere and shape.radius < 2 * FOOT_RADIUS
+
+
 def body_points(component: AnyBody) -> Array:
-    """Collision vertices (n, 3) of a body in its own frame [m]."""
-    parts = [shape_points(shape) for shape in component.collision_shapes]
+    """Collision vertices (n, 3) of a body in its own frame [m], its feet left out."""
+    parts = [shape_points(shape) for shape in own_shapes(component)]
     return np.vstack(parts) if parts else np.empty((0, 3))
 
 
@@ -130,6 +147,7 @@ class SimSurface:
         material = physx.PhysxMaterial(*MATERIAL)
         for shape in self.shapes:
             shape.set_physical_material(material)
+            shape.set_patch_radius(SINGLE)
 
     @property
     def name(self) -> str:

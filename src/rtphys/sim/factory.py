@@ -9,9 +9,10 @@ from rtphys.assets.model import Model
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import BadFile
 from rtphys.core.poses import Array, Pose
-from rtphys.sim.body import SimBody, SimJoint, SimSurface
+from rtphys.sim.body import AnyBody, SimBody, SimJoint, SimSurface, body_points
 from rtphys.sim.box_points import box_points
-from rtphys.sim.engine import renders, to_sapien
+from rtphys.sim.engine import from_sapien, renders, to_sapien
+from rtphys.sim.feet import add_feet
 from rtphys.sim.mass_properties import MassProperties, of_shapes
 from rtphys.sim.objects import Point, SceneObject
 from rtphys.sim.urdf import build_articulation, nominal_shape_size
@@ -34,6 +35,8 @@ class ObjectFactory:
             MissingAsset, UnknownName, BadFile: from the pack.
         """
         built = self._articulated(prop) if isinstance(prop, Articulated) else self._rigid(prop)
+        if prop.resting and not prop.fixed and not isinstance(prop, Ball):
+            self._give_feet(built)
         built.surfaces = [
             SimSurface(
                 f"{prop.name}/{name}" if len(built.links) > 1 else prop.name, c.collision_shapes
@@ -58,6 +61,15 @@ class ObjectFactory:
             built.articulation.set_root_pose(moved)
         else:
             built.root.entity.set_pose(moved)
+
+    def _give_feet(self, built: SceneObject) -> None:
+        """Feet for that link of an object which is the lowest; none for what may roll."""
+        if built.prop.rolling_axis is not None:
+            return
+        up = self.X_WT.R[:, 2]
+        solid = [c for c in built.links.values() if c.collision_shapes]
+        if solid:
+            add_feet(min(solid, key=lambda c: _lowest(c, up)), up)
 
     # ---- rigid -----------------------------------------------------------------------------
 
@@ -167,6 +179,11 @@ class ObjectFactory:
             low, high = art.qlimits[0]
             qpos[0] = low + prop.opening * (high - low)
         art.set_qpos(qpos.astype(np.float32))
+
+
+def _lowest(body: AnyBody, up: Array) -> float:
+    """Height [m] of a body's lowest vertex along a unit vector (3,)."""
+    return float(((from_sapien(body.entity_pose) @ body_points(body)) @ up).min())
 
 
 def _paint(colour: tuple[float, float, float]) -> sapien.render.RenderMaterial:

@@ -13,6 +13,7 @@ from rtphys.sim.body import (
     SimJoint,
     SimSurface,
     body_points,
+    own_shapes,
     shape_points,
     shape_size,
 )
@@ -67,9 +68,9 @@ class SceneObject:
 
     @cached_property
     def parts(self) -> dict[str, list[Array]]:
-        """Link name -> vertices (n, 3) of each convex collision part, link frame [m]."""
+        """Link name -> vertices (n, 3) of each convex part but the feet, link frame [m]."""
         return {
-            name: [shape_points(shape) for shape in body.collision_shapes]
+            name: [shape_points(shape) for shape in own_shapes(body)]
             for name, body in self.links.items()
         }
 

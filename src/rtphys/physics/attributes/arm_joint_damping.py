@@ -12,6 +12,7 @@ class ArmJointDamping(Attribute[World, float]):
     unit = "×"
     nominal = 1.0
     valid = Interval(0.05, 20)
+    tolerance = 0.06
     what = "damping gain of the arm servos"
 
     def apply(self, target: World, value: float) -> None:

@@ -12,6 +12,7 @@ class GripperJointDamping(Attribute[World, float]):
     unit = "×"
     nominal = 1.0
     valid = Interval(0.05, 20)
+    tolerance = 0.06
     what = "damping gain of the gripper servos"
 
     def apply(self, target: World, value: float) -> None:

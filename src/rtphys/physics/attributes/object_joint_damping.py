@@ -18,6 +18,7 @@ class ObjectJointDamping(Attribute[World, float]):
     valid = Interval(0, 1000)
     resolution = 1e-9
     acts_on = "joints"
+    tolerance = 0.05
     what = "viscous damping of articulated task objects"
 
     def apply(self, target: World, value: float) -> None:

@@ -1,0 +1,71 @@
+"""Round feet: the points on which an object stands, so that its friction is Coulomb's.
+
+PhysX spreads the friction of a flat contact evenly over two of its points, however the load is
+spread: with its centre of mass aside a body slips early and turns. A sphere touches at one point,
+which bears friction by its own load, so a body that stands on spheres slips as it should.
+"""
+
+import numpy as np
+from sapien import physx
+from scipy.spatial import ConvexHull, QhullError
+
+from rtphys.core.poses import Array, Pose
+from rtphys.sim.body import FOOT_RADIUS, AnyBody, body_points, own_shapes
+from rtphys.sim.engine import from_sapien, to_sapien
+
+PROUD = 5e-6  # [m] that a foot stands out of the face: it bears all, and nobody sees it
+INSET = FOOT_RADIUS + 2e-4  # [m] from the face's edges: nothing touches a foot from aside
+FLAT = 3e-4  # [m] a vertex so near to the lowest one belongs to the face on which the body stands
+LEAST_WIDTH = 0.01  # [m] of that face: what stands on less rocks or rolls
+MOST = 4  # feet under one body
+
+
+def add_feet(body: AnyBody, up: Array) -> None:
+    """Put feet under the face on which a body stands; none where that face is narrow.
+
+    Args:
+        body: at its pose, with all its own shapes.
+        up: unit normal (3,) of what it stands on, world frame.
+    """
+    down = -from_sapien(body.entity_pose).R.T @ up
+    across = np.linalg.svd(down[None])[2][1:]  # (2, 3) two axes of the face
+    points = body_points(body)
+    depth = points @ down
+    lowest = depth.max()
+    for spot in footing(points[depth > lowest - FLAT] @ across.T):
+        shape = physx.PhysxCollisionShapeSphere(FOOT_RADIUS, physx.get_default_material())
+        centre = spot @ across + (lowest + PROUD - FOOT_RADIUS) * down
+        shape.set_local_pose(to_sapien(Pose(centre, (1, 0, 0, 0))))
+        shape.set_density(0.0)
+        body.attach(shape)
+
+
+def has_feet(body: AnyBody) -> bool:
+    """Whether `add_feet` found a face to put feet under."""
+    return len(own_shapes(body)) < len(body.collision_shapes)
+
+
+def footing(face: Array) -> Array:
+    """Places (k, 2) of the feet under a face with these points (n, 2) [m]; none if narrow."""
+    try:
+        corners = face[ConvexHull(face).vertices]  # counter-clockwise
+    except (QhullError, ValueError):  # a point or a line
+        return np.empty((0, 2))
+    while len(corners) > MOST or (len(corners) > 3 and _lost(corners).min() < FLAT**2):
+        corners = np.delete(corners, np.argmin(_lost(corners)), axis=0)
+    along = np.roll(corners, -1, axis=0) - corners
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    inward = np.c_[-along[:, 1], along[:, 0]]
+    reach = (corners @ inward.T - (corners * inward).sum(1)).max(0)  # from each edge
+    if reach.min() < LEAST_WIDTH:
+        return np.empty((0, 2))
+    # A foot lies INSET from both edges that meet in its corner.
+    before = np.roll(inward, 1, axis=0)
+    middle = before + inward
+    return corners + INSET * middle / (1 + (before * inward).sum(1, keepdims=True))
+
+
+def _lost(corners: Array) -> Array:
+    """Area [m²] that a convex polygon (n, 2) loses with each of its corners (n,)."""
+    a, b = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
+    return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
