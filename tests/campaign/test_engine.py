@@ -26,7 +26,7 @@ class BrokenPool(QuickPool[int, Outcome]):
         super().__init__(setup, 1)
         self.failure = failure
 
-    def wait(self, timeout: float = 1.0) -> list[Done[Outcome] | Lost]:
+    def wait(self) -> list[Done[Outcome] | Lost]:
         raise self.failure
 
 

@@ -9,12 +9,9 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import Generic
 
-from rtphys.campaign.workers.pool import Lost
-
-J = TypeVar("J")
-R = TypeVar("R")
+from rtphys.campaign.workers.pool import J, Lost, R
 
 FRUITLESS = 200  # results in a row that do not count, after which a series is given up
 LOOKAHEAD = 4  # results a worker may be ahead of the slowest: bounds what waits, also on the disk
@@ -78,11 +75,6 @@ class Tally:
     def new_attempts(self) -> int:
         return self.attempts - self.found_attempts
 
-    @property
-    def rate(self) -> float:
-        """Expected share of attempts that count, in (0, 1]; optimistic while little is known."""
-        return (self.new_accepted + 1) / (self.new_attempts + 1)
-
     def add(self, reason: str) -> None:
         """Counts one result; an empty reason means that it counts towards the goal."""
         self.attempts += 1
@@ -95,11 +87,9 @@ class Tally:
 
     def judge(self, exhausted: bool) -> None:
         """Gives up where it is hopeless, or where no seed is left."""
-        if self.done:
-            return
-        if self.fruitless >= FRUITLESS:
+        if not self.done and self.fruitless >= FRUITLESS:
             self.stopped = f"none of the last {self.fruitless} attempts was accepted"
-        elif exhausted:
+        elif not self.done and exhausted:
             self.stopped = f"{self.attempts} attempts were made, the most that were allowed"
 
 
@@ -124,7 +114,7 @@ class Series(Generic[J, R]):
     _closed: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        self._judge()
+        self.tally.judge(exhausted=not self.seeds)
 
     @property
     def enough(self) -> bool:
@@ -146,7 +136,9 @@ class Series(Generic[J, R]):
         if tally.done or tally.stopped or ahead >= LOOKAHEAD * workers:
             return False
         ready = sum(not self.study.reason(result) for result in self._waiting.values())
-        return len(self.running) < math.ceil((tally.wanted - tally.accepted - ready) / tally.rate)
+        # Expected share of attempts that count, in (0, 1]; optimistic while little is known.
+        rate = (tally.new_accepted + 1) / (tally.new_attempts + 1)
+        return len(self.running) < math.ceil((tally.wanted - tally.accepted - ready) / rate)
 
     def begin(self) -> int:
         """The next seed to attempt."""
@@ -161,7 +153,7 @@ class Series(Generic[J, R]):
         if self.enough:
             return
         self._waiting[seed] = self.study.arrived(seed, result)
-        while not self.enough and (first := self._first_waiting()) is not None:
+        while (first := self.seeds[self._committed]) in self._waiting:
             result = self._waiting.pop(first)
             if problem := self.study.commit(first, result):
                 self.halted = problem
@@ -169,10 +161,11 @@ class Series(Generic[J, R]):
             if self._committed >= self.owed:
                 self.tally.add(self.study.reason(result))
             self._committed += 1
-            self._judge()
-        if self.enough:
-            self._waiting.clear()
-            self.halted = ""  # a seed past the last one needed was lost
+            self.tally.judge(exhausted=self._committed >= len(self.seeds))
+            if self.enough:
+                self._waiting.clear()
+                self.halted = ""  # a seed past the last one needed was lost
+                return
 
     def lose(self, seed: int, loss: Lost) -> None:
         """Takes the loss of the workers that had a seed."""
@@ -189,12 +182,3 @@ class Series(Generic[J, R]):
         if self.over and not self._closed:
             self._closed = True
             self.study.close()
-
-    def _first_waiting(self) -> int | None:
-        if self._committed >= len(self.seeds):
-            return None
-        seed = self.seeds[self._committed]
-        return seed if seed in self._waiting else None
-
-    def _judge(self) -> None:
-        self.tally.judge(exhausted=self._committed >= len(self.seeds))

@@ -1,13 +1,8 @@
 """A worker pool without processes, for tests of what is done with results."""
 
-from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import TypeVar
 
-from rtphys.campaign.workers.pool import Done, Lost, WorkerPool
-
-J = TypeVar("J")
-R = TypeVar("R")
+from rtphys.campaign.workers.pool import Done, J, Job, Lost, R, WorkerPool
 
 
 @dataclass
@@ -16,25 +11,20 @@ class QuickPool(WorkerPool[J, R]):
 
     def __post_init__(self) -> None:
         self._do = self.setup()
-        self._jobs: list[tuple[Hashable, J]] = []
+        self._jobs: list[Job[J]] = []
 
     def loss(self, job: J) -> str:
         """Why a job takes its workers with it; empty: it does not. For subclasses."""
         return ""
 
-    @property
-    def busy(self) -> int:
-        return len(self._jobs)
+    def _begin(self, job: Job[J]) -> None:
+        self._jobs.append(job)
 
-    def submit(self, name: Hashable, job: J) -> None:
-        assert self.room > 0
-        self._jobs.append((name, job))
-
-    def wait(self, timeout: float = 1.0) -> list[Done[R] | Lost]:
-        name, job = self._jobs.pop()
-        if reason := self.loss(job):
-            return [Lost(name, reason, "was killed by SIGKILL")]
-        return [Done(name, self._do(job))]
+    def _poll(self, timeout: float) -> list[Done[R] | Lost]:
+        job = self._jobs.pop()
+        if reason := self.loss(job.content):
+            return [Lost(job.name, reason, "was killed by SIGKILL")]
+        return [Done(job.name, self._do(job.content))]
 
     def close(self) -> None:
         self._jobs.clear()

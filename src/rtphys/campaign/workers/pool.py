@@ -3,13 +3,15 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
-from types import TracebackType
 from typing import Generic, Self, TypeVar
 
 from rtphys.core.errors import RtphysError
 
 J = TypeVar("J")
 R = TypeVar("R")
+
+CRASH, HANG = LOSSES = "worker_crash", "worker_hang"
+START_TRIES = 3  # workers in a row that may die before they are ready
 
 
 @dataclass(frozen=True)
@@ -20,8 +22,16 @@ class Limits:
     jobs: int = 200  # then a worker is replaced
     memory: float = 1.5e9  # [bytes] resident after a job; then a worker is replaced
     most_memory: float = 6e9  # [bytes] at any time; then it is killed
-    retries: int = 1  # after a crash or a hang that is the job's own doing
-    foreign_retries: int = 3  # after a SIGKILL or SIGTERM that somebody else sent
+
+
+@dataclass(eq=False)
+class Job(Generic[J]):
+    """A job that has not come back yet, and how many workers died over it."""
+
+    name: Hashable
+    content: J
+    own_deaths: int = 0  # by its own doing
+    foreign_deaths: int = 0  # by somebody else's
 
 
 @dataclass(frozen=True)
@@ -30,9 +40,6 @@ class Done(Generic[R]):
 
     name: Hashable
     result: R
-
-
-CRASH, HANG = LOSSES = "worker_crash", "worker_hang"
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ class Lost:
 class WorkerFailed(RtphysError):
     """An exception in a worker. `trace` is empty for an error that a user can cause."""
 
-    def __init__(self, text: str, exit_code: int, trace: str) -> None:
+    def __init__(self, text: str, exit_code: int = 70, trace: str = "") -> None:
         self.exit_code, self.trace = exit_code, trace
         super().__init__(text)
 
@@ -68,40 +75,50 @@ class WorkerPool(ABC, Generic[J, R]):
     size: int
     limits: Limits = field(default_factory=Limits)
     notice: Callable[[str], None] = lambda _: None
+    busy: int = field(default=0, init=False)  # jobs that run or wait for another try
+    failed_starts: int = field(default=0, init=False)  # in a row
 
     @property
     def room(self) -> int:
-        """Number of jobs that could start now."""
+        """Number of jobs that may be submitted now."""
         return self.size - self.busy
 
-    @property
-    @abstractmethod
-    def busy(self) -> int:
-        """Number of jobs that run or wait for another try."""
-
-    @abstractmethod
     def submit(self, name: Hashable, job: J) -> None:
         """Adds a job."""
+        assert self.room > 0
+        self.busy += 1
+        self._begin(Job(name, job))
 
-    @abstractmethod
-    def wait(self, timeout: float = 1.0) -> Sequence[Done[R] | Lost]:
-        """Jobs that have ended, after at most `timeout` [s].
+    def wait(self) -> Sequence[Done[R] | Lost]:
+        """Jobs that have ended, after a second at most.
 
         Raises:
             WorkerFailed: a worker raised, or cannot even start.
         """
+        ended = [event for event in self._poll(1.0) if event is not None]
+        self.busy -= len(ended)
+        return ended
+
+    def _count_failed_start(self, text: str) -> None:
+        """Another worker died before it was ready; gives up when that happens time and again."""
+        self.failed_starts += 1
+        if self.failed_starts >= START_TRIES:
+            raise WorkerFailed(text)
 
     @abstractmethod
     def close(self) -> None:
         """Kills what still runs. Files of unfinished jobs stay; the folder's owner removes them."""
 
+    @abstractmethod
+    def _begin(self, job: Job[J]) -> None:
+        """Gives a job to a worker as soon as there is one for it."""
+
+    @abstractmethod
+    def _poll(self, timeout: float) -> Sequence[Done[R] | Lost | None]:
+        """What became of jobs, after at most `timeout` [s]; None: something that ends no job."""
+
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

@@ -16,24 +16,24 @@ import time
 from collections import deque
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Generic
 
 import ray
 from ray import ObjectRef, exceptions
 from ray.actor import ActorHandle
 
-from rtphys.campaign.workers.local import START_TRIES, LocalPool
-from rtphys.campaign.workers.pool import Done, Limits, Lost, WorkerFailed, WorkerPool
+from rtphys.campaign.workers.local import LocalPool
+from rtphys.campaign.workers.pool import Done, J, Job, Limits, Lost, R, WorkerFailed, WorkerPool
 from rtphys.core.errors import RtphysError
-
-J = TypeVar("J")
-R = TypeVar("R")
 
 LOSSES = 10  # actors that may vanish over one job; nodes do go, but not that often
 IDLE_NOTICE = 30.0  # [s] without a single actor, after which the user is told
-CLOSE_SECONDS = 5.0  # [s] in which actors may end their workers
+SETTINGS = {
+    "RAY_gcs_rpc_server_reconnect_timeout_s": "20",  # Ray's own time-out is minutes
+    "RAY_USAGE_STATS_ENABLED": "0",  # it would ask, on standard error
+    "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",  # likewise
+}
 OBJECT_STORE = 200_000_000  # [bytes] of a private cluster: episodes on their way, 2 MB each
-CONNECT_SECONDS = 20  # Ray's own time-out is minutes
 
 
 class NoCluster(RtphysError):
@@ -53,42 +53,24 @@ def connect(address: str | None = None, workers: int | None = None) -> int:
     Raises:
         NoCluster: with the cure.
     """
-    os.environ.setdefault("RAY_gcs_rpc_server_reconnect_timeout_s", str(CONNECT_SECONDS))
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # it would ask, on standard error
-    os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")  # likewise
+    os.environ.update({**SETTINGS, **os.environ})
     if not ray.is_initialized():
+        private = {"num_cpus": workers, "object_store_memory": OBJECT_STORE}
+        more = {**private, "include_dashboard": False} if address == "local" else {}
         handler = signal.getsignal(signal.SIGTERM)
         try:
-            _init(address, workers)
+            ray.init(address or "auto", log_to_driver=False, logging_level=logging.ERROR, **more)
         except (ConnectionError, TimeoutError, ValueError, RuntimeError) as error:
             cure = "start one with `ray start --head`, or take address `local`"
-            first = (str(error).strip().splitlines() or [type(error).__name__])[0]
-            raise NoCluster(f"no Ray cluster at {address or 'hand'}: {first}; {cure}") from error
+            text = f"no Ray cluster at {address or 'hand'}: {_first_line(error)}; {cure}"
+            raise NoCluster(text) from error
         finally:
             signal.signal(signal.SIGTERM, handler)  # Ray installs its own
     return workers or max(int(ray.cluster_resources().get("CPU", 1)), 1)
 
 
-def _init(address: str | None, workers: int | None) -> None:
-    if address == "local":
-        ray.init(
-            address="local",
-            num_cpus=workers,
-            object_store_memory=OBJECT_STORE,
-            include_dashboard=False,
-            log_to_driver=False,
-            logging_level=logging.ERROR,
-        )
-    else:
-        ray.init(address=address or "auto", log_to_driver=False, logging_level=logging.ERROR)
-
-
-@dataclass(frozen=True)
-class Report:
-    """What an actor sends back after a job."""
-
-    event: Done | Lost | WorkerFailed
-    notices: tuple[str, ...]  # deaths of its workers
+def _first_line(error: Exception) -> str:
+    return (str(error).strip() or type(error).__name__).splitlines()[0]
 
 
 class WorkerActor:
@@ -102,29 +84,16 @@ class WorkerActor:
         """Address of the actor's node."""
         return ray.util.get_node_ip_address()
 
-    def do(self, name: Hashable, job: object) -> Report:
-        """Carries out one job, as often as its limits allow."""
-        self._pool.submit(name, job)
+    def do(self, name: Hashable, job: object) -> tuple[Done | Lost | WorkerFailed, list[str]]:
+        """What became of a job, and deaths of the worker process on the way."""
+        self._notices.clear()
         try:
+            self._pool.submit(name, job)
             while not (events := self._pool.wait()):
                 pass
-            event: Done | Lost | WorkerFailed = events[0]
+            return events[0], self._notices
         except WorkerFailed as failure:
-            event = failure
-        notices = tuple(self._notices)
-        self._notices.clear()
-        return Report(event, notices)
-
-    def close(self) -> None:
-        """Ends the worker process."""
-        self._pool.close()
-
-
-@dataclass(eq=False)
-class _Job(Generic[J]):
-    name: Hashable
-    content: J
-    losses: int = 0
+            return failure, self._notices
 
 
 @dataclass(eq=False)
@@ -134,7 +103,7 @@ class _Actor(Generic[J]):
     handle: ActorHandle
     answer: ObjectRef | None  # to `ready`, then to `do`
     node: str = ""  # empty until it is ready
-    job: _Job[J] | None = None
+    job: Job[J] | None = None
 
 
 @dataclass
@@ -143,99 +112,73 @@ class RayPool(WorkerPool[J, R]):
 
     def __post_init__(self) -> None:
         self._actors: list[_Actor[J]] = []
-        self._queue: deque[_Job[J]] = deque()
-        self._failed_starts = 0
-        self._without_node_since: float | None = None
-
-    @property
-    def busy(self) -> int:
-        return len(self._queue) + sum(actor.job is not None for actor in self._actors)
-
-    def submit(self, name: Hashable, job: J) -> None:
-        self._queue.append(_Job(name, job))
-        self._assign()
-
-    def wait(self, timeout: float = 1.0) -> list[Done[R] | Lost]:
-        ended: list[Done[R] | Lost] = []
-        actors = {actor.answer: actor for actor in self._actors if actor.answer is not None}
-        answered, _ = ray.wait(list(actors), num_returns=1, timeout=timeout)
-        for answer in answered:
-            ended += self._receive(actors[answer], answer)
-        self._assign()
-        self._notice_without_node()
-        return ended
+        self._queue: deque[Job[J]] = deque()
+        self._alone_since = time.monotonic()
 
     def close(self) -> None:
-        idle = [actor for actor in self._actors if actor.node and actor.job is None]
-        ray.wait(
-            [actor.handle.close.remote() for actor in idle] or [ray.put(None)],
-            num_returns=max(len(idle), 1),
-            timeout=CLOSE_SECONDS,
-        )
         for actor in self._actors:
-            ray.kill(actor.handle)
-        self._actors.clear()
-        self._queue.clear()
+            ray.kill(actor.handle)  # its worker dies with it
+
+    def _begin(self, job: Job[J]) -> None:
+        self._queue.append(job)
+        self._assign()
 
     def _assign(self) -> None:
         """Jobs go to actors that are ready: one that waits for a node must hold nothing up."""
-        while len(self._actors) < min(self.size, self.busy):
-            self._actors.append(self._start())
+        while len(self._actors) < self.busy:
+            # Ray must not restart it: it would run a job again without anybody counting.
+            kind = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(WorkerActor)
+            handle = kind.remote(self.setup, self.limits)
+            self._actors.append(_Actor(handle, handle.ready.remote()))  # type: ignore[arg-type] - a proxy is a handle
         for actor in self._actors:
             if self._queue and actor.node and actor.job is None:
                 actor.job = self._queue.popleft()
                 actor.answer = actor.handle.do.remote(actor.job.name, actor.job.content)
 
-    def _start(self) -> _Actor[J]:
-        # Ray must not restart it: it would run a job again without anybody counting.
-        kind = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(WorkerActor)
-        handle = kind.remote(self.setup, self.limits)
-        return _Actor(handle, handle.ready.remote())  # type: ignore[arg-type] - a proxy is a handle
-
-    def _notice_without_node(self) -> None:
-        if any(actor.node for actor in self._actors) or not self._actors:
-            self._without_node_since = None
-        elif self._without_node_since is None:
-            self._without_node_since = time.monotonic()
-        elif time.monotonic() - self._without_node_since > IDLE_NOTICE:
+    def _poll(self, timeout: float) -> list[Done[R] | Lost | None]:
+        actors = {actor.answer: actor for actor in self._actors if actor.answer is not None}
+        answered, _ = ray.wait(list(actors), timeout=timeout)
+        events = [self._receive(actors[answer], answer) for answer in answered]
+        self._assign()
+        if any(actor.node for actor in self._actors):
+            self._alone_since = time.monotonic()
+        elif time.monotonic() - self._alone_since > IDLE_NOTICE:
             self.notice("the cluster has given no CPU yet; still waiting for one")
-            self._without_node_since = time.monotonic()
+            self._alone_since = time.monotonic()
+        return events
 
-    def _receive(self, actor: _Actor[J], answer: ObjectRef) -> list[Done[R] | Lost]:
+    def _receive(self, actor: _Actor[J], answer: ObjectRef) -> Done[R] | Lost | None:
         actor.answer = None
         try:
             message = ray.get(answer)
         except exceptions.RayTaskError as error:  # its own code: another rtphys, or a bug
             raise WorkerFailed(f"a Ray worker failed: {error.cause}", 70, str(error)) from error
         except exceptions.RayError as error:  # it died, or its answer was lost with its node
-            self._handle_loss(actor, error)
-            return []
-        if isinstance(message, str):
-            actor.node, self._failed_starts = message, 0
-            return []
-        assert isinstance(message, Report)
-        for notice in message.notices:
-            self.notice(f"{actor.node}: {notice}")
+            return self._handle_loss(actor, error)
+        if not actor.node:
+            actor.node, self.failed_starts = message, 0
+            return None
+        event, notices = message
+        for text in notices:
+            self.notice(f"{actor.node}: {text}")
         actor.job = None
-        if isinstance(message.event, WorkerFailed):
-            raise message.event
-        return [message.event]
+        if isinstance(event, WorkerFailed):
+            raise event
+        return event
 
     def _handle_loss(self, actor: _Actor[J], error: exceptions.RayError) -> None:
         """Starts the actor's job again elsewhere. A lost node is no verdict on the job."""
         self._actors.remove(actor)
         ray.kill(actor.handle)  # if only its answer was lost
-        cause = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
         job = actor.job
         if job is None:
-            self.notice(f"lost a worker that was starting: {cause}")
-            self._failed_starts += 1
-            if self._failed_starts >= START_TRIES:
-                raise WorkerFailed(f"Ray workers die while they start: {error}", 70, "") from error
+            self.notice(f"lost a worker that was starting: {_first_line(error)}")
+            self._count_failed_start(f"Ray workers die while they start: {error}")
             return
-        self.notice(f"lost a worker on {actor.node} with {job.name}: {cause}")
-        job.losses += 1
-        if job.losses > LOSSES:
-            text = f"{job.name}: {job.losses} Ray workers were lost over it; the last: {error}"
-            raise WorkerFailed(text, 70, "") from error
+        self.notice(f"lost a worker on {actor.node} with {job.name}: {_first_line(error)}")
+        job.foreign_deaths += 1
+        if job.foreign_deaths > LOSSES:
+            count = job.foreign_deaths
+            text = f"{job.name}: {count} Ray workers were lost over it; the last: {error}"
+            raise WorkerFailed(text) from error
         self._queue.appendleft(job)

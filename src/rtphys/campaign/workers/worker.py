@@ -10,8 +10,8 @@ import signal
 import sys
 import traceback
 from multiprocessing.connection import Connection
-from pathlib import Path
 
+from rtphys.campaign.workers.pool import WorkerFailed
 from rtphys.core.errors import RtphysError
 
 PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
@@ -19,38 +19,24 @@ PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
 
 def main(connection: Connection, parent: int) -> None:
     """Serve until the supervisor hangs up or dies."""
-    _die_with(parent)
-    try:
-        sys.path[:] = connection.recv()
-        work = connection.recv()()
-        connection.send(("ready",))
-        while True:
-            job = connection.recv()
-            connection.send(("done", work(job), resident_bytes(os.getpid())))
-    except (EOFError, BrokenPipeError):
-        return
-    except BaseException as error:  # told to the supervisor, who stops the run
-        known = isinstance(error, RtphysError)
-        text = str(error) if known else f"{type(error).__name__}: {error}"
-        code = error.exit_code if isinstance(error, RtphysError) else None
-        connection.send(("failed", text, code, traceback.format_exc()))
-
-
-def resident_bytes(pid: int) -> int:
-    """Memory of a process that is not swapped out; 0 where the kernel does not say."""
-    try:
-        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
-    except (OSError, IndexError, ValueError):
-        return 0
-    return pages * os.sysconf("SC_PAGE_SIZE")
-
-
-def _die_with(parent: int) -> None:
-    """An orphan would write into a folder that the next run has locked."""
+    # An orphan would write into a folder that the next run has locked.
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it died before the line above
         os._exit(1)
+    try:
+        sys.path[:] = connection.recv()
+        work = connection.recv()()
+        connection.send("ready")
+        while True:
+            connection.send(work(connection.recv()))
+    except (EOFError, BrokenPipeError):
+        return
+    except RtphysError as error:
+        connection.send(WorkerFailed(str(error), error.exit_code))
+    except BaseException as error:  # told to the supervisor, who stops the run
+        text = f"{type(error).__name__}: {error}"
+        connection.send(WorkerFailed(text, trace=traceback.format_exc()))
 
 
 if __name__ == "__main__":
