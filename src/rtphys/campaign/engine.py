@@ -6,11 +6,11 @@ it was killed and resumed.
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 from rtphys.campaign.series import Series, Tally
-from rtphys.campaign.workers.pool import Done, J, R, WorkerFailed, WorkerPool
+from rtphys.campaign.workers.pool import J, R, WorkerFailed, WorkerPool
 from rtphys.core.errors import RtphysError
 
 ERROR_LOG = "error.log"
@@ -32,21 +32,10 @@ class Listener:
         """Everything is checked; the tallies will change in place."""
 
     def ticked(self) -> None:
-        """Called at least once a second, and after every attempt."""
+        """Called at least once a second, and after attempts."""
 
     def noticed(self, text: str) -> None:
         """A worker died or was replaced."""
-
-
-class Cell(NamedTuple):
-    """One seed of one series, as the worker pool knows it."""
-
-    series: int
-    label: str
-    seed: int
-
-    def __str__(self) -> str:
-        return f"{self.label}, seed {self.seed}"
 
 
 def run_all(
@@ -60,7 +49,7 @@ def run_all(
 
     Args:
         log_folder: takes the traceback of an unexpected exception in a worker.
-        committed: called after every result.
+        committed: called after results, and at least once a second.
 
     Raises:
         RtphysError: an error in a worker that a user can cause, or one of the studies' own.
@@ -69,15 +58,8 @@ def run_all(
     listener.started([current.tally for current in series])
     try:
         while _begin(series, pool):
-            for event in pool.wait():
-                assert isinstance(event.name, Cell)
-                current = series[event.name.series]
-                if isinstance(event, Done):
-                    current.take(event.name.seed, event.result)
-                else:
-                    current.lose(event.name.seed, event)
-                committed()
-                listener.ticked()
+            pool.wait()
+            committed()
             listener.ticked()
     except WorkerFailed as failure:
         if not failure.trace:  # a user can cause it
@@ -92,12 +74,13 @@ def run_all(
 
 def _begin(series: Sequence[Series[J, R]], pool: WorkerPool[J, R]) -> bool:
     """Begins as many seeds as there is room for; whether anything runs that is needed."""
-    for index, current in enumerate(series):
+    for current in series:
         while pool.room and current.wants(pool.size):
             seed = current.begin()
             result = current.study.known(seed)
             if result is None:
-                pool.submit(Cell(index, current.tally.name, seed), current.study.job(seed))
+                name = f"{current.tally.name}, seed {seed}"
+                pool.submit(name, current.study.job(seed), partial(current.take, seed))
             else:
                 current.take(seed, result)
         current.close_if_over()

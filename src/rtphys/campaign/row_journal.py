@@ -11,12 +11,8 @@ from rtphys.data.journal import Journal
 class RowJournal:
     """One checksummed line a row, behind a first line that says under which conditions.
 
-    Args:
-        file: the file in the making; the journal lies beside it, hidden.
-        header: conditions of all rows; compare with `stored` before adding any.
-
-    Raises:
-        BadFile: the journal is damaged.
+    The journal lies beside the file, hidden. `header` holds the conditions of all rows: compare it
+    with `stored` before adding any. Raises `BadFile`: the journal is damaged.
     """
 
     def __init__(self, file: Path, header: Mapping[str, JSON]) -> None:

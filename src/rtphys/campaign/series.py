@@ -59,30 +59,23 @@ class Tally:
     rejections: Counter[str] = field(default_factory=Counter[str])  # of this run, by reason
     fruitless: int = 0  # attempts since the last one that counted
     stopped: str = ""  # why it was given up
-
-    def __post_init__(self) -> None:
-        self.found_accepted, self.found_attempts = self.accepted, self.attempts
+    new_accepted: int = field(default=0, init=False)  # of this run
+    new_attempts: int = field(default=0, init=False)  # likewise
 
     @property
     def done(self) -> bool:
         return self.accepted >= self.wanted
 
-    @property
-    def new_accepted(self) -> int:
-        return self.accepted - self.found_accepted
-
-    @property
-    def new_attempts(self) -> int:
-        return self.attempts - self.found_attempts
-
     def add(self, reason: str) -> None:
         """Counts one result; an empty reason means that it counts towards the goal."""
         self.attempts += 1
+        self.new_attempts += 1
         if reason:
             self.rejections[reason] += 1
             self.fruitless += 1
         else:
             self.accepted += 1
+            self.new_accepted += 1
             self.fruitless = 0
 
     def judge(self, exhausted: bool) -> None:
@@ -147,10 +140,14 @@ class Series(Generic[J, R]):
         self.running.add(seed)
         return seed
 
-    def take(self, seed: int, result: R) -> None:
+    def take(self, seed: int, outcome: R | Lost) -> None:
         """Commits a result and those that waited for it; drops those past the last one needed."""
         self.running.discard(seed)
         if self.enough:
+            return
+        result = self.study.lost(seed, outcome) if isinstance(outcome, Lost) else outcome
+        if isinstance(result, str):
+            self.halted = self.halted or result
             return
         self._waiting[seed] = self.study.arrived(seed, result)
         while (first := self.seeds[self._committed]) in self._waiting:
@@ -166,16 +163,6 @@ class Series(Generic[J, R]):
                 self._waiting.clear()
                 self.halted = ""  # a seed past the last one needed was lost
                 return
-
-    def lose(self, seed: int, loss: Lost) -> None:
-        """Takes the loss of the workers that had a seed."""
-        result = self.study.lost(seed, loss)
-        if not isinstance(result, str):
-            self.take(seed, result)
-            return
-        self.running.discard(seed)
-        if not self.enough:
-            self.halted = self.halted or result
 
     def close_if_over(self) -> None:
         """Lets the study finish as soon as nothing more will come."""

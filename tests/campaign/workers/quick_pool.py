@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from rtphys.campaign.workers.pool import Done, J, Job, Lost, R, WorkerPool
+from rtphys.campaign.workers.pool import J, Job, Lost, R, WorkerPool
 
 
 @dataclass
@@ -11,20 +11,22 @@ class QuickPool(WorkerPool[J, R]):
 
     def __post_init__(self) -> None:
         self._do = self.setup()
-        self._jobs: list[Job[J]] = []
+        self._jobs: list[Job[J, R]] = []
+        self.names: list[str] = []  # of all jobs
 
     def loss(self, job: J) -> str:
         """Why a job takes its workers with it; empty: it does not. For subclasses."""
         return ""
 
-    def _begin(self, job: Job[J]) -> None:
+    def _begin(self, job: Job[J, R]) -> None:
         self._jobs.append(job)
+        self.names.append(job.name)
 
-    def _poll(self, timeout: float) -> list[Done[R] | Lost]:
+    def wait(self, timeout: float = 1.0) -> None:
         job = self._jobs.pop()
-        if reason := self.loss(job.content):
-            return [Lost(job.name, reason, "was killed by SIGKILL")]
-        return [Done(job.name, self._do(job.content))]
+        reason = self.loss(job.content)
+        outcome = Lost(reason, "was killed by SIGKILL") if reason else self._do(job.content)
+        self._end(job, outcome)
 
-    def close(self) -> None:
+    def __exit__(self, *_: object) -> None:
         self._jobs.clear()

@@ -120,7 +120,7 @@ def test_a_lost_seed_past_the_last_one_needed_does_not_matter(tmp_path: Path) ->
     made = opened(tmp_path, feasible=2, baselines=())
     series = made.series
     seeds = [series.begin() for _ in range(4)]
-    series.lose(seeds[3], Lost("name", "worker_crash", "was killed by SIGKILL"))
+    series.take(seeds[3], Lost("worker_crash", "was killed by SIGKILL"))
     assert not series.wants(4) and not series.over, "earlier seeds are still running"
     for seed in seeds[:3]:
         series.take(seed, verdict(seed, ()))

@@ -2,61 +2,87 @@
 
 Not `concurrent.futures`: one dead process breaks that pool. Not `multiprocessing`: it runs the
 caller's main module again in every worker. Workers are fresh interpreters, since a process that
-has forked from a renderer hangs.
+has forked from a renderer hangs: `python -m rtphys.campaign.workers.local FD PARENT`.
 """
 
+import ctypes
 import os
 import signal
 import subprocess
 import sys
 import time
+import traceback
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import IO, Generic, TypeVar
+from typing import IO, Generic
 
-from rtphys.campaign.workers.pool import CRASH, HANG, Done, Job, Lost, WorkerFailed, WorkerPool
-
-J = TypeVar("J")
-R = TypeVar("R")
+from rtphys.campaign.workers.pool import LOSSES, J, Job, Lost, R, WorkerFailed, WorkerPool
+from rtphys.core.errors import RtphysError
 
 # One thread each, because there is a worker a core. (LP: Mesa's CPU renderer.)
 THREADS = {"LP_NUM_THREADS": "0", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
+CRASH, HANG = LOSSES
 RETRIES = 1  # after a crash or a hang that is the job's own doing
 FOREIGN_RETRIES = 3  # after a SIGKILL or SIGTERM that somebody else sent
-LOG_TAIL = 2000  # [bytes] of what a dead worker said
+LOG_TAIL = 2000  # [characters] of what a dead worker said
+
+
+def main(connection: Connection, parent: int) -> None:
+    """The worker: reads its import path, then `setup`, then jobs, until nobody sends any more.
+
+    It imports nothing of a robot itself, so that what it cannot load is told like any other error.
+    """
+    # An orphan would write into a folder that the next run has locked.
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it died before the line above
+        os._exit(1)
+    try:
+        sys.path[:] = connection.recv()
+        work = connection.recv()()
+        connection.send("ready")
+        while True:
+            connection.send(work(connection.recv()))
+    except (EOFError, BrokenPipeError):
+        return
+    except RtphysError as error:
+        connection.send(WorkerFailed(str(error), error.exit_code))
+    except BaseException as error:  # told to the supervisor, who stops the run
+        text = f"{type(error).__name__}: {error}"
+        connection.send(WorkerFailed(text, trace=traceback.format_exc()))
 
 
 @dataclass(eq=False)
-class _Worker(Generic[J]):
+class _Worker(Generic[J, R]):
     process: subprocess.Popen[bytes]
     line: Connection
     log: IO[bytes]
-    job: Job[J] | None = None
+    job: Job[J, R] | None = None
     since: float = 0.0
     ready: bool = False
     done: int = 0
     killed: str = ""  # why we killed it
 
     def last_words(self) -> str:
-        # `seek` would move the worker's own place in the file.
-        end = os.fstat(self.log.fileno()).st_size
-        text = os.pread(self.log.fileno(), LOG_TAIL, max(end - LOG_TAIL, 0))
-        return text.decode(errors="replace").strip()
+        log = self.log.fileno()  # `seek` would move the worker's own place in the file
+        said = os.pread(log, os.fstat(log).st_size, 0)
+        return said.decode(errors="replace")[-LOG_TAIL:].strip()
 
 
 @dataclass
 class LocalPool(WorkerPool[J, R]):
     """Workers that are child processes on this machine; started when they are first needed."""
 
-    _workers: list[_Worker[J]] = field(default_factory=list[_Worker[J]], init=False)
+    _workers: list[_Worker[J, R]] = field(default_factory=list[_Worker[J, R]], init=False)
 
-    def close(self) -> None:
+    def __exit__(self, *_: object) -> None:
         for worker in list(self._workers):
             self._remove(worker)
 
-    def _begin(self, job: Job[J]) -> None:
+    def _begin(self, job: Job[J, R]) -> None:
         idle = next((worker for worker in self._workers if worker.job is None), None)
         worker = idle or self._spawn()
         worker.job, worker.since = job, time.monotonic()
@@ -66,12 +92,11 @@ class LocalPool(WorkerPool[J, R]):
             self._remove(worker)
             self._begin(job)
 
-    def _spawn(self) -> _Worker[J]:
+    def _spawn(self) -> _Worker[J, R]:
         ours, theirs = Pipe()
         log = TemporaryFile()  # noqa: SIM115 - `_remove` closes it
-        program = (sys.executable, "-m", "rtphys.campaign.workers.worker")
         process = subprocess.Popen(
-            [*program, str(theirs.fileno()), str(os.getpid())],
+            [sys.executable, "-m", __name__, str(theirs.fileno()), str(os.getpid())],
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=subprocess.STDOUT,
@@ -80,13 +105,13 @@ class LocalPool(WorkerPool[J, R]):
             process_group=0,  # Ctrl-C is handled by the parent alone
         )
         theirs.close()
-        worker = _Worker[J](process, ours, log)
+        worker = _Worker[J, R](process, ours, log)
         self._workers.append(worker)
         ours.send(sys.path)
         ours.send(self.setup)
         return worker
 
-    def _remove(self, worker: _Worker[J]) -> int:
+    def _remove(self, worker: _Worker[J, R]) -> int:
         """Ends a process; returns its exit status."""
         worker.line.close()
         worker.log.close()
@@ -94,45 +119,44 @@ class LocalPool(WorkerPool[J, R]):
         self._workers.remove(worker)
         return worker.process.wait()
 
-    def _poll(self, timeout: float) -> list[Done[R] | Lost | None]:
+    def wait(self, timeout: float = 1.0) -> None:
         busy = [worker for worker in self._workers if worker.job is not None]
         heard = wait([worker.line for worker in busy], timeout)
-        events = [self._receive(worker) for worker in busy if worker.line in heard]
+        for worker in busy:
+            if worker.line in heard:
+                self._receive(worker)
         for worker in self._workers:
-            if worker.job is not None and not worker.killed:
-                self._watch(worker)
-        return events
+            if worker.job is None or worker.killed:
+                continue
+            if time.monotonic() - worker.since > self.limits.seconds:
+                worker.killed = f"ran longer than {self.limits.seconds:g} s"
+            elif resident_bytes(worker.process.pid) > self.limits.most_memory:
+                worker.killed = f"used more than {self.limits.most_memory / 1e9:g} GB"
+            if worker.killed:
+                worker.process.kill()  # its death is then heard on its line
 
-    def _watch(self, worker: _Worker[J]) -> None:
-        """Kills what takes too long or too much; its death is then heard on its line."""
-        if time.monotonic() - worker.since > self.limits.seconds:
-            worker.killed = f"ran longer than {self.limits.seconds:g} s"
-        elif resident_bytes(worker.process.pid) > self.limits.most_memory:
-            worker.killed = f"used more than {self.limits.most_memory / 1e9:g} GB"
-        if worker.killed:
-            worker.process.kill()
-
-    def _receive(self, worker: _Worker[J]) -> Done[R] | Lost | None:
+    def _receive(self, worker: _Worker[J, R]) -> None:
         job = worker.job
         assert job is not None
         try:
             message = worker.line.recv()
         except (EOFError, OSError):
-            return self._handle_death(worker, job)
+            self._handle_death(worker, job)
+            return
         if isinstance(message, WorkerFailed):
             text = f"{job.name}: {message}" if worker.ready else str(message)
             trace = message.trace and message.trace + worker.last_words()
             raise WorkerFailed(text, message.exit_code, trace)
         if not worker.ready:  # the first message says that it is, and no more
             worker.ready, self.failed_starts = True, 0
-            return None
+            return
         worker.job, worker.done = None, worker.done + 1
         spent = resident_bytes(worker.process.pid) > self.limits.memory
         if spent or worker.done >= self.limits.jobs or worker.killed:  # killed a moment too late
             self._remove(worker)
-        return Done(job.name, message)
+        self._end(job, message)
 
-    def _handle_death(self, worker: _Worker[J], job: Job[J]) -> Lost | None:
+    def _handle_death(self, worker: _Worker[J, R], job: Job[J, R]) -> None:
         """A dead worker's job gets another try, or is given up."""
         said, status = worker.last_words(), self._remove(worker)
         killer = next((s.name for s in signal.Signals if s == -status), f"signal {-status}")
@@ -147,20 +171,27 @@ class LocalPool(WorkerPool[J, R]):
         else:
             job.own_deaths += 1
         if job.own_deaths > RETRIES or job.foreign_deaths > FOREIGN_RETRIES:
-            return Lost(job.name, HANG if worker.killed.startswith("ran") else CRASH, died)
-        self._begin(job)
-        return None
+            self._end(job, Lost(HANG if worker.killed.startswith("ran") else CRASH, died))
+        else:
+            self._begin(job)
 
 
 def resident_bytes(pid: int) -> int:
     """Memory of a process that is not swapped out; 0 where the kernel does not say."""
     try:
-        pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except OSError:
         return 0
-    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 def cores() -> int:
     """CPU cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+if __name__ == "__main__":
+    handle = int(sys.argv[1])
+    os.set_inheritable(handle, False)  # a child of ours would keep the line open after our death
+    main(Connection(handle), int(sys.argv[2]))
+    sys.stdout.flush()
+    os._exit(0)  # SAPIEN's teardown may abort; nothing is left to be done

@@ -1,7 +1,7 @@
 """The worker pool: jobs in, results out. `local.py` and `ray.py` implement it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Generic, Self, TypeVar
 
@@ -10,7 +10,7 @@ from rtphys.core.errors import RtphysError
 J = TypeVar("J")
 R = TypeVar("R")
 
-CRASH, HANG = LOSSES = "worker_crash", "worker_hang"
+LOSSES = "worker_crash", "worker_hang"
 START_TRIES = 3  # workers in a row that may die before they are ready
 
 
@@ -24,29 +24,10 @@ class Limits:
     most_memory: float = 6e9  # [bytes] at any time; then it is killed
 
 
-@dataclass(eq=False)
-class Job(Generic[J]):
-    """A job that has not come back yet, and how many workers died over it."""
-
-    name: Hashable
-    content: J
-    own_deaths: int = 0  # by its own doing
-    foreign_deaths: int = 0  # by somebody else's
-
-
-@dataclass(frozen=True)
-class Done(Generic[R]):
-    """A job's result."""
-
-    name: Hashable
-    result: R
-
-
 @dataclass(frozen=True)
 class Lost:
-    """A job that took its workers with it. `reason` is one of `LOSSES`."""
+    """What comes of a job that took its workers with it. `reason` is one of `LOSSES`."""
 
-    name: Hashable
     reason: str
     detail: str
 
@@ -59,9 +40,20 @@ class WorkerFailed(RtphysError):
         super().__init__(text)
 
 
+@dataclass(eq=False)
+class Job(Generic[J, R]):
+    """A job that has not ended, and how many workers died over it."""
+
+    name: str
+    content: J
+    end: Callable[[R | Lost], None]
+    own_deaths: int = 0  # by its own doing
+    foreign_deaths: int = 0  # by somebody else's
+
+
 @dataclass
 class WorkerPool(ABC, Generic[J, R]):
-    """Takes jobs and gives their results in any order; each job comes back exactly once.
+    """Takes jobs and gives their results in any order; each job ends exactly once.
 
     Use it as a context manager, from one thread that outlives it.
 
@@ -83,21 +75,27 @@ class WorkerPool(ABC, Generic[J, R]):
         """Number of jobs that may be submitted now."""
         return self.size - self.busy
 
-    def submit(self, name: Hashable, job: J) -> None:
-        """Adds a job."""
+    def submit(self, name: str, job: J, end: Callable[[R | Lost], None]) -> None:
+        """Adds a job; `wait` will call `end` with what comes of it."""
         assert self.room > 0
         self.busy += 1
-        self._begin(Job(name, job))
+        self._begin(Job(name, job, end))
 
-    def wait(self) -> Sequence[Done[R] | Lost]:
-        """Jobs that have ended, after a second at most.
+    @abstractmethod
+    def wait(self, timeout: float = 1.0) -> None:
+        """Ends jobs, after at most `timeout` [s].
 
         Raises:
             WorkerFailed: a worker raised, or cannot even start.
         """
-        ended = [event for event in self._poll(1.0) if event is not None]
-        self.busy -= len(ended)
-        return ended
+
+    @abstractmethod
+    def _begin(self, job: Job[J, R]) -> None:
+        """Gives a job to a worker as soon as there is one for it."""
+
+    def _end(self, job: Job[J, R], outcome: R | Lost) -> None:
+        self.busy -= 1
+        job.end(outcome)
 
     def _count_failed_start(self, text: str) -> None:
         """Another worker died before it was ready; gives up when that happens time and again."""
@@ -105,20 +103,9 @@ class WorkerPool(ABC, Generic[J, R]):
         if self.failed_starts >= START_TRIES:
             raise WorkerFailed(text)
 
-    @abstractmethod
-    def close(self) -> None:
-        """Kills what still runs. Files of unfinished jobs stay; the folder's owner removes them."""
-
-    @abstractmethod
-    def _begin(self, job: Job[J]) -> None:
-        """Gives a job to a worker as soon as there is one for it."""
-
-    @abstractmethod
-    def _poll(self, timeout: float) -> Sequence[Done[R] | Lost | None]:
-        """What became of jobs, after at most `timeout` [s]; None: something that ends no job."""
-
     def __enter__(self) -> Self:
         return self
 
+    @abstractmethod
     def __exit__(self, *_: object) -> None:
-        self.close()
+        """Kills what still runs. Files of unfinished jobs stay; the folder's owner removes them."""

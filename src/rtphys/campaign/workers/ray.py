@@ -14,19 +14,17 @@ import os
 import signal
 import time
 from collections import deque
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Generic
+from typing import Any
 
 import ray
 from ray import ObjectRef, exceptions
-from ray.actor import ActorHandle
 
 from rtphys.campaign.workers.local import LocalPool
-from rtphys.campaign.workers.pool import Done, J, Job, Limits, Lost, R, WorkerFailed, WorkerPool
+from rtphys.campaign.workers.pool import J, Job, R, WorkerFailed, WorkerPool
 from rtphys.core.errors import RtphysError
 
-LOSSES = 10  # actors that may vanish over one job; nodes do go, but not that often
+MOST_LOSSES = 10  # actors that may vanish over one job; nodes do go, but not that often
 IDLE_NOTICE = 30.0  # [s] without a single actor, after which the user is told
 SETTINGS = {
     "RAY_gcs_rpc_server_reconnect_timeout_s": "20",  # Ray's own time-out is minutes
@@ -73,37 +71,24 @@ def _first_line(error: Exception) -> str:
     return (str(error).strip() or type(error).__name__).splitlines()[0]
 
 
-class WorkerActor:
+class WorkerActor(LocalPool[object, object]):
     """A Ray actor that does one job at a time, in a worker process on its node."""
-
-    def __init__(self, setup: Callable[[], Callable], limits: Limits) -> None:
-        self._notices: list[str] = []
-        self._pool = LocalPool(setup, 1, limits, self._notices.append)
 
     def ready(self) -> str:
         """Address of the actor's node."""
         return ray.util.get_node_ip_address()
 
-    def do(self, name: Hashable, job: object) -> tuple[Done | Lost | WorkerFailed, list[str]]:
-        """What became of a job, and deaths of the worker process on the way."""
-        self._notices.clear()
+    def do(self, name: str, job: object) -> tuple[object, list[str]]:
+        """What comes of a job, or a `WorkerFailed`, and deaths of the worker process on the way."""
+        outcomes, notices = list[object](), list[str]()
+        self.notice = notices.append
         try:
-            self._pool.submit(name, job)
-            while not (events := self._pool.wait()):
-                pass
-            return events[0], self._notices
+            self.submit(name, job, outcomes.append)
+            while not outcomes:
+                self.wait()
         except WorkerFailed as failure:
-            return failure, self._notices
-
-
-@dataclass(eq=False)
-class _Actor(Generic[J]):
-    """An actor as the pool sees it."""
-
-    handle: ActorHandle
-    answer: ObjectRef | None  # to `ready`, then to `do`
-    node: str = ""  # empty until it is ready
-    job: Job[J] | None = None
+            outcomes.append(failure)
+        return outcomes[0], notices
 
 
 @dataclass
@@ -111,74 +96,72 @@ class RayPool(WorkerPool[J, R]):
     """Workers on the nodes of the cluster that `connect` has joined."""
 
     def __post_init__(self) -> None:
-        self._actors: list[_Actor[J]] = []
-        self._queue: deque[Job[J]] = deque()
+        self._queue: deque[Job[J, R]] = deque()
+        self._idle: list[tuple[Any, str]] = []  # with the addresses of their nodes
+        # By the answer: to `ready` without node and job, then to `do`.
+        self._busy: dict[ObjectRef, tuple[Any, str, Job[J, R] | None]] = {}
         self._alone_since = time.monotonic()
 
-    def close(self) -> None:
-        for actor in self._actors:
-            ray.kill(actor.handle)  # its worker dies with it
+    def __exit__(self, *_: object) -> None:
+        for worker in (*self._idle, *self._busy.values()):
+            ray.kill(worker[0])  # its worker dies with it
 
-    def _begin(self, job: Job[J]) -> None:
+    def _begin(self, job: Job[J, R]) -> None:
         self._queue.append(job)
         self._assign()
 
     def _assign(self) -> None:
         """Jobs go to actors that are ready: one that waits for a node must hold nothing up."""
-        while len(self._actors) < self.busy:
-            # Ray must not restart it: it would run a job again without anybody counting.
-            kind = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(WorkerActor)
-            handle = kind.remote(self.setup, self.limits)
-            self._actors.append(_Actor(handle, handle.ready.remote()))  # type: ignore[arg-type] - a proxy is a handle
-        for actor in self._actors:
-            if self._queue and actor.node and actor.job is None:
-                actor.job = self._queue.popleft()
-                actor.answer = actor.handle.do.remote(actor.job.name, actor.job.content)
+        # Ray must not restart it: it would run a job again without anybody counting.
+        kind = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(WorkerActor)
+        while len(self._idle) + len(self._busy) < self.busy:
+            actor = kind.remote(self.setup, 1, self.limits)
+            self._busy[actor.ready.remote()] = actor, "", None
+        while self._idle and self._queue:
+            (actor, node), job = self._idle.pop(), self._queue.popleft()
+            self._busy[actor.do.remote(job.name, job.content)] = actor, node, job
 
-    def _poll(self, timeout: float) -> list[Done[R] | Lost | None]:
-        actors = {actor.answer: actor for actor in self._actors if actor.answer is not None}
-        answered, _ = ray.wait(list(actors), timeout=timeout)
-        events = [self._receive(actors[answer], answer) for answer in answered]
+    def wait(self, timeout: float = 1.0) -> None:
+        answered, _ = ray.wait(list(self._busy), timeout=timeout)
+        for answer in answered:
+            self._receive(answer, *self._busy.pop(answer))
         self._assign()
-        if any(actor.node for actor in self._actors):
+        if self._idle or any(node for _, node, _ in self._busy.values()):
             self._alone_since = time.monotonic()
         elif time.monotonic() - self._alone_since > IDLE_NOTICE:
             self.notice("the cluster has given no CPU yet; still waiting for one")
             self._alone_since = time.monotonic()
-        return events
 
-    def _receive(self, actor: _Actor[J], answer: ObjectRef) -> Done[R] | Lost | None:
-        actor.answer = None
+    def _receive(self, answer: ObjectRef, actor: Any, node: str, job: Job[J, R] | None) -> None:
         try:
             message = ray.get(answer)
         except exceptions.RayTaskError as error:  # its own code: another rtphys, or a bug
             raise WorkerFailed(f"a Ray worker failed: {error.cause}", 70, str(error)) from error
         except exceptions.RayError as error:  # it died, or its answer was lost with its node
-            return self._handle_loss(actor, error)
-        if not actor.node:
-            actor.node, self.failed_starts = message, 0
-            return None
-        event, notices = message
-        for text in notices:
-            self.notice(f"{actor.node}: {text}")
-        actor.job = None
-        if isinstance(event, WorkerFailed):
-            raise event
-        return event
-
-    def _handle_loss(self, actor: _Actor[J], error: exceptions.RayError) -> None:
-        """Starts the actor's job again elsewhere. A lost node is no verdict on the job."""
-        self._actors.remove(actor)
-        ray.kill(actor.handle)  # if only its answer was lost
-        job = actor.job
+            ray.kill(actor)
+            self._handle_loss(node, job, error)
+            return
         if job is None:
-            self.notice(f"lost a worker that was starting: {_first_line(error)}")
+            self._idle.append((actor, message))
+            self.failed_starts = 0
+            return
+        self._idle.append((actor, node))
+        outcome, notices = message
+        for text in notices:
+            self.notice(f"{node}: {text}")
+        if isinstance(outcome, WorkerFailed):
+            raise outcome
+        self._end(job, outcome)
+
+    def _handle_loss(self, node: str, job: Job[J, R] | None, error: exceptions.RayError) -> None:
+        """Starts the actor's job again elsewhere. A lost node is no verdict on the job."""
+        where = f"on {node} with {job.name}" if job else "that was starting"
+        self.notice(f"lost a worker {where}: {_first_line(error)}")
+        if job is None:
             self._count_failed_start(f"Ray workers die while they start: {error}")
             return
-        self.notice(f"lost a worker on {actor.node} with {job.name}: {_first_line(error)}")
         job.foreign_deaths += 1
-        if job.foreign_deaths > LOSSES:
-            count = job.foreign_deaths
-            text = f"{job.name}: {count} Ray workers were lost over it; the last: {error}"
-            raise WorkerFailed(text) from error
+        if job.foreign_deaths > MOST_LOSSES:
+            count = f"{job.foreign_deaths} Ray workers were lost over it"
+            raise WorkerFailed(f"{job.name}: {count}; the last: {error}") from error
         self._queue.appendleft(job)
