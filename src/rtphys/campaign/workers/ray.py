@@ -71,6 +71,8 @@ def _first_line(error: Exception) -> str:
     return (str(error).strip() or type(error).__name__).splitlines()[0]
 
 
+# Ray must not restart it: it would run a job again without anybody counting.
+@ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)
 class WorkerActor(LocalPool[object, object]):
     """A Ray actor that does one job at a time, in a worker process on its node."""
 
@@ -112,10 +114,8 @@ class RayPool(WorkerPool[J, R]):
 
     def _assign(self) -> None:
         """Jobs go to actors that are ready: one that waits for a node must hold nothing up."""
-        # Ray must not restart it: it would run a job again without anybody counting.
-        kind = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(WorkerActor)
         while len(self._idle) + len(self._busy) < self.busy:
-            actor = kind.remote(self.setup, 1, self.limits)
+            actor = WorkerActor.remote(self.setup, 1, self.limits)
             self._busy[actor.ready.remote()] = actor, "", None
         while self._idle and self._queue:
             (actor, node), job = self._idle.pop(), self._queue.popleft()
@@ -135,11 +135,11 @@ class RayPool(WorkerPool[J, R]):
     def _receive(self, answer: ObjectRef, actor: Any, node: str, job: Job[J, R] | None) -> None:
         try:
             message = ray.get(answer)
-        except exceptions.RayTaskError as error:  # its own code: another rtphys, or a bug
-            raise WorkerFailed(f"a Ray worker failed: {error.cause}", 70, str(error)) from error
-        except exceptions.RayError as error:  # it died, or its answer was lost with its node
+        except exceptions.RayError as error:
             ray.kill(actor)
-            self._handle_loss(node, job, error)
+            if isinstance(error, exceptions.RayTaskError):  # its own code: another rtphys, or a bug
+                raise WorkerFailed(f"a Ray worker failed: {error.cause}", 70, str(error)) from error
+            self._handle_loss(node, job, error)  # it died, or its answer was lost with its node
             return
         if job is None:
             self._idle.append((actor, message))
