@@ -26,7 +26,7 @@ class QuickPool(WorkerPool[J, R]):
         job = self._jobs.pop()
         reason = self.loss(job.content)
         outcome = Lost(reason, "was killed by SIGKILL") if reason else self._do(job.content)
-        self._end(job, outcome)
+        job.end(outcome)
 
     def __exit__(self, *_: object) -> None:
         self._jobs.clear()

@@ -154,7 +154,7 @@ class LocalPool(WorkerPool[J, R]):
         spent = resident_bytes(worker.process.pid) > self.limits.memory
         if spent or worker.done >= self.limits.jobs or worker.killed:  # killed a moment too late
             self._remove(worker)
-        self._end(job, message)
+        job.end(message)
 
     def _handle_death(self, worker: _Worker[J, R], job: Job[J, R]) -> None:
         """A dead worker's job gets another try, or is given up."""
@@ -165,13 +165,13 @@ class LocalPool(WorkerPool[J, R]):
         self.notice(f"a worker {died} on {job.name}")
         if not worker.ready and not worker.killed:
             words = said or "without a word"
-            self._count_failed_start(f"workers {died} while they start: {words}")
+            self.count_failed_start(f"workers {died} while they start: {words}")
         elif not worker.killed and -status in (signal.SIGKILL, signal.SIGTERM):
             job.foreign_deaths += 1
         else:
             job.own_deaths += 1
         if job.own_deaths > RETRIES or job.foreign_deaths > FOREIGN_RETRIES:
-            self._end(job, Lost(HANG if worker.killed.startswith("ran") else CRASH, died))
+            job.end(Lost(HANG if worker.killed.startswith("ran") else CRASH, died))
         else:
             self._begin(job)
 

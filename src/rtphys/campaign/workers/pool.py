@@ -77,9 +77,14 @@ class WorkerPool(ABC, Generic[J, R]):
 
     def submit(self, name: str, job: J, end: Callable[[R | Lost], None]) -> None:
         """Adds a job; `wait` will call `end` with what comes of it."""
+
+        def count_and_end(outcome: R | Lost) -> None:
+            self.busy -= 1
+            end(outcome)
+
         assert self.room > 0
         self.busy += 1
-        self._begin(Job(name, job, end))
+        self._begin(Job(name, job, count_and_end))
 
     @abstractmethod
     def wait(self, timeout: float = 1.0) -> None:
@@ -93,11 +98,7 @@ class WorkerPool(ABC, Generic[J, R]):
     def _begin(self, job: Job[J, R]) -> None:
         """Gives a job to a worker as soon as there is one for it."""
 
-    def _end(self, job: Job[J, R], outcome: R | Lost) -> None:
-        self.busy -= 1
-        job.end(outcome)
-
-    def _count_failed_start(self, text: str) -> None:
+    def count_failed_start(self, text: str) -> None:
         """Another worker died before it was ready; gives up when that happens time and again."""
         self.failed_starts += 1
         if self.failed_starts >= START_TRIES:

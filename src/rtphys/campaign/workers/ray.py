@@ -151,14 +151,14 @@ class RayPool(WorkerPool[J, R]):
             self.notice(f"{node}: {text}")
         if isinstance(outcome, WorkerFailed):
             raise outcome
-        self._end(job, outcome)
+        job.end(outcome)
 
     def _handle_loss(self, node: str, job: Job[J, R] | None, error: exceptions.RayError) -> None:
         """Starts the actor's job again elsewhere. A lost node is no verdict on the job."""
         where = f"on {node} with {job.name}" if job else "that was starting"
         self.notice(f"lost a worker {where}: {_first_line(error)}")
         if job is None:
-            self._count_failed_start(f"Ray workers die while they start: {error}")
+            self.count_failed_start(f"Ray workers die while they start: {error}")
             return
         job.foreign_deaths += 1
         if job.foreign_deaths > MOST_LOSSES:
