@@ -43,8 +43,3 @@ class CertifyPlan:
     ] = 1000
     workers: Workers = None
     limits: Limits = field(default_factory=Limits)
-
-    @property
-    def wanted_baselines(self) -> tuple[str, ...]:
-        """What is asked for; `none` stands for nothing on a command line."""
-        return tuple(name for name in self.baselines if name != "none")
