@@ -12,7 +12,7 @@ from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.series import Series, Study, Tally
 from rtphys.campaign.workers.local import LocalPool, cores
-from rtphys.campaign.workers.pool import Limits, Lost
+from rtphys.campaign.workers.pool import Lost
 from rtphys.core.errors import Infeasible
 from rtphys.data.jpeg import encode_png
 from rtphys.episode import begin
@@ -56,7 +56,6 @@ class CheckPlan:
     ranges: Annotated[
         Ranges, Option("Draw from this domain (name or file), not from the task's own.", "domain")
     ] = None
-    limits: Limits = field(default_factory=Limits)
 
     def check(self) -> None:
         """Raises `BadValue` or `BadFile` before any work is done."""
@@ -170,7 +169,7 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list
         RtphysError: what `CheckPlan.check` refuses, or an error in a worker.
     """
     plan.check()
-    listener, size = listener or Listener(), cores() if plan.workers is None else plan.workers
+    listener, size = listener or Listener(), plan.workers or cores()
     counts: dict[Robot, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
     counts |= {"idle": plan.robots, "random": plan.robots}
     scores, series = [], []
@@ -180,7 +179,7 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list
             tally = Tally(f"{task}, {protocol} ({robot})", count)
             seeds = range(plan.first_seed, plan.first_seed + count)
             series.append(Series(RobotTrials(robot, scores[-1]), tally, seeds))
-    with LocalPool[Job, Trial](CheckWorker(pack), size, plan.limits, listener.noticed) as pool:
+    with LocalPool[Job, Trial](CheckWorker(pack), size, notice=listener.noticed) as pool:
         run_all(series, pool, listener)
     return scores
 

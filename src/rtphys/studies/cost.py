@@ -110,11 +110,7 @@ class Cost:
 
 @dataclass
 class Meter:
-    """Measures in this process.
-
-    Attributes:
-        pictures: how many accepted episodes of a setting are drawn.
-    """
+    """Measures in this process."""
 
     pack: Pack
     folder: Path  # for files that nobody keeps

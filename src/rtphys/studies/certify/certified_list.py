@@ -59,8 +59,6 @@ class CertifiedList(Study[Job, Slot]):
         self._physics = load_protocol(setting.protocol).physics
         self.series = self._series()
 
-    # ---- what the engine asks --------------------------------------------------------------------
-
     def job(self, seed: int) -> Job:
         return Job(self.setting.at(seed), self._lacking(seed))
 
@@ -92,11 +90,8 @@ class CertifiedList(Study[Job, Slot]):
     def close(self) -> None:
         """Writes the list if it is whole. Raises `CannotWrite`."""
         if self.whole:
-            of = self.setting
-            slots = tuple(self.slots)
-            made = InstanceList(of.task, of.protocol, self.fingerprint, slots, self.baselines)
-            if made != self._written:
-                write_instances(self.path, made)
+            if self.instances != self._written:
+                write_instances(self.path, self.instances)
             self._journal.drop()
 
     @property
@@ -105,19 +100,15 @@ class CertifiedList(Study[Job, Slot]):
         return self.series.enough and not self.series.halted
 
     @property
-    def slots(self) -> list[Slot]:
-        return list(self._rows.values())
-
-    @property
-    def feasible(self) -> list[Slot]:
-        return [slot for slot in self.slots if slot.feasible]
+    def instances(self) -> InstanceList:
+        """What is known so far."""
+        of, slots = self.setting, tuple(self._rows.values())
+        return InstanceList(of.task, of.protocol, self.fingerprint, slots, self.baselines)
 
     @property
     def owed(self) -> list[int]:
         """Known feasible seeds that lack a baseline."""
-        return [slot.seed for slot in self.feasible if self._lacking(slot.seed)]
-
-    # ----------------------------------------------------------------------------------------------
+        return [slot.seed for slot in self.instances.feasible if self._lacking(slot.seed)]
 
     def _lacking(self, seed: int) -> Names:
         """Without physics a twin would be the same world, and is not measured."""
@@ -125,12 +116,12 @@ class CertifiedList(Study[Job, Slot]):
         return tuple(n for n in self.baselines if n in lacking and (self._physics or n != "twin"))
 
     def _series(self) -> Series[Job, Slot]:
-        plan, owed = self.plan, self.owed
-        name = f"{self.setting.task}, {self.setting.protocol}"
-        tally = Tally(name, plan.feasible, len(self.feasible), len(self._rows))
-        accepted = [True, *(slot.feasible for slot in self.slots)]
+        plan, owed, known = self.plan, self.owed, self.instances
+        name = f"{known.task}, {known.protocol}"
+        tally = Tally(name, plan.feasible, len(known.feasible), known.attempts)
+        accepted = [True, *(slot.feasible for slot in known.slots)]
         tally.fruitless = min(accepted[::-1].index(True), FRUITLESS)
-        new = range(plan.first_seed, plan.first_seed + plan.most_attempts)[len(self._rows) :]
+        new = range(plan.first_seed, plan.first_seed + plan.most_attempts)[known.attempts :]
         return Series(self, tally, [*owed, *new], len(owed))
 
     def _halt(self, seed: int, text: str) -> str:

@@ -22,8 +22,8 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
     it is, `series.halted` says why, and the same call goes on there.
 
     Raises:
-        RtphysError: a list with another fingerprint; another
-            run at work in the folder; an error in a worker.
+        RtphysError: a list with another fingerprint; another run at work in the folder; an error
+            in a worker.
     """
     tasks, listener = [load_task(name) for name in plan.tasks], listener or Listener()
     make_folder(plan.out)
@@ -35,8 +35,8 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
             for name in plan.protocols
             for task in tasks
         ]
-        size = cores() if plan.workers is None else plan.workers
-        with LocalPool[Job, Slot](CertifyWorker(pack), size, plan.limits, listener.noticed) as pool:
+        worker, size = CertifyWorker(pack), plan.workers or cores()
+        with LocalPool[Job, Slot](worker, size, notice=listener.noticed) as pool:
             run_all([certified.series for certified in lists], pool, listener, plan.out)
     return lists
 

@@ -13,7 +13,7 @@ from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.episode import JSON
-from rtphys.data.json_text import parse_mapping, pretty
+from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import PolicySetup
@@ -33,6 +33,8 @@ from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
 # Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
 MOST_MEMORY = 256e9  # [bytes]
+CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
+"""Fields of a plan that two runs must share to continue each other, but for the episodes."""
 
 
 class OtherRun(RtphysError):
@@ -127,8 +129,7 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
             write_instances(copy, instances)
         studies = [TaskEvaluation(plan, instances) for instances in lists]
-        worker = EvaluateWorker(pack, plan.policy)
-        size = cores() if plan.workers is None else plan.workers
+        worker, size = EvaluateWorker(pack, plan.policy), plan.workers or cores()
         limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
         try:
             with LocalPool[Job, EpisodeRecord](worker, size, limits, listener.noticed) as pool:
@@ -141,16 +142,7 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
 
 def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
     """Writes down what makes two runs continue each other, or compares it."""
-    run: dict[str, JSON] = {
-        "policy": plan.policy,
-        "options": dict(plan.options),
-        "seed": plan.seed,
-        "split": plan.split,
-        "episodes": plan.episodes,
-        "protocols": list(plan.protocols),
-        "tasks": list(plan.tasks),
-        "ground": ground,
-    }
+    run = {**{key: plain(getattr(plan, key), key) for key in CLAIMED}, "ground": ground}
     path = plan.folder / RUN
     if path.exists():
         clauses = ["and `resume` is off"]
