@@ -20,9 +20,11 @@ def plans(count: int) -> list[TaskPlan]:
 
 def measured(accepted: int = 4, start_cpu: float = 0.0, pace: float = 1.0) -> Measured:
     """Half of the attempts fail; an attempt takes 1 s and a frame of 100 takes 20 ms and 30 kB."""
-    cost = Cost("a", "clean", Spent(ATTEMPT, 8, cpu_total=8.0), accepted=accepted)
+    cost = Cost("a", "clean", Spent(ATTEMPT, 8), accepted=accepted)
+    cost.attempts.timer.cpu_s["simulate"] = 8.0
     if accepted:
-        cost.pictures = Spent(PICTURES, 1, cpu_total=2.0)
+        cost.pictures = Spent(PICTURES, 1)
+        cost.pictures.timer.cpu_s["render"] = 2.0
         cost.frames, cost.images, cost.bytes = 100, 300, 3_000_000
     return Measured((cost,), start_cpu, pace)
 

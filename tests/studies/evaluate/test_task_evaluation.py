@@ -10,7 +10,6 @@ from rtphys.core.errors import BadFile
 from rtphys.results import EpisodeRecord
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records, write_records
-from rtphys.setting.setting import Setting
 from rtphys.studies.evaluate import run as run_module
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.studies.evaluate.run import TaskEvaluation
@@ -25,7 +24,7 @@ def opened(out: Path, episodes: int = 3) -> TaskEvaluation:
     )
     instances = InstanceList(TASK, "clean", {}, slots)
     plan = EvaluatePlan("idle", (TASK,), ("clean",), out=out)
-    return TaskEvaluation(plan, Setting(TASK), instances.first(episodes))
+    return TaskEvaluation(plan, instances.first(episodes))
 
 
 def record(seed: int, success: bool = False) -> EpisodeRecord:
