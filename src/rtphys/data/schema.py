@@ -5,6 +5,7 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
 
+from rtphys.core.errors import BadFile
 from rtphys.data import files
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import parse_mapping, plain, pretty
@@ -224,6 +225,14 @@ def read(kind: type[Kind], path: Path) -> Kind:
         return kind.model_validate(parse_mapping(files.read(path), path))
     except ValidationError as error:
         raise SchemaError(str(path), error) from error
+
+
+def parse(kind: type[Kind], content: object, path: Path) -> Kind:
+    """A file's content as one of the models. Raises `BadFile`, which names each problem's place."""
+    try:
+        return kind.model_validate(content)
+    except ValidationError as error:
+        raise BadFile(path, "; ".join(SchemaError(str(path), error).problems)) from error
 
 
 def check(name: str, value: object) -> BaseModel:

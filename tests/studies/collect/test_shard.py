@@ -1,5 +1,6 @@
 """What a shard remembers, and which shards are not merged."""
 
+import json
 import shutil
 from dataclasses import fields, replace
 from pathlib import Path
@@ -24,7 +25,6 @@ from rtphys.studies.collect.shard import (
     OF_RUN,
     OF_SETTING,
     Shard,
-    Unit,
     claim,
     read_shard,
 )
@@ -74,10 +74,10 @@ def test_a_plan_is_remembered_as_it_was(tmp_path: Path) -> None:
     claim(tmp_path, Shard.parse([plan], run))
     stored = read_shard(tmp_path)
     assert stored is not None
-    (unit,) = stored.units
-    assert unit.task_plan() == plan
-    assert unit.run(tmp_path, 1) == replace(run, workers=1, shard="")
-    assert unit.folders == tuple(side.folder for side in plan.sides)
+    assert stored.wanted == (plan,)
+    assert stored.run == replace(run, out=stored.run.out, shard="")
+    (unit,) = json.loads((tmp_path / "shard.json").read_text())["units"]
+    assert [unit["leaf"], unit["twin"]] == [side.folder for side in plan.sides]
 
 
 # ---- what is refused -----------------------------------------------------------------------------
@@ -154,16 +154,13 @@ def test_a_shards_folder_is_no_other_shards(tmp_path: Path) -> None:
 def test_the_division_is_even_and_whole() -> None:
     """Every unit is worked on, by as many shards as any other or by one."""
     for tasks in range(1, 8):
-        units = Shard.parse(plans_for(plans()[0], "abcdefg"[:tasks]), Run(shard="1/1")).units
+        wanted = plans_for(plans()[0], "abcdefg"[:tasks])
         for of in range(1, 9):
-            work = [(u.folder, s.stride[0]) for s in _all(units, of) for u in s.own]
-            sharing = Shard(1, of, units).stride[1]
-            assert sorted(work) == [(u.folder, k) for u in units for k in range(sharing)]
-            assert all(shard.own for shard in _all(units, of))
-
-
-def _all(units: tuple[Unit, ...], of: int) -> list[Shard]:
-    return [Shard(index, of, units) for index in range(1, of + 1)]
+            shards = [Shard(index, of, wanted, Run()) for index in range(1, of + 1)]
+            work = [(plan.folder, s.stride[0]) for s in shards for plan in s.own]
+            sharing = shards[0].stride[1]
+            assert sorted(work) == [(p.folder, k) for p in wanted for k in range(sharing)]
+            assert all(shard.own for shard in shards)
 
 
 def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
