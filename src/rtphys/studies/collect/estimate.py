@@ -71,13 +71,10 @@ class Estimate:
 
 
 def estimate(plans: Sequence[TaskPlan], measured: Mapping[int, Measured], run: Run) -> Estimate:
-    """What the plans still take.
+    """What the plans still take, from what was `measured`, by the plan's number.
 
     A task's acceptance is drawn towards that of all, because a few attempts say little; a task
     without a success is taken to be drawn like the others.
-
-    Args:
-        measured: by the plan's number.
     """
     known = list(measured.values())
     pooled = (sum(m.accepted for m in known) + 1) / (sum(m.attempts for m in known) + 1)
@@ -116,12 +113,7 @@ def bytes_below(out: Path) -> int:
 def probe(
     plans: Sequence[TaskPlan], run: Run, listener: Listener | None = None
 ) -> dict[int, Measured]:
-    """Number of a plan -> what it costs on this machine. Writes nothing that stays.
-
-    Raises:
-        RtphysError: what `check` refuses.
-        Bug: an unexpected exception in a worker.
-    """
+    """Number of a plan -> what it costs on this machine. Writes nothing that stays."""
     listener = listener or Listener()
     tasks = check(plans, run)
     pack = run.pack(listener.building)

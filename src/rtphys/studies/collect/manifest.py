@@ -1,7 +1,7 @@
 """`manifests/*.yaml` and sweeps: one description, the plans of many task datasets."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 from rtphys.core import library
@@ -13,8 +13,7 @@ from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.overrides import parse_overrides
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import Value, plain_value
-from rtphys.setting.setting import Setting
-from rtphys.studies.collect.plan import TaskPlan
+from rtphys.studies.collect.plan import TaskPlan, plan_of
 
 
 def plans_for(template: TaskPlan, tasks: Sequence[str], sweep: str = "") -> tuple[TaskPlan, ...]:
@@ -71,10 +70,8 @@ def read_plans(path: Path) -> tuple[TaskPlan, ...]:
         place = f"{path}: collect.{number}"
         given = run.model_dump() | {"overrides": _overrides(run, place), "ranges": run.domain}
         given["most_attempts"] = run.max_attempts
-        setting = {f.name: given[f.name] for f in fields(Setting) if f.name in given}
-        rest = {f.name: given[f.name] for f in fields(TaskPlan) if f.name in given}
-        template = TaskPlan(Setting("", **setting), **rest)
-        found += plans_for(template, library.matching("tasks", run.tasks, place), run.sweep)
+        template, tasks = plan_of(given), library.matching("tasks", run.tasks, place)
+        found += plans_for(template, tasks, run.sweep)
     folders = [plan.folder for plan in found]
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadFile(path, f"{twice} is collected by two runs")

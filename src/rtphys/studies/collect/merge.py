@@ -39,27 +39,18 @@ class Tried:
 
 
 def merge(
-    parts: Sequence[Path],
-    out: Path,
-    workers: int | None = None,
-    listener: Listener | None = None,
+    parts: Sequence[Path], out: Path, workers: int | None = None, listener: Listener | None = None
 ) -> list[Tally]:
     """Writes what `collect` without shards would have written, byte for byte.
 
     Nothing is written before all shards are seen to be whole and to fit. Where they share a task
-    dataset, the seeds that none of them came to are tried here; all others need no simulator.
-
-    Args:
-        workers: for those seeds; None: one a core.
-
-    Returns:
-        One tally a task, twins left out; its new attempts are those that were made here.
+    dataset, `workers` try the seeds that none of them came to; all others need no simulator.
+    Returns a tally for each task, twins left out; its new attempts are those that were made here.
 
     Raises:
         CannotMerge: a shard is missing, given twice, unfinished, or of another collection.
         BadFile: one is damaged.
-        DatasetMismatch: `out` holds something else, or what is missing would be made under other
-            conditions here.
+        DatasetMismatch: `out` holds something else, or other conditions would make the rest here.
     """
     listener = listener or Listener()
     shards = read_shards(parts)
@@ -108,11 +99,7 @@ def _known(
 
 
 def read_shards(parts: Sequence[Path]) -> dict[Path, Shard]:
-    """Folder -> the shard that it holds.
-
-    Raises:
-        CannotMerge: they are not all of one collection, each once.
-    """
+    """Folder -> the shard that it holds. Raises `CannotMerge` unless one collection is whole."""
     found: dict[Path, Shard] = {}
     for part in parts:
         shard = read_shard(part)
@@ -149,12 +136,7 @@ def _difference(first: Shard, other: Shard) -> str:
 
 
 def read_journals(shards: Mapping[Path, Shard]) -> dict[str, Tried]:
-    """Folder of a task dataset -> what the shards tried for it.
-
-    Raises:
-        CannotMerge: a shard is unfinished, or was collected differently.
-        BadFile: a journal is damaged.
-    """
+    """Folder of a task dataset -> what the shards, all finished and alike, tried for it."""
     found: dict[str, Tried] = {}
     for part, shard in sorted(shards.items(), key=lambda item: item[1].index):
         for plan in shard.own:

@@ -1,10 +1,10 @@
 """What to collect and on what; all that can be refused before any work is done."""
 
 import shutil
-from collections.abc import Callable, Sequence
-from dataclasses import field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import field, fields, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from rtphys.assets.pack import FALLBACKS, Pack, chosen_pack
 from rtphys.campaign.workers.local import cores
@@ -31,10 +31,6 @@ def _shaders() -> tuple[str, ...]:
     from rtphys.sim.renderer import SHADERS  # likewise
 
     return tuple(SHADERS)
-
-
-class NoRoom(RtphysError):
-    """Less disk space than the episodes will need."""
 
 
 @checked_dataclass(frozen=True)
@@ -68,8 +64,7 @@ class TaskPlan:
     @property
     def folder(self) -> str:
         """Path of the task dataset below the dataset's folder."""
-        setting = self.setting
-        name = self.config or setting.protocol
+        setting, name = self.setting, self.config or self.setting.protocol
         return TaskDataset(Path(), name, setting.task, layout=self.layout).name
 
     @property
@@ -151,23 +146,32 @@ class Run:
         return videos * EPISODE_BYTES
 
     def check_room(self, plans: Sequence[TaskPlan]) -> None:
-        """Raises `NoRoom`: less disk space than the plans' episodes will need."""
+        """Refuses plans whose episodes will need more disk space than there is."""
         finding = check_disk("space for data", self.out)
         if finding.status == "fail":
-            raise NoRoom(f"{self.out}: {finding.detail}; {finding.cure}")
+            raise RtphysError(f"{self.out}: {finding.detail}; {finding.cure}")
         place = next(p for p in (self.out, *self.out.absolute().parents) if p.exists())
         needed, free = self.room_needed(plans), shutil.disk_usage(place).free
         if free < needed:
             amounts = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
-            raise NoRoom(f"{self.out}: {amounts}; free some space, or ask for fewer episodes")
+            raise RtphysError(f"{self.out}: {amounts}; free some space, or ask for fewer episodes")
+
+
+def chosen(kind: type, given: Mapping[str, object]) -> dict[str, Any]:
+    """Those of the values that are fields of a dataclass, which will check them."""
+    return {field.name: given[field.name] for field in fields(kind) if field.name in given}
+
+
+def plan_of(given: Mapping[str, object]) -> TaskPlan:
+    """The plan with these values of its own fields and of its setting's."""
+    return TaskPlan(Setting(**chosen(Setting, given)), **chosen(TaskPlan, given))
 
 
 def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
     """The tasks, one a plan; refuses all that cannot work, in a second or two.
 
     Raises:
-        UnknownName, BadValue, BadFile: names the nearest match, or the place.
-        NoRoom, NoRenderer, NoCluster: with the cure.
+        RtphysError: names the nearest match, the place, or the cure.
     """
     if not plans:
         raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")

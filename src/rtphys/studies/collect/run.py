@@ -16,6 +16,7 @@ from rtphys.data.conditions import Conditions
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, versions
+from rtphys.episode.generate import Attempt
 from rtphys.sim.camera import camera_specs
 from rtphys.studies.collect.plan import Run, TaskPlan, check
 from rtphys.studies.collect.shard import Shard, claim
@@ -58,10 +59,8 @@ def collect(
     """Collects until every task dataset has its episodes, or is given up.
 
     The dataset depends on the plans alone, not on the number of workers, nor on how often the run
-    was killed and resumed. Interrupted by an exception, it leaves a valid prefix.
-
-    Args:
-        known: spares attempts that were made elsewhere under the same conditions.
+    was killed and resumed. Interrupted by an exception, it leaves a valid prefix. What is `known`
+    from elsewhere, made under the same conditions, is not attempted again.
 
     Raises:
         RtphysError: what `plan.check` and `DatasetWriter` refuse; a full disk.
@@ -180,8 +179,8 @@ class TaskCollection(Study[Job, Results]):
         return ""
 
     def lost(self, seed: int, loss: Lost) -> Results:
-        recipes = (side.setting.at(seed) for side in self.plan.sides)
-        return tuple(rejection(recipe, loss.reason, loss.detail) for recipe in recipes)
+        recipes = [side.setting.at(seed) for side in self.plan.sides]
+        return tuple(rejection(Attempt(recipe, loss.reason, loss.detail)) for recipe in recipes)
 
     def close(self) -> None:
         for writer in self.writers:

@@ -12,21 +12,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.core.errors import BadValue
+from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import files, schema
 from rtphys.data.episode import JSON
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.layout import SHARD
 from rtphys.data.manifest import journals_below
-from rtphys.data.schema_collect import ShardFile, ShardUnit
-from rtphys.setting.setting import Setting
-from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.data.schema_collect import ShardFile
+from rtphys.studies.collect.plan import Run, TaskPlan, chosen, plan_of
 
-# What a shard's file keeps of a setting, of a plan and of a run, by field.
-OF_SETTING = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery")
-OF_PLAN = ("first_seed", "cameras", "layout", "config", "twin", "most_attempts")
-OF_RUN = ("assets", "fallback", "shader")
+# What a shard's file keeps: fields of a setting, of a plan and of a run.
+KEPT = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery")
+KEPT += ("first_seed", "cameras", "layout", "config", "twin", "most_attempts")
+KEPT += ("assets", "fallback", "shader")
 
 
 @dataclass(frozen=True)
@@ -76,28 +75,23 @@ def read_shard(out: Path) -> Shard | None:
     if not path.exists():
         return None
     known = schema.parse(ShardFile, parse_mapping(files.read(path), path), path)
-    told = known.units[0].plan if known.units else {}
-    run = Run(**{key: told[key] for key in OF_RUN if key in told})  # type: ignore[arg-type] - validated
-    return Shard(known.index, known.of, tuple(_plan(unit) for unit in known.units), run)
-
-
-def _plan(unit: ShardUnit) -> TaskPlan:
-    setting = Setting(**{key: unit.plan[key] for key in OF_SETTING})  # type: ignore[arg-type] - validated
-    rest = {key: unit.plan[key] for key in OF_PLAN}
-    return TaskPlan(setting, unit.episodes, **rest)  # type: ignore[arg-type] - likewise
+    try:
+        run = Run(**chosen(Run, known.units[0].plan if known.units else {}))
+        wanted = tuple(plan_of({**unit.plan, "episodes": unit.episodes}) for unit in known.units)
+        return Shard(known.index, known.of, wanted, run)
+    except ValueError as error:  # pydantic's, for a value of another kind
+        raise BadFile(path, str(error)) from error
 
 
 def told(plan: TaskPlan, run: Run) -> dict[str, JSON]:
     """All that decides a task dataset but its number of episodes, as `shard.json` holds it."""
     known = {"ranges": None, "recovery": True, **plan.setting.to_json(), **vars(plan), **vars(run)}
     known["assets"] = None if run.assets is None else str(run.assets)
-    return {key: plain(known[key], key) for key in (*OF_SETTING, *OF_PLAN, *OF_RUN)}
+    return {key: plain(known[key], key) for key in KEPT}
 
 
 def claim(out: Path, shard: Shard | None) -> None:
-    """Makes a folder that of a shard, or checks that it is.
-
-    More episodes than before may be asked for, as without shards.
+    """Makes a folder that of a shard; more episodes than before may be asked for.
 
     Raises:
         DatasetMismatch: it is another shard's, or that of another collection.

@@ -1,4 +1,4 @@
-"""What a worker does with a seed: attempts it, and draws it if it is accepted; here or elsewhere."""
+"""What a worker of a collection does: attempt one seed, and draw it if accepted; on any machine."""
 
 import os
 import platform
@@ -17,7 +17,6 @@ from rtphys.data.task_writer import Rejection
 from rtphys.episode.assemble import assemble, values, versions
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import photograph
-from rtphys.physics import Physics
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.studies.collect.plan import Run
@@ -52,10 +51,12 @@ class CollectWorker(StudyWorker[Job, Results]):
         renderer.hold_anchor()
 
     def do(self, job: Job) -> Results:
-        """Simulates all recipes; draws, encodes and stages when every one succeeds."""
+        """Simulates all recipes; draws and stages if all succeed: half a pair is no episode."""
         tries = [attempt(recipe, self.tasks[recipe.task], self.pack) for recipe in job.recipes]
         if failed := next((tried for tried in tries if not tried.accepted), None):
-            return tuple(_refused(tried, failed) for tried in tries)
+            why = f"under {failed.recipe.protocol}: {failed.reason}"
+            half = {"reason": "untwinned", "detail": why}
+            return tuple(rejection(replace(t, **half) if t.accepted else t) for t in tries)
         return tuple(self.stage(*one, job) for one in zip(tries, job.folders, strict=True))
 
     def stage(self, tried: Attempt, folder: Path, job: Job) -> StagedEpisode:
@@ -66,25 +67,16 @@ class CollectWorker(StudyWorker[Job, Results]):
         return stage_episode(folder, assemble(tried, pictures, self.pack), job.layout)
 
 
-def _refused(tried: Attempt, failed: Attempt) -> Rejection:
-    """Its own reason, or its twin's: half a pair is no episode."""
-    reason, detail = tried.reason, tried.detail
-    if tried.accepted:
-        reason, detail = "untwinned", f"under {failed.recipe.protocol}: {failed.reason}"
-    physics = tried.instance.physics if tried.instance else None
-    return rejection(tried.recipe, reason, detail, physics)
-
-
-def rejection(
-    recipe: Recipe, reason: str, detail: str, physics: Physics | None = None
-) -> Rejection:
+def rejection(tried: Attempt) -> Rejection:
     """With the physics of the attempt, as far as it can be known without its world."""
-    known = {} if physics is None else values(physics)
-    if physics is None:
+    recipe, known = tried.recipe, dict[str, object]()
+    if tried.instance is not None:
+        known = values(tried.instance.physics)
+    else:
         with suppress(Infeasible):
             known = values(recipe.setting.draw(recipe.seed))
             del known["center_of_mass"]  # redrawn until it lies inside bodies that nobody built
-    return Rejection(recipe.seed, reason, detail, known)
+    return Rejection(recipe.seed, tried.reason, tried.detail, known)
 
 
 # ---- elsewhere: checked to be the same work, its files sent back ---------------------------------
