@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from rtphys.campaign.engine import Listener
-from rtphys.campaign.series import FRUITLESS, Tally
+from rtphys.campaign.series import Tally
 from rtphys.core.errors import BadFile
 from rtphys.data.conditions import Conditions, differences
 from rtphys.data.episode import JSON
@@ -160,13 +160,13 @@ def _read(part: Path, shard: Shard, plan: TaskPlan) -> Tried:
     conditions, place = Conditions.from_json(header), task_dataset_of(part, header)
     if (conditions.stride or (0, 1)) != shard.stride:
         raise BadFile(path, f"is not of {shard}, as {SHARD} says")
-    verdicts = [entry["verdict"] for entry in entries]
-    accepted = verdicts.count("accepted")
-    hopeless = len(verdicts) >= FRUITLESS and "accepted" not in verdicts[-FRUITLESS:]
-    beyond = conditions.first_seed + (plan.most_attempts or MOST_SEEDS)
-    exhausted = conditions.seed(len(entries)) >= beyond
-    if accepted < plan.episodes and not hopeless and not exhausted:
-        counts = f"{accepted} of its {plan.episodes} episodes of {plan.folder}"
+    tally = Tally(plan.setting.task, plan.episodes)
+    for entry in entries:
+        tally.add(str(entry.get("reason", "")))
+    end = conditions.first_seed + (plan.most_attempts or MOST_SEEDS)
+    tally.judge(exhausted=conditions.seed(len(entries)) >= end)
+    if not (tally.done or tally.stopped):
+        counts = f"{tally.accepted} of its {plan.episodes} episodes of {plan.folder}"
         raise CannotMerge(f"{part}: {shard} has {counts}; repeat its command to finish it")
     attempts = {conditions.seed(n): (place, entry) for n, entry in enumerate(entries)}
     return Tried(header, place, attempts)
