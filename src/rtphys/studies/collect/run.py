@@ -38,6 +38,7 @@ LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models th
 class Summary:
     """What came of a collection."""
 
+    out: Path
     tallies: list[Tally]
     seconds: float
 
@@ -82,7 +83,7 @@ def collect(
             series.append(open_series(plan, writers, known))
         pool = stack.enter_context(_pool(run, CollectWorker(pack, run.shader), tasks, listener))
         run_all(series, pool, listener, run.out, dataset.checkpoint_if_due)
-    return Summary([part.tally for part in series], time.monotonic() - began)
+    return Summary(run.out, [part.tally for part in series], time.monotonic() - began)
 
 
 def check_assets(plans: Sequence[TaskPlan], tasks: Sequence[Task], pack: Pack) -> None:
