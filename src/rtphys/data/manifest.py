@@ -111,7 +111,8 @@ def read_manifest(out: Path) -> Manifest:
 
 def parse_manifest(data: bytes, path: Path) -> Manifest:
     """The manifest in the content of a file. Raises `BadFile` when it breaks its schema."""
-    return schema.parse(Manifest, parse_mapping(data, path), path)
+    with schema.problems_of(path):
+        return Manifest.model_validate(parse_mapping(data, path))
 
 
 def manifest_of(histories: Sequence[TaskDatasetHistory]) -> bytes:

@@ -1,5 +1,7 @@
 """The JSON files of a dataset as typed, versioned models; also the source of their JSON Schemas."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
@@ -227,10 +229,11 @@ def read(kind: type[Kind], path: Path) -> Kind:
         raise SchemaError(str(path), error) from error
 
 
-def parse(kind: type[Kind], content: object, path: Path) -> Kind:
-    """A file's content as one of the models. Raises `BadFile`, which names each problem's place."""
+@contextmanager
+def problems_of(path: Path) -> Iterator[None]:
+    """Turns what a file's content breaks into `BadFile`, which names each problem's place."""
     try:
-        return kind.model_validate(content)
+        yield
     except ValidationError as error:
         raise BadFile(path, "; ".join(SchemaError(str(path), error).problems)) from error
 

@@ -127,6 +127,29 @@ def test_an_unfinished_shard(tmp_path: Path) -> None:
         merge([one, two], tmp_path / "joined")
 
 
+@pytest.mark.parametrize("bytes_left", [0, 100, None])
+def test_a_shard_that_was_not_begun(tmp_path: Path, bytes_left: int | None) -> None:
+    """Killed before its journal's first line was whole, or before there was a journal."""
+    parts = shards(plans(1), 2, tmp_path)
+    (journal,) = parts[1].rglob("journal.jsonl")
+    start = journal.read_bytes()[:bytes_left]
+    journal.unlink()
+    if bytes_left is not None:
+        journal.write_bytes(start)
+    with pytest.raises(CannotMerge, match="shard 2/2 has not begun clean/click_bell"):
+        merge(parts, tmp_path / "joined")
+
+
+@pytest.mark.parametrize("value", [3, "head", ["head", 3]])
+def test_a_shards_file_with_a_value_of_another_kind(tmp_path: Path, value: object) -> None:
+    one, two = shards(plans(1), 2, tmp_path)
+    content = json.loads((two / "shard.json").read_text())
+    content["units"][0]["plan"]["cameras"] = value
+    (two / "shard.json").write_text(json.dumps(content))
+    with pytest.raises(BadFile, match=r"shard.json: .*cameras"):
+        merge([one, two], tmp_path / "joined")
+
+
 def test_a_damaged_shard(tmp_path: Path) -> None:
     parts = shards(plans(1), 2, tmp_path)
     victim = next(parts[1].rglob("*.hdf5"))

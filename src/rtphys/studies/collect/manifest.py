@@ -88,7 +88,8 @@ def _read(path: Path) -> Collection:
         for key in part if isinstance(part, Mapping) else ():
             if key not in model.model_fields:
                 raise UnknownName(kind, str(key), model.model_fields, path)
-    return schema.parse(Collection, content, path)
+    with schema.problems_of(path):
+        return Collection.model_validate(content)
 
 
 def _overrides(run: CollectionRun, place: str) -> dict[str, Value]:

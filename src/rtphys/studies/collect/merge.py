@@ -154,9 +154,10 @@ def read_journals(shards: Mapping[Path, Shard]) -> dict[str, Tried]:
 def _read(part: Path, shard: Shard, plan: TaskPlan) -> Tried:
     """One shard's journal of one task dataset. `plan`: of which the shard wants its share."""
     path = part / plan.folder / JOURNAL
-    if not path.is_file():
+    lines = read_journal(path).lines if path.is_file() else ()  # none: killed at the first
+    if not lines:
         raise CannotMerge(f"{part}: {shard} has not begun {plan.folder}; run it first")
-    header, *entries = [line.entry for line in read_journal(path).lines]
+    header, *entries = [line.entry for line in lines]
     conditions, place = Conditions.from_json(header), task_dataset_of(part, header)
     if (conditions.stride or (0, 1)) != shard.stride:
         raise BadFile(path, f"is not of {shard}, as {SHARD} says")

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.core.errors import BadFile, BadValue
+from rtphys.core.errors import BadValue
 from rtphys.data import files, schema
 from rtphys.data.episode import JSON
 from rtphys.data.faults import DatasetMismatch
@@ -74,13 +74,11 @@ def read_shard(out: Path) -> Shard | None:
     path = out / SHARD
     if not path.exists():
         return None
-    known = schema.parse(ShardFile, parse_mapping(files.read(path), path), path)
-    try:
+    with schema.problems_of(path):
+        known = ShardFile.model_validate(parse_mapping(files.read(path), path))
         run = Run(**chosen(Run, known.units[0].plan if known.units else {}))
         wanted = tuple(plan_of({**unit.plan, "episodes": unit.episodes}) for unit in known.units)
         return Shard(known.index, known.of, wanted, run)
-    except ValueError as error:  # pydantic's, for a value of another kind
-        raise BadFile(path, str(error)) from error
 
 
 def told(plan: TaskPlan, run: Run) -> dict[str, JSON]:
