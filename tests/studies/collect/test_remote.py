@@ -19,9 +19,8 @@ from rtphys.campaign.workers.ray import connect  # noqa: E402
 from rtphys.setting.setting import Setting  # noqa: E402
 from rtphys.studies.collect.manifest import plans_for  # noqa: E402
 from rtphys.studies.collect.plan import Run, TaskPlan  # noqa: E402
-from rtphys.studies.collect.remote import OtherMachine, RemoteWorker  # noqa: E402
 from rtphys.studies.collect.run import collect  # noqa: E402
-from rtphys.studies.collect.work import CollectWorker  # noqa: E402
+from rtphys.studies.collect.work import CollectWorker, OtherMachine, RemoteWorker  # noqa: E402
 from rtphys.task.spec import load_task  # noqa: E402
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
