@@ -15,7 +15,7 @@ from pathlib import Path
 
 from rtphys.assets.pack import default_pack
 from rtphys.data.encode import encode_images
-from rtphys.episode.generate import Attempt
+from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import photograph
 from rtphys.physics.overrides import parse_overrides
 from rtphys.setting.setting import Recipe, Setting
@@ -40,7 +40,7 @@ def main(task: str, protocol: str, seeds: str, *held: str) -> None:
     warm(worker, recipes[-1])
     tries, simulated = [], 0.0
     for recipe in recipes[:-1]:
-        simulated += cpu(lambda one=recipe: tries.extend(worker.attempt((one,))))
+        simulated += cpu(lambda one=recipe: tries.append(try_(worker, one)))
     drawn = {True: 0.0, False: 0.0}
     for tried in tries:
         drawn[tried.accepted] += cpu(lambda one=tried: draw(worker, one))
@@ -54,8 +54,12 @@ def main(task: str, protocol: str, seeds: str, *held: str) -> None:
 
 def warm(worker: CollectWorker, recipe: Recipe) -> None:
     """Fill the caches that a worker fills once."""
-    (tried,) = worker.attempt((recipe,))
-    draw(worker, tried)
+    draw(worker, try_(worker, recipe))
+
+
+def try_(worker: CollectWorker, recipe: Recipe) -> Attempt:
+    """Without pictures."""
+    return attempt(recipe, worker.tasks[recipe.task], worker.pack)
 
 
 def draw(worker: CollectWorker, tried: Attempt) -> None:
@@ -64,8 +68,8 @@ def draw(worker: CollectWorker, tried: Attempt) -> None:
         return
     if tried.accepted:
         with tempfile.TemporaryDirectory(prefix="rtphys-simulate-first-") as folder:
-            job = Job((tried.recipe,), (Path(folder) / "episode",), CAMERAS, "native")
-            worker.stage([tried], job)
+            job = Job((tried.recipe,), (), CAMERAS, "native")
+            worker.stage(tried, Path(folder) / "episode", job)
         return
     recipe = tried.recipe
     taken = photograph(recipe, load_task(recipe.task), worker.pack, tried.recording, CAMERAS)

@@ -7,9 +7,9 @@ import pytest
 from counting import Numbers, Outcome, outcome, series_of
 from quick_pool import QuickPool
 
-from rtphys.campaign.engine import ERROR_LOG, Bug, Cell, Listener, run_all
+from rtphys.campaign.engine import ERROR_LOG, Bug, Listener, run_all
 from rtphys.campaign.series import Series, Tally
-from rtphys.campaign.workers.pool import Done, Lost, WorkerFailed
+from rtphys.campaign.workers.pool import WorkerFailed
 
 
 def setup() -> Callable[[int], Outcome]:
@@ -26,7 +26,7 @@ class BrokenPool(QuickPool[int, Outcome]):
         super().__init__(setup, 1)
         self.failure = failure
 
-    def wait(self, timeout: float = 1.0) -> list[Done[Outcome] | Lost]:
+    def wait(self, timeout: float = 1.0) -> None:
         raise self.failure
 
 
@@ -108,4 +108,6 @@ def test_what_a_user_can_cause_is_passed_on(tmp_path: Path) -> None:
 
 
 def test_a_job_is_called_by_its_series_and_seed() -> None:
-    assert str(Cell(0, "lift_pot, clean", 7)) == "lift_pot, clean, seed 7"
+    pool = QuickPool[int, Outcome](setup, 2)
+    run_all([series_of(Numbers(), 2)], pool, Listener())
+    assert pool.names == ["numbers, seed 0", "numbers, seed 1"]

@@ -9,7 +9,7 @@ from counting import Numbers, Outcome, outcome, series_of
 from rtphys.campaign.series import FRUITLESS, LOOKAHEAD, Series, Tally
 from rtphys.campaign.workers.pool import Lost
 
-LOSS = Lost("name", "worker_crash", "was killed by SIGKILL")
+LOSS = Lost("worker_crash", "was killed by SIGKILL")
 
 
 def begun(series: Series[int, Outcome], workers: int) -> list[int]:
@@ -176,7 +176,7 @@ def test_a_lost_seed_halts_it_and_what_is_before_is_kept(rest: tuple[int, ...]) 
     study = Numbers()
     series = series_of(study, 9)
     assert begun(series, 4) == [0, 1, 2, 3]
-    series.lose(2, LOSS)
+    series.take(2, LOSS)
     assert not series.wants(4) and not series.over, "others are running"
     take_all(series, rest)
     assert study.committed == [0, 1]
@@ -190,7 +190,7 @@ def test_a_lost_seed_past_the_last_one_needed_does_not_matter(order: tuple[int, 
     study = Numbers()
     series = series_of(study, 2)
     assert [series.begin() for _ in range(4)] == [0, 1, 2, 3]
-    series.lose(3, LOSS)
+    series.take(3, LOSS)
     take_all(series, order)
     assert study.committed == [0, 1]
     assert series.over and not series.halted
@@ -200,7 +200,7 @@ def test_a_seed_that_is_lost_after_the_end_does_not_matter() -> None:
     series = series_of(Numbers(), 1)
     seeds = [series.begin() for _ in range(2)]
     series.take(seeds[0], outcome(0))
-    series.lose(seeds[1], LOSS)
+    series.take(seeds[1], LOSS)
     assert series.over and not series.halted and not series.running
 
 
@@ -209,7 +209,7 @@ def test_a_study_may_give_a_lost_seed_a_result() -> None:
     series = series_of(study, 2)
     begun(series, 2)
     take_all(series, (1,))
-    series.lose(0, LOSS)
+    series.take(0, LOSS)
     assert study.commits == [Outcome(0, "worker_crash"), Outcome(1)]
     assert not series.halted and series.wants(2)
 

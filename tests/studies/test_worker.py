@@ -39,9 +39,7 @@ def test_a_task_is_loaded_once_and_when_it_is_asked_for() -> None:
 
 
 def test_a_worker_goes_to_its_process_without_tasks(pack: Pack) -> None:
-    worker = Namer(pack, "task ")
-    assert worker.do("lift_pot") == "task lift_pot"
-    again = pickle.loads(pickle.dumps(worker))
+    again = pickle.loads(pickle.dumps(Namer(pack, "task ")))
     assert (again.tasks, again.pack.digest) == ({}, pack.digest)
     assert again.do("lift_pot") == "task lift_pot"
 

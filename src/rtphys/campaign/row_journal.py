@@ -7,33 +7,24 @@ from rtphys.data.episode import JSON
 from rtphys.data.files import make_folder
 from rtphys.data.journal import Journal
 
-Entry = Mapping[str, JSON]
-
 
 class RowJournal:
     """One checksummed line a row, behind a first line that says under which conditions.
 
-    Args:
-        file: the file in the making; the journal lies beside it, hidden.
-        header: conditions of all rows; compare with `stored` before adding any.
-
-    Raises:
-        BadFile: the journal is damaged.
+    The journal lies beside the file, hidden. `header` holds the conditions of all rows: compare it
+    with `stored` before adding any. Raises `BadFile`: the journal is damaged.
     """
 
-    def __init__(self, file: Path, header: Entry) -> None:
+    def __init__(self, file: Path, header: Mapping[str, JSON]) -> None:
         make_folder(file.parent)
         self.path = file.parent / f".{file.stem}.journal"
-        self.header = header
-        self._journal = Journal(self.path)
-        first, *self.rows = self._journal.entries() or [header]
-        self.stored: Entry = first
+        self._journal, self._header = Journal(self.path), header
+        self.stored, *self.rows = self._journal.entries() or [header]
 
-    def append(self, row: Entry) -> None:
+    def append(self, row: Mapping[str, JSON]) -> None:
         """Keeps a row. Raises `CannotWrite`."""
-        if not self._journal.count:
-            self._journal.append(self.header, durable=True)
-        self._journal.append(row, durable=True)
+        for entry in (row,) if self._journal.count else (self._header, row):
+            self._journal.append(entry, durable=True)
 
     def drop(self) -> None:
         """Called when the file holds all rows."""

@@ -9,12 +9,9 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import Generic
 
-from rtphys.campaign.workers.pool import Lost
-
-J = TypeVar("J")
-R = TypeVar("R")
+from rtphys.campaign.workers.pool import J, Lost, R
 
 FRUITLESS = 200  # results in a row that do not count, after which a series is given up
 LOOKAHEAD = 4  # results a worker may be ahead of the slowest: bounds what waits, also on the disk
@@ -62,44 +59,30 @@ class Tally:
     rejections: Counter[str] = field(default_factory=Counter[str])  # of this run, by reason
     fruitless: int = 0  # attempts since the last one that counted
     stopped: str = ""  # why it was given up
-
-    def __post_init__(self) -> None:
-        self.found_accepted, self.found_attempts = self.accepted, self.attempts
+    new_accepted: int = field(default=0, init=False)  # of this run
+    new_attempts: int = field(default=0, init=False)  # likewise
 
     @property
     def done(self) -> bool:
         return self.accepted >= self.wanted
 
-    @property
-    def new_accepted(self) -> int:
-        return self.accepted - self.found_accepted
-
-    @property
-    def new_attempts(self) -> int:
-        return self.attempts - self.found_attempts
-
-    @property
-    def rate(self) -> float:
-        """Expected share of attempts that count, in (0, 1]; optimistic while little is known."""
-        return (self.new_accepted + 1) / (self.new_attempts + 1)
-
     def add(self, reason: str) -> None:
         """Counts one result; an empty reason means that it counts towards the goal."""
         self.attempts += 1
+        self.new_attempts += 1
         if reason:
             self.rejections[reason] += 1
             self.fruitless += 1
         else:
             self.accepted += 1
+            self.new_accepted += 1
             self.fruitless = 0
 
     def judge(self, exhausted: bool) -> None:
         """Gives up where it is hopeless, or where no seed is left."""
-        if self.done:
-            return
-        if self.fruitless >= FRUITLESS:
+        if not self.done and self.fruitless >= FRUITLESS:
             self.stopped = f"none of the last {self.fruitless} attempts was accepted"
-        elif exhausted:
+        elif not self.done and exhausted:
             self.stopped = f"{self.attempts} attempts were made, the most that were allowed"
 
 
@@ -124,7 +107,7 @@ class Series(Generic[J, R]):
     _closed: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        self._judge()
+        self.tally.judge(exhausted=not self.seeds)
 
     @property
     def enough(self) -> bool:
@@ -146,7 +129,9 @@ class Series(Generic[J, R]):
         if tally.done or tally.stopped or ahead >= LOOKAHEAD * workers:
             return False
         ready = sum(not self.study.reason(result) for result in self._waiting.values())
-        return len(self.running) < math.ceil((tally.wanted - tally.accepted - ready) / tally.rate)
+        # Expected share of attempts that count, in (0, 1]; optimistic while little is known.
+        rate = (tally.new_accepted + 1) / (tally.new_attempts + 1)
+        return len(self.running) < math.ceil((tally.wanted - tally.accepted - ready) / rate)
 
     def begin(self) -> int:
         """The next seed to attempt."""
@@ -155,13 +140,17 @@ class Series(Generic[J, R]):
         self.running.add(seed)
         return seed
 
-    def take(self, seed: int, result: R) -> None:
+    def take(self, seed: int, outcome: R | Lost) -> None:
         """Commits a result and those that waited for it; drops those past the last one needed."""
         self.running.discard(seed)
         if self.enough:
             return
+        result = self.study.lost(seed, outcome) if isinstance(outcome, Lost) else outcome
+        if isinstance(result, str):
+            self.halted = self.halted or result
+            return
         self._waiting[seed] = self.study.arrived(seed, result)
-        while not self.enough and (first := self._first_waiting()) is not None:
+        while (first := self.seeds[self._committed]) in self._waiting:
             result = self._waiting.pop(first)
             if problem := self.study.commit(first, result):
                 self.halted = problem
@@ -169,32 +158,14 @@ class Series(Generic[J, R]):
             if self._committed >= self.owed:
                 self.tally.add(self.study.reason(result))
             self._committed += 1
-            self._judge()
-        if self.enough:
-            self._waiting.clear()
-            self.halted = ""  # a seed past the last one needed was lost
-
-    def lose(self, seed: int, loss: Lost) -> None:
-        """Takes the loss of the workers that had a seed."""
-        result = self.study.lost(seed, loss)
-        if not isinstance(result, str):
-            self.take(seed, result)
-            return
-        self.running.discard(seed)
-        if not self.enough:
-            self.halted = self.halted or result
+            self.tally.judge(exhausted=self._committed >= len(self.seeds))
+            if self.enough:
+                self._waiting.clear()
+                self.halted = ""  # a seed past the last one needed was lost
+                return
 
     def close_if_over(self) -> None:
         """Lets the study finish as soon as nothing more will come."""
         if self.over and not self._closed:
             self._closed = True
             self.study.close()
-
-    def _first_waiting(self) -> int | None:
-        if self._committed >= len(self.seeds):
-            return None
-        seed = self.seeds[self._committed]
-        return seed if seed in self._waiting else None
-
-    def _judge(self) -> None:
-        self.tally.judge(exhausted=self._committed >= len(self.seeds))

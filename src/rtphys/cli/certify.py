@@ -1,6 +1,5 @@
 """`rtphys certify`: which seeds a benchmark is made of."""
 
-from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -39,15 +38,15 @@ def _show(lists: "Sequence[CertifiedList]") -> None:
     columns = ("feasible", "attempts", "replay", "twin", "infeasible, by reason")
     table = fitting_table(["task", "protocol"], columns)
     for certified in lists:
-        feasible = certified.feasible
+        instances = certified.instances
         table.add_row(
-            certified.setting.task,
-            certified.setting.protocol,
-            str(len(feasible)),
-            str(len(certified.slots)),
-            _share([slot.replay for slot in feasible]),
-            _share([slot.twin for slot in feasible]),
-            reasons(Counter(slot.reason for slot in certified.slots if not slot.feasible)),
+            instances.task,
+            instances.protocol,
+            str(len(instances.feasible)),
+            str(instances.attempts),
+            _share([slot.replay for slot in instances.feasible]),
+            _share([slot.twin for slot in instances.feasible]),
+            reasons(instances.rejected),
         )
     wide_console().print(table)
 

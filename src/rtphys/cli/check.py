@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from rtphys.assets.pack import Pack, default_pack
 from rtphys.cli.derived import takes
 from rtphys.core.errors import BadFile, NoRenderer
 from rtphys.setting.option import Option
@@ -47,17 +48,17 @@ def check(plan: CheckPlan, output: Output) -> None:
     """
     plan.check()
     output.check()
-    from rtphys.assets.pack import default_pack
     from rtphys.cli.progress import campaign_progress
 
     with campaign_progress("trials") as listener:
-        scores = run_check(plan, default_pack(listener.building), listener)
+        pack = default_pack(listener.building)
+        scores = run_check(plan, pack, listener)
     _show(scores)
     if output.json_file is not None:
         text = json.dumps([score.to_json() for score in scores], indent=2)
         output.json_file.write_text(text + "\n")
     if output.sheet is not None:
-        _draw(plan, scores, output.sheet)
+        _draw(pack, scores, output.sheet)
     if wrong := complaints(scores):
         typer.echo("\n".join(wrong), err=True)
         raise typer.Exit(1)
@@ -67,7 +68,7 @@ def complaints(scores: Sequence[Score]) -> list[str]:
     """What is wrong with the task itself, not with its expert."""
     found: list[str] = []
     for score in scores:
-        at = f"{score.task}, {score.protocol}"
+        at = _name(score)
         found += [
             f"{at}: the {robot} robot solves {score.solved[robot]} of {score.tried[robot]} seeds"
             for robot in BLIND
@@ -78,6 +79,10 @@ def complaints(scores: Sequence[Score]) -> list[str]:
     return found
 
 
+def _name(score: Score) -> str:
+    return f"{score.setting.task}, {score.setting.protocol}"
+
+
 def _show(scores: Sequence[Score]) -> None:
     from rtphys.cli.fitting import fitting_table, wide_console
     from rtphys.cli.progress import reasons
@@ -86,9 +91,9 @@ def _show(scores: Sequence[Score]) -> None:
     table = fitting_table(["task", "protocol"], columns)
     for score in scores:
         table.add_row(
-            score.task,
-            score.protocol,
-            f"{score.accepted} / {score.seeds}",
+            score.setting.task,
+            score.setting.protocol,
+            f"{len(score.accepted)} / {score.seeds}",
             *(_percent(score.rate(robot)) for robot in ("expert", *BLIND)),
             f"{sum(score.cpu) / len(score.cpu):.2f}",
             reasons(score.rejected),
@@ -96,23 +101,22 @@ def _show(scores: Sequence[Score]) -> None:
     wide_console().print(table)
     for score in scores:
         for seed, reason, detail in score.failures[:MOST_FAILURES]:
-            typer.echo(f"{score.task}, {score.protocol}, seed {seed}: {reason}: {detail}")
+            typer.echo(f"{_name(score)}, seed {seed}: {reason}: {detail}")
         if (rest := len(score.failures) - MOST_FAILURES) > 0:
-            typer.echo(f"{score.task}, {score.protocol}: and {rest} more")
+            typer.echo(f"{_name(score)}: and {rest} more")
 
 
 def _percent(rate: float | None) -> str:
     return "-" if rate is None else f"{100 * rate:.0f} %"
 
 
-def _draw(plan: CheckPlan, scores: Sequence[Score], out: Path) -> None:
-    from rtphys.assets.pack import default_pack
+def _draw(pack: Pack, scores: Sequence[Score], out: Path) -> None:
     from rtphys.data.files import make_folder, replace_file
 
     single = len(scores) == 1 and out.suffix == ".png"
     make_folder(out.parent if single else out)
     for score in scores:
-        path = out if single else out / f"{score.task}_{score.protocol}.png"
-        seed, picture = sheet(plan, default_pack(), score)
+        path = out if single else out / f"{score.setting.task}_{score.setting.protocol}.png"
+        seed, picture = sheet(pack, score)
         replace_file(path, picture)
         typer.echo(f"{path}: seed {seed}")

@@ -84,7 +84,7 @@ class Lines(_Counts):
     def started(self, tallies: Sequence[Tally]) -> None:
         super().started(tallies)
         for tally in tallies if len(tallies) <= MOST_ROWS else ():
-            there = f", {tally.found_accepted} there already" if tally.found_attempts else ""
+            there = f", {tally.accepted} there already" if tally.attempts else ""
             typer.echo(f"{tally.name}: {tally.wanted} {self.noun} wanted{there}", err=True)
 
     def ticked(self) -> None:

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtphys.core.errors import BadFile
 from rtphys.data import files, schema
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
@@ -125,12 +124,8 @@ def read_manifest(out: Path) -> Manifest:
 
 def parse_manifest(data: bytes, path: Path) -> Manifest:
     """The manifest in the content of a file. Raises `BadFile` when it breaks its schema."""
-    try:
-        manifest = schema.check("manifest", parse_mapping(data, path))
-    except schema.SchemaError as error:
-        raise BadFile(path, "; ".join(error.problems)) from error
-    assert isinstance(manifest, Manifest)
-    return manifest
+    with schema.problems_of(path):
+        return Manifest.model_validate(parse_mapping(data, path))
 
 
 def manifest_of(histories: Sequence[TaskDatasetHistory]) -> bytes:

@@ -1,10 +1,13 @@
 """The JSON files of a dataset as typed, versioned models; also the source of their JSON Schemas."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
 
+from rtphys.core.errors import BadFile
 from rtphys.data import files
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import parse_mapping, plain, pretty
@@ -244,6 +247,15 @@ def read(kind: type[Kind], path: Path) -> Kind:
         return kind.model_validate(parse_mapping(files.read(path), path))
     except ValidationError as error:
         raise SchemaError(str(path), error) from error
+
+
+@contextmanager
+def problems_of(path: Path) -> Iterator[None]:
+    """Turns what a file's content breaks into `BadFile`, which names each problem's place."""
+    try:
+        yield
+    except ValidationError as error:
+        raise BadFile(path, "; ".join(SchemaError(str(path), error).problems)) from error
 
 
 def check(name: str, value: object) -> BaseModel:

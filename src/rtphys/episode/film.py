@@ -1,6 +1,7 @@
 """The video of an evaluated episode: the head camera over both wrist cameras, at real speed."""
 
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -29,27 +30,20 @@ def film(episode: PolicyEpisode, pack: Pack, path: Path) -> None:
     """
     renderer.hold_anchor()
     recording, task = episode.rollout.recorder.recording, episode.instance.task
-    shots = photograph(episode.recipe, task, pack, recording, CAMERAS)
-    writer: VideoWriter | None = None
-    for images in shots.images:
-        picture = montage(images)
-        if writer is None:
-            height, width, _ = picture.shape
-            writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    pictures = map(montage, photograph(episode.recipe, task, pack, recording, CAMERAS).images)
+    first = next(pictures)
+    height, width, _ = first.shape
+    writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    for picture in chain([first], pictures):
         writer.add(picture)
-    if writer is not None:
-        make_folder(path.parent)
-        replace_file(path, writer.finish())
+    make_folder(path.parent)
+    replace_file(path, writer.finish())
 
 
 def montage(images: Images) -> NDArray[np.uint8]:
     """Head (H, W, 3) over left and right wrist at half size: (3 H / 2, W, 3)."""
-    head, left, right = (images[name] for name in CAMERAS)
-    return np.concatenate([head, np.concatenate([_half(left), _half(right)], axis=1)])
-
-
-def _half(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Every pixel the mean of four."""
-    h, w, c = picture.shape
-    cells = picture.reshape(h // 2, 2, w // 2, 2, c).astype(np.uint16)
-    return (cells.sum(axis=(1, 3)) // 4).astype(np.uint8)
+    head, *wrists = (images[name] for name in CAMERAS)
+    h, w, c = head.shape
+    cells = np.stack(wrists).reshape(2, h // 2, 2, w // 2, 2, c)
+    left, right = cells.mean(axis=(2, 4)).astype(np.uint8)  # every pixel the mean of four
+    return np.concatenate([head, np.concatenate([left, right], axis=1)])

@@ -1,9 +1,7 @@
 """What episodes cost on this machine, phase by phase: `bench` measures, `estimate` builds on it."""
 
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
@@ -45,31 +43,26 @@ class Spent:
 
     phases: tuple[str, ...]
     count: int = 0
-    timer: PhaseTimer = field(default_factory=PhaseTimer)
-    cpu_total: float = 0.0  # [s]
-    wall_total: float = 0.0  # [s]
+    timer: PhaseTimer = field(default_factory=PhaseTimer)  # the rest is its phase "other"
 
-    @contextmanager
-    def once(self) -> Iterator[PhaseTimer]:
-        """Within: the work is done once, and counts its phases on the timer given."""
-        began = time.process_time(), time.perf_counter()
-        yield self.timer
-        self.cpu_total += time.process_time() - began[0]
-        self.wall_total += time.perf_counter() - began[1]
-        self.count += 1
+    @property
+    def cpu_total(self) -> float:
+        """CPU-seconds of all repetitions."""
+        return sum(self.timer.cpu_s.values())
 
     def cpu_s(self) -> dict[str, float]:
         """CPU-seconds of one repetition, by phase; they add up to "sum"."""
-        return self._mean(self.timer.cpu_s, self.cpu_total)
+        return self._mean(self.timer.cpu_s)
 
     def wall_s(self) -> dict[str, float]:
         """Wall-clock seconds of one repetition. What ran beside another phase counts nothing."""
-        return self._mean(self.timer.wall_s, self.wall_total)
+        return self._mean(self.timer.wall_s)
 
-    def _mean(self, spent: Mapping[str, float], total: float) -> dict[str, float]:
+    def _mean(self, spent: Mapping[str, float]) -> dict[str, float]:
         n = max(self.count, 1)
         named = {phase: spent.get(phase, 0.0) / n for phase in self.phases}
-        return {**named, "other": total / n - sum(named.values()), "sum": total / n}
+        total = sum(spent.values()) / n
+        return {**named, "other": total - sum(named.values()), "sum": total}
 
 
 @dataclass
@@ -117,11 +110,7 @@ class Cost:
 
 @dataclass
 class Meter:
-    """Measures in this process.
-
-    Attributes:
-        pictures: how many accepted episodes of a setting are drawn.
-    """
+    """Measures in this process."""
 
     pack: Pack
     folder: Path  # for files that nobody keeps
@@ -133,12 +122,13 @@ class Meter:
         """Cost of attempts, and of drawing the first accepted ones."""
         cost = Cost(setting.task, setting.protocol)
         for seed in seeds:
-            with cost.attempts.once() as timer:
+            with (timer := cost.attempts.timer).phase("other"):
                 tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack, timer)
+            cost.attempts.count += 1
             cost.accepted += tried.accepted
             if tried.accepted and cost.pictures.count < pictures:
-                with cost.pictures.once() as timer:
-                    self._draw(tried, timer, cost)
+                with cost.pictures.timer.phase("other"):
+                    self._draw(tried, cost)
         return cost
 
     def warm_up(self, setting: Setting, seed: int, pictures: bool) -> None:
@@ -148,13 +138,14 @@ class Meter:
             task = self.tasks[setting.task]
             photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
 
-    def _draw(self, tried: Attempt, timer: PhaseTimer, cost: Cost) -> None:
+    def _draw(self, tried: Attempt, cost: Cost) -> None:
         assert tried.recording is not None
-        with timer.phase("build"):
+        with (timer := cost.pictures.timer).phase("build"):
             task = self.tasks[tried.recipe.task]
             taken = photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
             episode = assemble(tried, taken, self.pack)
         staged = stage_episode(self.folder / "episode", episode, self.layout, timer)
+        cost.pictures.count += 1
         cost.frames += staged.frames
         cost.images += staged.frames * len(self.cameras)
         cost.bytes += sum(facts.size for facts in staged.files.values())
@@ -191,12 +182,10 @@ def means(costs: Sequence[Cost]) -> dict[str, dict[str, float]]:
     found: dict[str, dict[str, float]] = {}
     for protocol in dict.fromkeys(cost.protocol for cost in costs):
         rows = [cost for cost in costs if cost.protocol == protocol]
-        attempts = [row.attempts.cpu_s()["sum"] for row in rows]
-        images = [ms for row in rows if (ms := row.image_cpu_ms) is not None]
-        found[protocol] = {
-            "attempt_cpu_s": sum(attempts) / len(attempts),
-            "outside": sum(row.outside for row in rows) / len(rows),
+        values = {
+            "attempt_cpu_s": [row.attempts.cpu_s()["sum"] for row in rows],
+            "outside": [row.outside for row in rows],
+            "image_cpu_ms": [ms for row in rows if (ms := row.image_cpu_ms) is not None],
         }
-        if images:
-            found[protocol]["image_cpu_ms"] = sum(images) / len(images)
+        found[protocol] = {key: sum(each) / len(each) for key, each in values.items() if each}
     return found

@@ -1,4 +1,4 @@
-"""What the workers of all studies have in common: an asset pack, and tasks loaded once."""
+"""What the workers of all studies have in common: an asset pack, tasks loaded once, the expert."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from rtphys.assets.pack import Pack
+from rtphys.episode.generate import Attempt, attempt
+from rtphys.episode.replay import actions_of, replay
+from rtphys.setting.setting import Recipe
 from rtphys.task.spec import Task, load_task
 
 J = TypeVar("J")
@@ -13,19 +16,17 @@ R = TypeVar("R")
 
 
 class LoadedTasks(dict[str, Task]):
-    """Tasks by name, each loaded when it is first asked for. Pickles empty."""
+    """Tasks by name, each loaded when it is first asked for."""
 
     def __missing__(self, name: str) -> Task:
         self[name] = load_task(name)
         return self[name]
 
-    def __reduce__(self) -> tuple[type["LoadedTasks"], tuple[()]]:
-        return LoadedTasks, ()  # a task's functions do not pickle
-
 
 @dataclass
 class StudyWorker(ABC, Generic[J, R]):
-    """Does the jobs of one study. Picklable; called once in each worker process."""
+    """Does the jobs of one study. Picklable before its first job, as a task's functions are not;
+    called once in each worker process."""
 
     pack: Pack
 
@@ -43,3 +44,14 @@ class StudyWorker(ABC, Generic[J, R]):
     @abstractmethod
     def do(self, job: J) -> R:
         """Does one job."""
+
+    def demonstrate(self, recipe: Recipe) -> Attempt:
+        """Lets the expert try, without pictures."""
+        return attempt(recipe, self.tasks[recipe.task], self.pack)
+
+    def replay(self, recipe: Recipe, demonstration: Attempt) -> bool | None:
+        """Whether a demonstration's actions alone succeed; None if the expert failed in it."""
+        if not demonstration.accepted or demonstration.recording is None:
+            return None
+        actions = actions_of(demonstration.recording)
+        return replay(recipe, self.tasks[recipe.task], self.pack, actions)

@@ -1,13 +1,8 @@
 """A worker pool without processes, for tests of what is done with results."""
 
-from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import TypeVar
 
-from rtphys.campaign.workers.pool import Done, Lost, WorkerPool
-
-J = TypeVar("J")
-R = TypeVar("R")
+from rtphys.campaign.workers.pool import J, Job, Lost, R, WorkerPool
 
 
 @dataclass
@@ -16,25 +11,22 @@ class QuickPool(WorkerPool[J, R]):
 
     def __post_init__(self) -> None:
         self._do = self.setup()
-        self._jobs: list[tuple[Hashable, J]] = []
+        self._jobs: list[Job[J, R]] = []
+        self.names: list[str] = []  # of all jobs
 
     def loss(self, job: J) -> str:
         """Why a job takes its workers with it; empty: it does not. For subclasses."""
         return ""
 
-    @property
-    def busy(self) -> int:
-        return len(self._jobs)
+    def _begin(self, job: Job[J, R]) -> None:
+        self._jobs.append(job)
+        self.names.append(job.name)
 
-    def submit(self, name: Hashable, job: J) -> None:
-        assert self.room > 0
-        self._jobs.append((name, job))
+    def wait(self, timeout: float = 1.0) -> None:
+        job = self._jobs.pop()
+        reason = self.loss(job.content)
+        outcome = Lost(reason, "was killed by SIGKILL") if reason else self._do(job.content)
+        job.end(outcome)
 
-    def wait(self, timeout: float = 1.0) -> list[Done[R] | Lost]:
-        name, job = self._jobs.pop()
-        if reason := self.loss(job):
-            return [Lost(name, reason, "was killed by SIGKILL")]
-        return [Done(name, self._do(job))]
-
-    def close(self) -> None:
+    def __exit__(self, *_: object) -> None:
         self._jobs.clear()

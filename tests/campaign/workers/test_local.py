@@ -4,33 +4,35 @@ import os
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 from pool_jobs import Trouble, broken_setup, dying_setup, setup
 
 from rtphys.campaign.workers.local import LocalPool
-from rtphys.campaign.workers.pool import Done, Limits, Lost, WorkerFailed
+from rtphys.campaign.workers.pool import Limits, Lost, WorkerFailed
 
 QUICK = Limits(seconds=20)
 
 
-def run(jobs: list[Trouble], size: int = 2, limits: Limits = QUICK) -> dict[int, Done | Lost]:
-    """Job number -> what came of it."""
-    found: dict[int, Done | Lost] = {}
+def run(jobs: list[Trouble], size: int = 2, limits: Limits = QUICK) -> dict[int, int | Lost]:
+    """Job number -> its result, which is a process, or its loss."""
+    found: dict[int, int | Lost] = {}
     with LocalPool[Trouble, int](setup, size, limits) as pool:
         waiting = list(enumerate(jobs))
         while waiting or pool.busy:
             while waiting and pool.room:
-                pool.submit(*waiting.pop(0))
-            found |= {int(str(event.name)): event for event in pool.wait()}
+                number, job = waiting.pop(0)
+                pool.submit(str(number), job, partial(found.__setitem__, number))
+            pool.wait()
     return found
 
 
 def test_every_job_is_done_by_as_many_processes_as_asked_for() -> None:
     found = run([Trouble()] * 12, size=2)
     assert sorted(found) == list(range(12))
-    pids = {event.result for event in found.values() if isinstance(event, Done)}
+    pids = {outcome for outcome in found.values() if isinstance(outcome, int)}
     assert 1 <= len(pids) <= 2
     assert os.getpid() not in pids
 
@@ -41,14 +43,14 @@ def test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done(
     lost = found.pop(1)
     assert isinstance(lost, Lost)
     assert lost.reason == "worker_crash"
-    assert all(isinstance(event, Done) for event in found.values())
+    assert all(isinstance(outcome, int) for outcome in found.values())
 
 
 @pytest.mark.parametrize(("death", "times"), [("abort", 1), ("exit", 1), ("killed", 3)])
 def test_a_worker_may_die(tmp_path: Path, death: str, times: int) -> None:
     """Once by the job's own doing; more often when somebody else kills it."""
     found = run([Trouble(death, str(tmp_path), times)], size=1)
-    assert isinstance(found[0], Done)
+    assert isinstance(found[0], int)
     assert len(list(tmp_path.iterdir())) == times + 1
 
 
@@ -56,20 +58,20 @@ def test_a_hang_is_ended_twice_and_then_given_up(tmp_path: Path) -> None:
     found = run([Trouble("hang", str(tmp_path)), Trouble()], limits=Limits(seconds=1.5))
     assert isinstance(found[0], Lost)
     assert found[0].reason == "worker_hang"
-    assert isinstance(found[1], Done)
+    assert isinstance(found[1], int)
     assert len(list(tmp_path.iterdir())) == 2
 
 
 def test_a_leaking_worker_is_replaced() -> None:
     small = Limits(seconds=20, memory=150e6)
     found = run([Trouble("leak"), Trouble("leak"), Trouble()], size=1, limits=small)
-    pids = [event.result for event in found.values() if isinstance(event, Done)]
+    pids = [outcome for outcome in found.values() if isinstance(outcome, int)]
     assert len(set(pids)) == 3
 
 
 def test_a_worker_is_replaced_after_some_jobs() -> None:
     found = run([Trouble()] * 4, size=1, limits=Limits(seconds=20, jobs=2))
-    pids = [event.result for event in found.values() if isinstance(event, Done)]
+    pids = [outcome for outcome in found.values() if isinstance(outcome, int)]
     assert pids[0] == pids[1] != pids[2] == pids[3]
 
 
@@ -91,7 +93,7 @@ def test_a_setup_that_fails_ends_the_run() -> None:
         pytest.raises(WorkerFailed, match="pack = 'nowhere'"),
         LocalPool[Trouble, int](broken_setup, 1, QUICK) as pool,
     ):
-        pool.submit(0, Trouble())
+        pool.submit("0", Trouble(), print)
         while pool.busy:
             pool.wait()
 
@@ -101,7 +103,7 @@ def test_workers_that_die_while_they_start_end_the_run_with_their_last_words() -
         pytest.raises(WorkerFailed, match=r"while they start: no driver, no cry"),
         LocalPool[Trouble, int](dying_setup, 2, QUICK) as pool,
     ):
-        pool.submit(0, Trouble())
+        pool.submit("0", Trouble(), print)
         while pool.busy:
             pool.wait()
 
@@ -112,7 +114,7 @@ sys.path.insert(0, sys.argv[1])
 from pool_jobs import Trouble, setup
 from rtphys.campaign.workers.local import LocalPool
 with LocalPool(setup, 1) as pool:
-    pool.submit(0, Trouble("hang"))
+    pool.submit("0", Trouble("hang"), print)
     print(pool._workers[0].process.pid, flush=True)
     while pool.busy:
         pool.wait()

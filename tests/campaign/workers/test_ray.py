@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ ray = pytest.importorskip("ray")
 
 from pool_jobs import Trouble, setup  # noqa: E402
 
-from rtphys.campaign.workers.pool import Done, Limits, Lost, WorkerFailed  # noqa: E402
+from rtphys.campaign.workers.pool import Limits, Lost, WorkerFailed  # noqa: E402
 from rtphys.campaign.workers.ray import NoCluster, RayPool, connect  # noqa: E402
 
 
@@ -27,21 +28,22 @@ def cluster() -> Iterator[None]:
     os.environ["PYTHONPATH"] = before
 
 
-def run(jobs: list[Trouble], limits: Limits) -> dict[int, Done | Lost]:
-    found: dict[int, Done | Lost] = {}
+def run(jobs: list[Trouble], limits: Limits) -> dict[int, int | Lost]:
+    found: dict[int, int | Lost] = {}
     with RayPool[Trouble, int](setup, 2, limits) as pool:
         waiting = list(enumerate(jobs))
         while waiting or pool.busy:
             while waiting and pool.room:
-                pool.submit(*waiting.pop(0))
-            found |= {int(str(event.name)): event for event in pool.wait()}
+                number, job = waiting.pop(0)
+                pool.submit(str(number), job, partial(found.__setitem__, number))
+            pool.wait()
     return found
 
 
 @pytest.mark.slow
 def test_crashes_and_hangs_end_as_in_the_local_pool(cluster: None) -> None:
     found = run([Trouble(), Trouble("abort"), Trouble("hang"), Trouble()], Limits(seconds=3))
-    assert [type(found[n]) for n in range(4)] == [Done, Lost, Lost, Done]
+    assert [type(found[n]) for n in range(4)] == [int, Lost, Lost, int]
     assert isinstance(found[1], Lost)
     assert isinstance(found[2], Lost)
     assert (found[1].reason, found[2].reason) == ("worker_crash", "worker_hang")

@@ -53,7 +53,7 @@ def test_it_goes_on_after_the_last_seed_that_was_written(tmp_path: Path) -> None
     first = opened(tmp_path)
     take(first, good(0), bad(1), good(3))  # seed 2 was under way when it was killed
     second = opened(tmp_path)
-    assert second.slots == [good(0), bad(1)]
+    assert second.instances.slots == (good(0), bad(1))
     assert second.series.begin() == FIRST_SEED + 2
     take(second, good(2), good(3))
     whole = opened(tmp_path)
@@ -64,7 +64,7 @@ def test_a_torn_line_is_forgotten(tmp_path: Path) -> None:
     take(opened(tmp_path), good(0))
     (journal,) = tmp_path.rglob("*.journal")
     journal.write_bytes(journal.read_bytes()[:-7])
-    assert opened(tmp_path).slots == []
+    assert opened(tmp_path).instances.slots == ()
 
 
 def test_a_finished_list_can_be_made_longer(tmp_path: Path) -> None:
@@ -84,7 +84,7 @@ def test_a_crash_between_the_list_and_its_journal_repeats_no_seed(tmp_path: Path
     made.series.close_if_over()
     assert made.path.exists() and not journal.exists()
     journal.write_bytes(left)
-    assert opened(tmp_path, feasible=2).slots == [good(0)]
+    assert opened(tmp_path, feasible=2).instances.slots == (good(0),)
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -150,7 +150,7 @@ def test_an_older_journal_is_continued(tmp_path: Path) -> None:
     older = opened(tmp_path / "older", **wanted)
     written_before(older, header("replay"), asdict(good(0)), asdict(bad(1)))
     again = opened(tmp_path / "older", **wanted)
-    assert again.slots == [good(0), bad(1)]
+    assert again.instances.slots == (good(0), bad(1))
     assert again.owed == []
     assert again.series.begin() == FIRST_SEED + 2
     take(again, good(2), good(3))
@@ -168,7 +168,7 @@ def test_what_an_older_journal_asked_for_is_still_owed(tmp_path: Path) -> None:
     written_before(made, header("twin"), asdict(twin), more, asdict(both))
     again = CertifiedList(plan(tmp_path, baselines=()), protocol, FINGERPRINT)
     assert again.baselines == ("replay", "twin")
-    assert again.slots == [twin, both]
+    assert again.instances.slots == (twin, both)
     assert again.owed == [FIRST_SEED]
     assert again.job(FIRST_SEED).baselines == ("replay",)
     assert again.job(FIRST_SEED + 2).baselines == ("replay", "twin")

@@ -108,7 +108,7 @@ def test_real_workers_that_die_on_a_seed(
     monkeypatch.setattr(run_module, "CertifyWorker", dying)
     (made,) = certify(plan(tmp_path, protocols=("clean",)), pack)
     assert f"seed {LOST}: worker_crash" in made.series.halted and "SIGABRT" in made.series.halted
-    assert [slot.seed for slot in made.slots] == [*range(FIRST_SEED, LOST)]
+    assert [slot.seed for slot in made.instances.slots] == [*range(FIRST_SEED, LOST)]
 
 
 def opened(out: Path, **changes) -> CertifiedList:
@@ -120,7 +120,7 @@ def test_a_lost_seed_past_the_last_one_needed_does_not_matter(tmp_path: Path) ->
     made = opened(tmp_path, feasible=2, baselines=())
     series = made.series
     seeds = [series.begin() for _ in range(4)]
-    series.lose(seeds[3], Lost("name", "worker_crash", "was killed by SIGKILL"))
+    series.take(seeds[3], Lost("worker_crash", "was killed by SIGKILL"))
     assert not series.wants(4) and not series.over, "earlier seeds are still running"
     for seed in seeds[:3]:
         series.take(seed, verdict(seed, ()))
@@ -136,7 +136,7 @@ def test_a_seed_that_was_once_called_infeasible_for_its_worker_is_tried_again(
     place = instance_file(tmp_path, "clean", TASK)
     write_instances(place, InstanceList(TASK, "clean", FINGERPRINT, tuple(made)))
     again = opened(tmp_path, feasible=4, baselines=())
-    assert again.slots == made[:2]
+    assert again.instances.slots == tuple(made[:2])
     assert work(again) == [(n, ()) for n in range(2, 5)]
     whole = opened(tmp_path / "whole", feasible=4, baselines=())
     work(whole)

@@ -114,7 +114,7 @@ def one_life(out: Path, workers: int, kills: Counter[str], chance: Chance) -> bo
 def is_worker(pid: int) -> bool:
     """Whether a process is a worker that still runs; the probe of the renderer is none."""
     try:
-        return b"rtphys.campaign.workers.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        return b"rtphys.campaign.workers.local" in Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:
         return False
 

@@ -18,13 +18,17 @@ def plans(count: int) -> list[TaskPlan]:
     return [TaskPlan(Setting(task, "clean"), 10) for task in "abc"[:count]]
 
 
-def measured(accepted: int = 4, start_cpu: float = 0.0, pace: float = 1.0) -> Measured:
+def measured(
+    accepted: int = 4, start_cpu: float = 0.0, pace: float = 1.0, sides: int = 1
+) -> Measured:
     """Half of the attempts fail; an attempt takes 1 s and a frame of 100 takes 20 ms and 30 kB."""
-    cost = Cost("a", "clean", Spent(ATTEMPT, 8, cpu_total=8.0), accepted=accepted)
+    cost = Cost("a", "clean", Spent(ATTEMPT, 8), accepted=accepted)
+    cost.attempts.timer.cpu_s["simulate"] = 8.0
     if accepted:
-        cost.pictures = Spent(PICTURES, 1, cpu_total=2.0)
+        cost.pictures = Spent(PICTURES, 1)
+        cost.pictures.timer.cpu_s["render"] = 2.0
         cost.frames, cost.images, cost.bytes = 100, 300, 3_000_000
-    return Measured((cost,), start_cpu, pace)
+    return Measured.of([cost] * sides, start_cpu, pace)
 
 
 def test_an_estimate_adds_attempts_pictures_and_starts(tmp_path: Path) -> None:
@@ -60,8 +64,7 @@ def test_a_plan_whose_probe_failed_is_left_out(tmp_path: Path) -> None:
 
 
 def test_twins_cost_both(tmp_path: Path) -> None:
-    run, one = Run(tmp_path, workers=1), measured()
-    pair = Measured((*one.sides, *one.sides), 0.0, 1.0)
+    run, one, pair = Run(tmp_path, workers=1), measured(), measured(sides=2)
     single, double = (estimate(plans(1), {0: known}, run).total for known in (one, pair))
     assert double.attempts == single.attempts
     assert double.cpu == pytest.approx(2 * single.cpu)

@@ -46,7 +46,7 @@ class Thunder(Listener):
 
     def ticked(self) -> None:
         begun = any(tally.attempts for tally in self.tallies)
-        if begun and not self.struck and len(processes("rtphys.campaign.workers.worker")) == 2:
+        if begun and not self.struck and len(processes("rtphys.campaign.workers.local")) == 2:
             self.struck = True
             node = next(iter(self.cluster.worker_nodes))
             self.cluster.remove_node(node, allow_graceful=False)

@@ -19,9 +19,8 @@ from rtphys.campaign.workers.ray import connect  # noqa: E402
 from rtphys.setting.setting import Setting  # noqa: E402
 from rtphys.studies.collect.manifest import plans_for  # noqa: E402
 from rtphys.studies.collect.plan import Run, TaskPlan  # noqa: E402
-from rtphys.studies.collect.remote import OtherMachine, RemoteWorker  # noqa: E402
 from rtphys.studies.collect.run import collect  # noqa: E402
-from rtphys.studies.collect.work import CollectWorker  # noqa: E402
+from rtphys.studies.collect.work import CollectWorker, OtherMachine, RemoteWorker  # noqa: E402
 from rtphys.task.spec import load_task  # noqa: E402
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
@@ -76,7 +75,7 @@ def test_the_dataset_is_the_local_pools(cluster: None, alone: Path, tmp_path: Pa
     assert content(out) == content(alone)
 
 
-@pytest.mark.parametrize("word", ["ray::WorkerActor", "rtphys.campaign.workers.worker"])
+@pytest.mark.parametrize("word", ["ray::WorkerActor", "rtphys.campaign.workers.local"])
 def test_a_killed_worker_loses_nothing_and_doubles_nothing(
     cluster: None, alone: Path, tmp_path: Path, word: str
 ) -> None:
@@ -93,7 +92,7 @@ def test_one_runner_continues_the_other(cluster: None, alone: Path, tmp_path: Pa
     begun = [replace(plan, episodes=1) for plan in PLANS]
     assert collect(begun, Run(out, 2)).complete
     summary = collect(PLANS, Run(out, 2, "ray"))
-    assert [tally.found_accepted for tally in summary.tallies] == [1, 1]
+    assert [tally.accepted - tally.new_accepted for tally in summary.tallies] == [1, 1]
     assert content(out) == content(alone)
 
 

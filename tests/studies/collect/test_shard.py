@@ -1,5 +1,6 @@
 """What a shard remembers, and which shards are not merged."""
 
+import json
 import shutil
 from dataclasses import fields, replace
 from pathlib import Path
@@ -20,11 +21,8 @@ from rtphys.studies.collect.manifest import plans_for
 from rtphys.studies.collect.merge import CannotMerge, merge
 from rtphys.studies.collect.plan import Run, TaskPlan
 from rtphys.studies.collect.shard import (
-    OF_PLAN,
-    OF_RUN,
-    OF_SETTING,
+    KEPT,
     Shard,
-    Unit,
     claim,
     read_shard,
 )
@@ -45,9 +43,8 @@ def names(kind: type) -> set[str]:
 
 
 def test_a_shard_remembers_all_that_decides_what_is_collected() -> None:
-    assert set(OF_SETTING) == names(Setting) - ONE_SO_FAR
-    assert set(OF_PLAN) == names(TaskPlan) - SAID_BY_A_UNIT - ONLY_OF_SIDES
-    assert set(OF_RUN) == names(Run) - PLACE
+    decides = names(Setting) | names(TaskPlan) | names(Run)
+    assert set(KEPT) == decides - ONE_SO_FAR - SAID_BY_A_UNIT - ONLY_OF_SIDES - PLACE
 
 
 def test_a_plan_is_remembered_as_it_was(tmp_path: Path) -> None:
@@ -74,10 +71,10 @@ def test_a_plan_is_remembered_as_it_was(tmp_path: Path) -> None:
     claim(tmp_path, Shard.parse([plan], run))
     stored = read_shard(tmp_path)
     assert stored is not None
-    (unit,) = stored.units
-    assert unit.task_plan() == plan
-    assert unit.run(tmp_path, 1) == replace(run, workers=1, shard="")
-    assert unit.folders == tuple(side.folder for side in plan.sides)
+    assert stored.wanted == (plan,)
+    assert stored.run == replace(run, out=stored.run.out, shard="")
+    (unit,) = json.loads((tmp_path / "shard.json").read_text())["units"]
+    assert [unit["leaf"], unit["twin"]] == [side.folder for side in plan.sides]
 
 
 # ---- what is refused -----------------------------------------------------------------------------
@@ -130,6 +127,29 @@ def test_an_unfinished_shard(tmp_path: Path) -> None:
         merge([one, two], tmp_path / "joined")
 
 
+@pytest.mark.parametrize("bytes_left", [0, 100, None])
+def test_a_shard_that_was_not_begun(tmp_path: Path, bytes_left: int | None) -> None:
+    """Killed before its journal's first line was whole, or before there was a journal."""
+    parts = shards(plans(1), 2, tmp_path)
+    (journal,) = parts[1].rglob("journal.jsonl")
+    start = journal.read_bytes()[:bytes_left]
+    journal.unlink()
+    if bytes_left is not None:
+        journal.write_bytes(start)
+    with pytest.raises(CannotMerge, match="shard 2/2 has not begun clean/click_bell"):
+        merge(parts, tmp_path / "joined")
+
+
+@pytest.mark.parametrize("value", [3, "head", ["head", 3]])
+def test_a_shards_file_with_a_value_of_another_kind(tmp_path: Path, value: object) -> None:
+    one, two = shards(plans(1), 2, tmp_path)
+    content = json.loads((two / "shard.json").read_text())
+    content["units"][0]["plan"]["cameras"] = value
+    (two / "shard.json").write_text(json.dumps(content))
+    with pytest.raises(BadFile, match=r"shard.json: .*cameras"):
+        merge([one, two], tmp_path / "joined")
+
+
 def test_a_damaged_shard(tmp_path: Path) -> None:
     parts = shards(plans(1), 2, tmp_path)
     victim = next(parts[1].rglob("*.hdf5"))
@@ -154,16 +174,13 @@ def test_a_shards_folder_is_no_other_shards(tmp_path: Path) -> None:
 def test_the_division_is_even_and_whole() -> None:
     """Every unit is worked on, by as many shards as any other or by one."""
     for tasks in range(1, 8):
-        units = Shard.parse(plans_for(plans()[0], "abcdefg"[:tasks]), Run(shard="1/1")).units
+        wanted = plans_for(plans()[0], "abcdefg"[:tasks])
         for of in range(1, 9):
-            work = [(u.folder, s.stride[0]) for s in _all(units, of) for u in s.own]
-            sharing = Shard(1, of, units).stride[1]
-            assert sorted(work) == [(u.folder, k) for u in units for k in range(sharing)]
-            assert all(shard.own for shard in _all(units, of))
-
-
-def _all(units: tuple[Unit, ...], of: int) -> list[Shard]:
-    return [Shard(index, of, units) for index in range(1, of + 1)]
+            shards = [Shard(index, of, wanted, Run()) for index in range(1, of + 1)]
+            work = [(plan.folder, s.stride[0]) for s in shards for plan in s.own]
+            sharing = shards[0].stride[1]
+            assert sorted(work) == [(p.folder, k) for p in wanted for k in range(sharing)]
+            assert all(shard.own for shard in shards)
 
 
 def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:

@@ -1,14 +1,14 @@
 """Results that come from another machine: their files land where those of this one are."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from rtphys.data import files
-from rtphys.data.staging import StagedEpisode
-from rtphys.studies.collect import remote
-from rtphys.studies.collect.remote import OtherMachine, Shipped, own_folder
+from rtphys.studies.collect import work
+from rtphys.studies.collect.work import OtherMachine, Shipped, own_folder
 
 CONTENTS = {"data.hdf5": b"numbers", "video.mp4": b"pictures"}
 
@@ -18,7 +18,7 @@ def shipped(tmp_path: Path) -> Shipped:
     there = tmp_path / "there"
     there.mkdir()
     facts = {name: files.write_synced(there / name, data) for name, data in CONTENTS.items()}
-    return Shipped(StagedEpisode(7, there, 3, facts, {}, {}), CONTENTS)
+    return Shipped(7, there, 3, facts, {}, {}, CONTENTS)
 
 
 def test_files_land_in_the_folder_of_their_seed(shipped: Shipped, tmp_path: Path) -> None:
@@ -26,12 +26,12 @@ def test_files_land_in_the_folder_of_their_seed(shipped: Shipped, tmp_path: Path
     here.mkdir()
     (here / "left.over").touch()
     landed = shipped.land(here)
-    assert (landed.seed, landed.folder, shipped.seed) == (7, here, 7)
+    assert (landed.seed, landed.folder) == (7, here)
     assert {path.name: path.read_bytes() for path in here.iterdir()} == CONTENTS
 
 
 def test_damage_on_the_way_is_seen(shipped: Shipped, tmp_path: Path) -> None:
-    damaged = Shipped(shipped.result, {**CONTENTS, "video.mp4": b"picturez"})
+    damaged = replace(shipped, contents={**CONTENTS, "video.mp4": b"picturez"})
     with pytest.raises(OtherMachine, match=r"seed_7/video.mp4: it was damaged on its way"):
         damaged.land(tmp_path / "seed_7")
 
@@ -39,7 +39,7 @@ def test_damage_on_the_way_is_seen(shipped: Shipped, tmp_path: Path) -> None:
 def test_folders_of_dead_processes_are_removed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(remote.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(work.tempfile, "gettempdir", lambda: str(tmp_path))
     own = own_folder()
     dead = own.parent / "999999999"
     dead.mkdir()

@@ -14,6 +14,7 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.journal import read_journal
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
+from rtphys.episode.generate import Attempt
 from rtphys.setting.setting import Setting
 from rtphys.studies.collect.plan import Run, TaskPlan
 from rtphys.studies.collect.run import collect, conditions_of, open_series
@@ -143,4 +144,4 @@ def test_an_attempt_that_comes_out_otherwise_is_an_error(pairs: Path, tmp_path: 
         seed = series.begin()
         recipes = series.study.job(seed).recipes
         with pytest.raises(DatasetMismatch, match="was not before"):
-            series.take(seed, tuple(rejection(one, "worker_crash", "") for one in recipes))
+            series.take(seed, tuple(rejection(Attempt(one, "worker_crash")) for one in recipes))

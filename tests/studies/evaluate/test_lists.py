@@ -36,7 +36,7 @@ def test_fifty_tasks_have_a_hundred_each(protocol: str) -> None:
 def test_no_list_is_stale(path: Path, pack: Pack) -> None:
     task, protocol = path.stem, path.parent.name
     plan, loaded = EvaluatePlan("idle", (task,), (protocol,)), load_task(task)
-    found = certified(plan, loaded, protocol, fingerprint_of(loaded, protocol, pack))
+    found = certified(plan, task, protocol, fingerprint_of(loaded, protocol, pack).to_json())
     seeds = [slot.seed for slot in found.slots]
     assert seeds == [*range(seeds[0], seeds[0] + len(seeds))]  # every seed tried has its row
     assert all(slot.replay is not None for slot in found.feasible)

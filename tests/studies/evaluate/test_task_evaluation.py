@@ -10,7 +10,6 @@ from rtphys.core.errors import BadFile
 from rtphys.results import EpisodeRecord
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records, write_records
-from rtphys.setting.setting import Setting
 from rtphys.studies.evaluate import run as run_module
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.studies.evaluate.run import TaskEvaluation
@@ -25,7 +24,7 @@ def opened(out: Path, episodes: int = 3) -> TaskEvaluation:
     )
     instances = InstanceList(TASK, "clean", {}, slots)
     plan = EvaluatePlan("idle", (TASK,), ("clean",), out=out)
-    return TaskEvaluation(plan, Setting(TASK, "clean"), instances.first(episodes))
+    return TaskEvaluation(plan, instances.first(episodes))
 
 
 def record(seed: int, success: bool = False) -> EpisodeRecord:
@@ -52,7 +51,7 @@ def test_a_kill_loses_no_record_though_the_file_follows_later(tmp_path: Path) ->
     take(opened(tmp_path), SEEDS[0], SEEDS[2])  # the one between was under way
     assert not list(tmp_path.rglob("*.jsonl"))
     again = opened(tmp_path)
-    assert again.series.tally.found_accepted == 1
+    assert again.series.tally.accepted - again.series.tally.new_accepted == 1
     assert again.series.begin() == SEEDS[1]
     take(again, SEEDS[1], SEEDS[2])
     whole = opened(tmp_path / "whole")
@@ -131,7 +130,7 @@ def test_records_of_other_seeds_are_refused(tmp_path: Path) -> None:
 def test_a_lost_episode_is_a_failure_with_its_reason(tmp_path: Path) -> None:
     made = opened(tmp_path)
     seed = made.series.begin()
-    made.series.lose(seed, Lost("name", "worker_hang", "ran longer than 30 s"))
+    made.series.take(seed, Lost("worker_hang", "ran longer than 30 s"))
     (lost,) = made.records
     assert lost == replace(record(seed), steps=0, reason="worker_hang", detail=lost.detail)
     assert "30 s" in lost.detail and not made.series.halted

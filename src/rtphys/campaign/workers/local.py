@@ -2,213 +2,196 @@
 
 Not `concurrent.futures`: one dead process breaks that pool. Not `multiprocessing`: it runs the
 caller's main module again in every worker. Workers are fresh interpreters, since a process that
-has forked from a renderer hangs.
+has forked from a renderer hangs: `python -m rtphys.campaign.workers.local FD PARENT`.
 """
 
+import ctypes
 import os
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-from collections import deque
-from collections.abc import Hashable
-from dataclasses import dataclass
+import traceback
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
-from typing import Generic, TypeVar
+from tempfile import TemporaryFile
+from typing import IO, Generic
 
-from rtphys.campaign.workers.pool import CRASH, HANG, Done, Lost, WorkerFailed, WorkerPool
-from rtphys.campaign.workers.worker import resident_bytes
-
-J = TypeVar("J")
-R = TypeVar("R")
+from rtphys.campaign.workers.pool import LOSSES, J, Job, Lost, R, WorkerFailed, WorkerPool
+from rtphys.core.errors import RtphysError
 
 # One thread each, because there is a worker a core. (LP: Mesa's CPU renderer.)
 THREADS = {"LP_NUM_THREADS": "0", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-START_TRIES = 3  # workers in a row that may die before they are ready
+PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
+CRASH, HANG = LOSSES
+RETRIES = 1  # after a crash or a hang that is the job's own doing
+FOREIGN_RETRIES = 3  # after a SIGKILL or SIGTERM that somebody else sent
 LOG_TAIL = 2000  # [characters] of what a dead worker said
 
 
-@dataclass(eq=False)
-class _Job(Generic[J]):
-    name: Hashable
-    what: J
-    own_deaths: int = 0
-    foreign_deaths: int = 0
+def main(connection: Connection, parent: int) -> None:
+    """The worker: reads its import path, then `setup`, then jobs, until nobody sends any more.
+
+    It imports nothing of a robot itself, so that what it cannot load is told like any other error.
+    """
+    # An orphan would write into a folder that the next run has locked.
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:  # it died before the line above
+        os._exit(1)
+    try:
+        sys.path[:] = connection.recv()
+        work = connection.recv()()
+        connection.send("ready")
+        while True:
+            connection.send(work(connection.recv()))
+    except (EOFError, BrokenPipeError):
+        return
+    except RtphysError as error:
+        connection.send(WorkerFailed(str(error), error.exit_code))
+    except BaseException as error:  # told to the supervisor, who stops the run
+        text = f"{type(error).__name__}: {error}"
+        connection.send(WorkerFailed(text, trace=traceback.format_exc()))
 
 
 @dataclass(eq=False)
-class _Worker(Generic[J]):
+class _Worker(Generic[J, R]):
     process: subprocess.Popen[bytes]
     line: Connection
-    log: Path
-    job: _Job[J] | None = None
+    log: IO[bytes]
+    job: Job[J, R] | None = None
     since: float = 0.0
     ready: bool = False
     done: int = 0
     killed: str = ""  # why we killed it
+
+    def last_words(self) -> str:
+        log = self.log.fileno()  # `seek` would move the worker's own place in the file
+        said = os.pread(log, os.fstat(log).st_size, 0)
+        return said.decode(errors="replace")[-LOG_TAIL:].strip()
 
 
 @dataclass
 class LocalPool(WorkerPool[J, R]):
     """Workers that are child processes on this machine; started when they are first needed."""
 
-    def __post_init__(self) -> None:
-        self._workers: list[_Worker[J]] = []
-        self._queue: deque[_Job[J]] = deque()
-        self._failed_starts = 0
-        self._logs = tempfile.TemporaryDirectory(prefix="rtphys-workers-")
-        self._spawned = 0
+    _workers: list[_Worker[J, R]] = field(default_factory=list[_Worker[J, R]], init=False)
 
-    # ---- the pool ------------------------------------------------------------
-
-    @property
-    def busy(self) -> int:
-        return len(self._queue) + sum(worker.job is not None for worker in self._workers)
-
-    def submit(self, name: Hashable, job: J) -> None:
-        self._queue.append(_Job(name, job))
-        self._assign()
-
-    def wait(self, timeout: float = 1.0) -> list[Done[R] | Lost]:
-        ended: list[Done[R] | Lost] = []
-        lines = {worker.line: worker for worker in self._workers if worker.job is not None}
-        for line in wait(list(lines), timeout) if lines else []:
-            assert isinstance(line, Connection)
-            ended += self._receive(lines[line])
-        for worker in list(self._workers):
-            self._watch(worker)
-        self._assign()
-        return ended
-
-    def close(self) -> None:
+    def __exit__(self, *_: object) -> None:
         for worker in list(self._workers):
             self._remove(worker)
-        self._queue.clear()
-        self._logs.cleanup()
 
-    # ---- workers ---------------------------------------------------------------------------
+    def _begin(self, job: Job[J, R]) -> None:
+        idle = next((worker for worker in self._workers if worker.job is None), None)
+        worker = idle or self._spawn()
+        worker.job, worker.since = job, time.monotonic()
+        try:
+            worker.line.send(job.content)
+        except OSError:  # it died while it was idle; nobody's fault
+            self._remove(worker)
+            self._begin(job)
 
-    def _assign(self) -> None:
-        while self._queue:
-            idle = next((worker for worker in self._workers if worker.job is None), None)
-            if idle is None and len(self._workers) >= self.size:
-                return
-            worker = idle or self._spawn()
-            worker.job, worker.since = self._queue.popleft(), time.monotonic()
-            try:
-                worker.line.send(worker.job.what)
-            except OSError:  # it died while it was idle; nobody's fault
-                self._queue.appendleft(worker.job)
-                self._remove(worker)
-
-    def _spawn(self) -> _Worker[J]:
+    def _spawn(self) -> _Worker[J, R]:
         ours, theirs = Pipe()
-        self._spawned += 1
-        log = Path(self._logs.name) / f"{self._spawned}.log"
-        command = [sys.executable, "-m", "rtphys.campaign.workers.worker"]
-        command += [str(theirs.fileno()), str(os.getpid())]
-        path = os.pathsep.join(p for p in sys.path if p)
-        with log.open("wb") as said:
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=said,
-                stderr=subprocess.STDOUT,
-                pass_fds=[theirs.fileno()],
-                env={**os.environ, **THREADS, "PYTHONPATH": path},
-                process_group=0,  # Ctrl-C is handled by the parent alone
-            )
+        log = TemporaryFile()  # noqa: SIM115 - `_remove` closes it
+        process = subprocess.Popen(
+            [sys.executable, "-m", __name__, str(theirs.fileno()), str(os.getpid())],
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            pass_fds=[theirs.fileno()],
+            env={**os.environ, **THREADS, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+            process_group=0,  # Ctrl-C is handled by the parent alone
+        )
         theirs.close()
-        worker = _Worker[J](process, ours, log)
+        worker = _Worker[J, R](process, ours, log)
         self._workers.append(worker)
         ours.send(sys.path)
         ours.send(self.setup)
         return worker
 
-    def _remove(self, worker: _Worker[J]) -> int:
+    def _remove(self, worker: _Worker[J, R]) -> int:
         """Ends a process; returns its exit status."""
         worker.line.close()
-        if worker.process.poll() is None:
-            worker.process.kill()
+        worker.log.close()
+        worker.process.kill()
         self._workers.remove(worker)
         return worker.process.wait()
 
-    def _watch(self, worker: _Worker[J]) -> None:
-        """Kills what takes too long or too much; its death is then heard on its line."""
-        if worker.job is None or worker.killed:
-            return
-        if time.monotonic() - worker.since > self.limits.seconds:
-            worker.killed = f"ran longer than {self.limits.seconds:g} s"
-        elif resident_bytes(worker.process.pid) > self.limits.most_memory:
-            worker.killed = f"used more than {self.limits.most_memory / 1e9:g} GB"
-        if worker.killed:
-            worker.process.kill()
+    def wait(self, timeout: float = 1.0) -> None:
+        busy = [worker for worker in self._workers if worker.job is not None]
+        heard = wait([worker.line for worker in busy], timeout)
+        for worker in busy:
+            if worker.line in heard:
+                self._receive(worker)
+        for worker in self._workers:
+            if worker.job is None or worker.killed:
+                continue
+            if time.monotonic() - worker.since > self.limits.seconds:
+                worker.killed = f"ran longer than {self.limits.seconds:g} s"
+            elif resident_bytes(worker.process.pid) > self.limits.most_memory:
+                worker.killed = f"used more than {self.limits.most_memory / 1e9:g} GB"
+            if worker.killed:
+                worker.process.kill()  # its death is then heard on its line
 
-    # ---- messages of workers ----------------------------------------------------------------
-
-    def _receive(self, worker: _Worker[J]) -> list[Done[R] | Lost]:
+    def _receive(self, worker: _Worker[J, R]) -> None:
+        job = worker.job
+        assert job is not None
         try:
             message = worker.line.recv()
         except (EOFError, OSError):
-            return self._handle_death(worker)
-        if message[0] == "failed":
-            _, text, code, trace = message
-            if worker.ready and worker.job is not None:
-                text = f"{worker.job.name}: {text}"
-            raise WorkerFailed(text, code or 70, "" if code else trace + self._tail(worker))
-        if message[0] == "ready":
-            worker.ready, self._failed_starts = True, 0
-            return []
-        _, result, resident = message
-        assert worker.job is not None
-        name, worker.job = worker.job.name, None
-        worker.done += 1
-        spent = worker.done >= self.limits.jobs or resident > self.limits.memory
-        if spent or worker.killed:  # the kill came a moment too late
+            self._handle_death(worker, job)
+            return
+        if isinstance(message, WorkerFailed):
+            text = f"{job.name}: {message}" if worker.ready else str(message)
+            trace = message.trace and message.trace + worker.last_words()
+            raise WorkerFailed(text, message.exit_code, trace)
+        if not worker.ready:  # the first message says that it is, and no more
+            worker.ready, self.failed_starts = True, 0
+            return
+        worker.job, worker.done = None, worker.done + 1
+        spent = resident_bytes(worker.process.pid) > self.limits.memory
+        if spent or worker.done >= self.limits.jobs or worker.killed:  # killed a moment too late
             self._remove(worker)
-        return [Done(name, result)]
+        job.end(message)
 
-    def _handle_death(self, worker: _Worker[J]) -> list[Done[R] | Lost]:
+    def _handle_death(self, worker: _Worker[J, R], job: Job[J, R]) -> None:
         """A dead worker's job gets another try, or is given up."""
-        status, job = self._remove(worker), worker.job
-        assert job is not None
-        died = worker.killed or _cause_of_death(status)
+        said, status = worker.last_words(), self._remove(worker)
+        killer = next((s.name for s in signal.Signals if s == -status), f"signal {-status}")
+        died = f"ended with exit code {status}" if status >= 0 else f"was killed by {killer}"
+        died = worker.killed or died
         self.notice(f"a worker {died} on {job.name}")
-        foreign = not worker.killed and -status in (signal.SIGKILL, signal.SIGTERM)
         if not worker.ready and not worker.killed:
-            self._failed_starts += 1
-            if self._failed_starts >= START_TRIES:
-                text = f"workers {died} while they start: {self._tail(worker) or 'without a word'}"
-                raise WorkerFailed(text, 70, "")
-        elif foreign:
+            words = said or "without a word"
+            self.count_failed_start(f"workers {died} while they start: {words}")
+        elif not worker.killed and -status in (signal.SIGKILL, signal.SIGTERM):
             job.foreign_deaths += 1
         else:
             job.own_deaths += 1
-        limits = self.limits
-        if job.own_deaths > limits.retries or job.foreign_deaths > limits.foreign_retries:
-            hung = worker.killed.startswith("ran")
-            return [Lost(job.name, HANG if hung else CRASH, died)]
-        self._queue.appendleft(job)
-        return []
-
-    def _tail(self, worker: _Worker[J]) -> str:
-        try:
-            return worker.log.read_text(errors="replace")[-LOG_TAIL:].strip()
-        except OSError:
-            return ""
+        if job.own_deaths > RETRIES or job.foreign_deaths > FOREIGN_RETRIES:
+            job.end(Lost(HANG if worker.killed.startswith("ran") else CRASH, died))
+        else:
+            self._begin(job)
 
 
-def _cause_of_death(status: int) -> str:
-    if status >= 0:
-        return f"ended with exit code {status}"
+def resident_bytes(pid: int) -> int:
+    """Memory of a process that is not swapped out; 0 where the kernel does not say."""
     try:
-        return f"was killed by {signal.Signals(-status).name}"
-    except ValueError:
-        return f"was killed by signal {-status}"
+        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return 0
 
 
 def cores() -> int:
     """CPU cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+if __name__ == "__main__":
+    handle = int(sys.argv[1])
+    os.set_inheritable(handle, False)  # a child of ours would keep the line open after our death
+    main(Connection(handle), int(sys.argv[2]))
+    sys.stdout.flush()
+    os._exit(0)  # SAPIEN's teardown may abort; nothing is left to be done

@@ -1,15 +1,17 @@
 """The worker pool: jobs in, results out. `local.py` and `ray.py` implement it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from types import TracebackType
 from typing import Generic, Self, TypeVar
 
 from rtphys.core.errors import RtphysError
 
 J = TypeVar("J")
 R = TypeVar("R")
+
+LOSSES = "worker_crash", "worker_hang"
+START_TRIES = 3  # workers in a row that may die before they are ready
 
 
 @dataclass(frozen=True)
@@ -20,26 +22,12 @@ class Limits:
     jobs: int = 200  # then a worker is replaced
     memory: float = 1.5e9  # [bytes] resident after a job; then a worker is replaced
     most_memory: float = 6e9  # [bytes] at any time; then it is killed
-    retries: int = 1  # after a crash or a hang that is the job's own doing
-    foreign_retries: int = 3  # after a SIGKILL or SIGTERM that somebody else sent
-
-
-@dataclass(frozen=True)
-class Done(Generic[R]):
-    """A job's result."""
-
-    name: Hashable
-    result: R
-
-
-CRASH, HANG = LOSSES = "worker_crash", "worker_hang"
 
 
 @dataclass(frozen=True)
 class Lost:
-    """A job that took its workers with it. `reason` is one of `LOSSES`."""
+    """What comes of a job that took its workers with it. `reason` is one of `LOSSES`."""
 
-    name: Hashable
     reason: str
     detail: str
 
@@ -47,14 +35,25 @@ class Lost:
 class WorkerFailed(RtphysError):
     """An exception in a worker. `trace` is empty for an error that a user can cause."""
 
-    def __init__(self, text: str, exit_code: int, trace: str) -> None:
+    def __init__(self, text: str, exit_code: int = 70, trace: str = "") -> None:
         self.exit_code, self.trace = exit_code, trace
         super().__init__(text)
 
 
+@dataclass(eq=False)
+class Job(Generic[J, R]):
+    """A job that has not ended, and how many workers died over it."""
+
+    name: str
+    content: J
+    end: Callable[[R | Lost], None]
+    own_deaths: int = 0  # by its own doing
+    foreign_deaths: int = 0  # by somebody else's
+
+
 @dataclass
 class WorkerPool(ABC, Generic[J, R]):
-    """Takes jobs and gives their results in any order; each job comes back exactly once.
+    """Takes jobs and gives their results in any order; each job ends exactly once.
 
     Use it as a context manager, from one thread that outlives it.
 
@@ -68,40 +67,46 @@ class WorkerPool(ABC, Generic[J, R]):
     size: int
     limits: Limits = field(default_factory=Limits)
     notice: Callable[[str], None] = lambda _: None
+    busy: int = field(default=0, init=False)  # jobs that run or wait for another try
+    failed_starts: int = field(default=0, init=False)  # in a row
 
     @property
     def room(self) -> int:
-        """Number of jobs that could start now."""
+        """Number of jobs that may be submitted now."""
         return self.size - self.busy
 
-    @property
-    @abstractmethod
-    def busy(self) -> int:
-        """Number of jobs that run or wait for another try."""
+    def submit(self, name: str, job: J, end: Callable[[R | Lost], None]) -> None:
+        """Adds a job; `wait` will call `end` with what comes of it."""
+
+        def count_and_end(outcome: R | Lost) -> None:
+            self.busy -= 1
+            end(outcome)
+
+        assert self.room > 0
+        self.busy += 1
+        self._begin(Job(name, job, count_and_end))
 
     @abstractmethod
-    def submit(self, name: Hashable, job: J) -> None:
-        """Adds a job."""
-
-    @abstractmethod
-    def wait(self, timeout: float = 1.0) -> Sequence[Done[R] | Lost]:
-        """Jobs that have ended, after at most `timeout` [s].
+    def wait(self, timeout: float = 1.0) -> None:
+        """Ends jobs, after at most `timeout` [s].
 
         Raises:
             WorkerFailed: a worker raised, or cannot even start.
         """
 
     @abstractmethod
-    def close(self) -> None:
-        """Kills what still runs. Files of unfinished jobs stay; the folder's owner removes them."""
+    def _begin(self, job: Job[J, R]) -> None:
+        """Gives a job to a worker as soon as there is one for it."""
+
+    def count_failed_start(self, text: str) -> None:
+        """Another worker died before it was ready; gives up when that happens time and again."""
+        self.failed_starts += 1
+        if self.failed_starts >= START_TRIES:
+            raise WorkerFailed(text)
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
+    @abstractmethod
+    def __exit__(self, *_: object) -> None:
+        """Kills what still runs. Files of unfinished jobs stay; the folder's owner removes them."""

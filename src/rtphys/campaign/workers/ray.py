@@ -14,26 +14,24 @@ import os
 import signal
 import time
 from collections import deque
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any
 
 import ray
 from ray import ObjectRef, exceptions
-from ray.actor import ActorHandle
 
-from rtphys.campaign.workers.local import START_TRIES, LocalPool
-from rtphys.campaign.workers.pool import Done, Limits, Lost, WorkerFailed, WorkerPool
+from rtphys.campaign.workers.local import LocalPool
+from rtphys.campaign.workers.pool import J, Job, R, WorkerFailed, WorkerPool
 from rtphys.core.errors import RtphysError
 
-J = TypeVar("J")
-R = TypeVar("R")
-
-LOSSES = 10  # actors that may vanish over one job; nodes do go, but not that often
+MOST_LOSSES = 10  # actors that may vanish over one job; nodes do go, but not that often
 IDLE_NOTICE = 30.0  # [s] without a single actor, after which the user is told
-CLOSE_SECONDS = 5.0  # [s] in which actors may end their workers
+SETTINGS = {
+    "RAY_gcs_rpc_server_reconnect_timeout_s": "20",  # Ray's own time-out is minutes
+    "RAY_USAGE_STATS_ENABLED": "0",  # it would ask, on standard error
+    "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",  # likewise
+}
 OBJECT_STORE = 200_000_000  # [bytes] of a private cluster: episodes on their way, 2 MB each
-CONNECT_SECONDS = 20  # Ray's own time-out is minutes
 
 
 class NoCluster(RtphysError):
@@ -53,88 +51,46 @@ def connect(address: str | None = None, workers: int | None = None) -> int:
     Raises:
         NoCluster: with the cure.
     """
-    os.environ.setdefault("RAY_gcs_rpc_server_reconnect_timeout_s", str(CONNECT_SECONDS))
-    os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # it would ask, on standard error
-    os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")  # likewise
+    os.environ.update({**SETTINGS, **os.environ})
     if not ray.is_initialized():
+        private = {"num_cpus": workers, "object_store_memory": OBJECT_STORE}
+        more = {**private, "include_dashboard": False} if address == "local" else {}
         handler = signal.getsignal(signal.SIGTERM)
         try:
-            _init(address, workers)
+            ray.init(address or "auto", log_to_driver=False, logging_level=logging.ERROR, **more)
         except (ConnectionError, TimeoutError, ValueError, RuntimeError) as error:
             cure = "start one with `ray start --head`, or take address `local`"
-            first = (str(error).strip().splitlines() or [type(error).__name__])[0]
-            raise NoCluster(f"no Ray cluster at {address or 'hand'}: {first}; {cure}") from error
+            text = f"no Ray cluster at {address or 'hand'}: {_first_line(error)}; {cure}"
+            raise NoCluster(text) from error
         finally:
             signal.signal(signal.SIGTERM, handler)  # Ray installs its own
     return workers or max(int(ray.cluster_resources().get("CPU", 1)), 1)
 
 
-def _init(address: str | None, workers: int | None) -> None:
-    if address == "local":
-        ray.init(
-            address="local",
-            num_cpus=workers,
-            object_store_memory=OBJECT_STORE,
-            include_dashboard=False,
-            log_to_driver=False,
-            logging_level=logging.ERROR,
-        )
-    else:
-        ray.init(address=address or "auto", log_to_driver=False, logging_level=logging.ERROR)
+def _first_line(error: Exception) -> str:
+    return (str(error).strip() or type(error).__name__).splitlines()[0]
 
 
-@dataclass(frozen=True)
-class Report:
-    """What an actor sends back after a job."""
-
-    event: Done | Lost | WorkerFailed
-    notices: tuple[str, ...]  # deaths of its workers
-
-
-class WorkerActor:
+# Ray must not restart it: it would run a job again without anybody counting.
+@ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)
+class WorkerActor(LocalPool[object, object]):
     """A Ray actor that does one job at a time, in a worker process on its node."""
-
-    def __init__(self, setup: Callable[[], Callable], limits: Limits) -> None:
-        self._notices: list[str] = []
-        self._pool = LocalPool(setup, 1, limits, self._notices.append)
 
     def ready(self) -> str:
         """Address of the actor's node."""
         return ray.util.get_node_ip_address()
 
-    def do(self, name: Hashable, job: object) -> Report:
-        """Carries out one job, as often as its limits allow."""
-        self._pool.submit(name, job)
+    def do(self, name: str, job: object) -> tuple[object, list[str]]:
+        """What comes of a job, or a `WorkerFailed`, and deaths of the worker process on the way."""
+        outcomes, notices = list[object](), list[str]()
+        self.notice = notices.append
         try:
-            while not (events := self._pool.wait()):
-                pass
-            event: Done | Lost | WorkerFailed = events[0]
+            self.submit(name, job, outcomes.append)
+            while not outcomes:
+                self.wait()
         except WorkerFailed as failure:
-            event = failure
-        notices = tuple(self._notices)
-        self._notices.clear()
-        return Report(event, notices)
-
-    def close(self) -> None:
-        """Ends the worker process."""
-        self._pool.close()
-
-
-@dataclass(eq=False)
-class _Job(Generic[J]):
-    name: Hashable
-    content: J
-    losses: int = 0
-
-
-@dataclass(eq=False)
-class _Actor(Generic[J]):
-    """An actor as the pool sees it."""
-
-    handle: ActorHandle
-    answer: ObjectRef | None  # to `ready`, then to `do`
-    node: str = ""  # empty until it is ready
-    job: _Job[J] | None = None
+            outcomes.append(failure)
+        return outcomes[0], notices
 
 
 @dataclass
@@ -142,100 +98,70 @@ class RayPool(WorkerPool[J, R]):
     """Workers on the nodes of the cluster that `connect` has joined."""
 
     def __post_init__(self) -> None:
-        self._actors: list[_Actor[J]] = []
-        self._queue: deque[_Job[J]] = deque()
-        self._failed_starts = 0
-        self._without_node_since: float | None = None
+        self._queue: deque[Job[J, R]] = deque()
+        self._idle: list[tuple[Any, str]] = []  # with the addresses of their nodes
+        # By the answer: to `ready` without node and job, then to `do`.
+        self._busy: dict[ObjectRef, tuple[Any, str, Job[J, R] | None]] = {}
+        self._alone_since = time.monotonic()
 
-    @property
-    def busy(self) -> int:
-        return len(self._queue) + sum(actor.job is not None for actor in self._actors)
+    def __exit__(self, *_: object) -> None:
+        for worker in (*self._idle, *self._busy.values()):
+            ray.kill(worker[0])  # its worker dies with it
 
-    def submit(self, name: Hashable, job: J) -> None:
-        self._queue.append(_Job(name, job))
+    def _begin(self, job: Job[J, R]) -> None:
+        self._queue.append(job)
         self._assign()
-
-    def wait(self, timeout: float = 1.0) -> list[Done[R] | Lost]:
-        ended: list[Done[R] | Lost] = []
-        actors = {actor.answer: actor for actor in self._actors if actor.answer is not None}
-        answered, _ = ray.wait(list(actors), num_returns=1, timeout=timeout)
-        for answer in answered:
-            ended += self._receive(actors[answer], answer)
-        self._assign()
-        self._notice_without_node()
-        return ended
-
-    def close(self) -> None:
-        idle = [actor for actor in self._actors if actor.node and actor.job is None]
-        ray.wait(
-            [actor.handle.close.remote() for actor in idle] or [ray.put(None)],
-            num_returns=max(len(idle), 1),
-            timeout=CLOSE_SECONDS,
-        )
-        for actor in self._actors:
-            ray.kill(actor.handle)
-        self._actors.clear()
-        self._queue.clear()
 
     def _assign(self) -> None:
         """Jobs go to actors that are ready: one that waits for a node must hold nothing up."""
-        while len(self._actors) < min(self.size, self.busy):
-            self._actors.append(self._start())
-        for actor in self._actors:
-            if self._queue and actor.node and actor.job is None:
-                actor.job = self._queue.popleft()
-                actor.answer = actor.handle.do.remote(actor.job.name, actor.job.content)
+        while len(self._idle) + len(self._busy) < self.busy:
+            actor = WorkerActor.remote(self.setup, 1, self.limits)
+            self._busy[actor.ready.remote()] = actor, "", None
+        while self._idle and self._queue:
+            (actor, node), job = self._idle.pop(), self._queue.popleft()
+            self._busy[actor.do.remote(job.name, job.content)] = actor, node, job
 
-    def _start(self) -> _Actor[J]:
-        # Ray must not restart it: it would run a job again without anybody counting.
-        kind = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(WorkerActor)
-        handle = kind.remote(self.setup, self.limits)
-        return _Actor(handle, handle.ready.remote())  # type: ignore[arg-type] - a proxy is a handle
-
-    def _notice_without_node(self) -> None:
-        if any(actor.node for actor in self._actors) or not self._actors:
-            self._without_node_since = None
-        elif self._without_node_since is None:
-            self._without_node_since = time.monotonic()
-        elif time.monotonic() - self._without_node_since > IDLE_NOTICE:
+    def wait(self, timeout: float = 1.0) -> None:
+        answered, _ = ray.wait(list(self._busy), timeout=timeout)
+        for answer in answered:
+            self._receive(answer, *self._busy.pop(answer))
+        self._assign()
+        if self._idle or any(node for _, node, _ in self._busy.values()):
+            self._alone_since = time.monotonic()
+        elif time.monotonic() - self._alone_since > IDLE_NOTICE:
             self.notice("the cluster has given no CPU yet; still waiting for one")
-            self._without_node_since = time.monotonic()
+            self._alone_since = time.monotonic()
 
-    def _receive(self, actor: _Actor[J], answer: ObjectRef) -> list[Done[R] | Lost]:
-        actor.answer = None
+    def _receive(self, answer: ObjectRef, actor: Any, node: str, job: Job[J, R] | None) -> None:
         try:
             message = ray.get(answer)
-        except exceptions.RayTaskError as error:  # its own code: another rtphys, or a bug
-            raise WorkerFailed(f"a Ray worker failed: {error.cause}", 70, str(error)) from error
-        except exceptions.RayError as error:  # it died, or its answer was lost with its node
-            self._handle_loss(actor, error)
-            return []
-        if isinstance(message, str):
-            actor.node, self._failed_starts = message, 0
-            return []
-        assert isinstance(message, Report)
-        for notice in message.notices:
-            self.notice(f"{actor.node}: {notice}")
-        actor.job = None
-        if isinstance(message.event, WorkerFailed):
-            raise message.event
-        return [message.event]
-
-    def _handle_loss(self, actor: _Actor[J], error: exceptions.RayError) -> None:
-        """Starts the actor's job again elsewhere. A lost node is no verdict on the job."""
-        self._actors.remove(actor)
-        ray.kill(actor.handle)  # if only its answer was lost
-        cause = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
-        job = actor.job
-        if job is None:
-            self.notice(f"lost a worker that was starting: {cause}")
-            self._failed_starts += 1
-            if self._failed_starts >= START_TRIES:
-                raise WorkerFailed(f"Ray workers die while they start: {error}", 70, "") from error
+        except exceptions.RayError as error:
+            ray.kill(actor)
+            if isinstance(error, exceptions.RayTaskError):  # its own code: another rtphys, or a bug
+                raise WorkerFailed(f"a Ray worker failed: {error.cause}", 70, str(error)) from error
+            self._handle_loss(node, job, error)  # it died, or its answer was lost with its node
             return
-        self.notice(f"lost a worker on {actor.node} with {job.name}: {cause}")
-        job.losses += 1
-        if job.losses > LOSSES:
-            text = f"{job.name}: {job.losses} Ray workers were lost over it; the last: {error}"
-            raise WorkerFailed(text, 70, "") from error
+        if job is None:
+            self._idle.append((actor, message))
+            self.failed_starts = 0
+            return
+        self._idle.append((actor, node))
+        outcome, notices = message
+        for text in notices:
+            self.notice(f"{node}: {text}")
+        if isinstance(outcome, WorkerFailed):
+            raise outcome
+        job.end(outcome)
+
+    def _handle_loss(self, node: str, job: Job[J, R] | None, error: exceptions.RayError) -> None:
+        """Starts the actor's job again elsewhere. A lost node is no verdict on the job."""
+        where = f"on {node} with {job.name}" if job else "that was starting"
+        self.notice(f"lost a worker {where}: {_first_line(error)}")
+        if job is None:
+            self.count_failed_start(f"Ray workers die while they start: {error}")
+            return
+        job.foreign_deaths += 1
+        if job.foreign_deaths > MOST_LOSSES:
+            count = f"{job.foreign_deaths} Ray workers were lost over it"
+            raise WorkerFailed(f"{job.name}: {count}; the last: {error}") from error
         self._queue.appendleft(job)

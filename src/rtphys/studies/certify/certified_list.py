@@ -1,6 +1,6 @@
 """One certified list in the making: known rows gain the baselines they lack, new seeds follow."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -21,12 +21,6 @@ Names = tuple[str, ...]
 
 class CertifiedOtherwise(RtphysError):
     """A list, or a part of one, has another certification fingerprint and cannot be continued."""
-
-    def __init__(self, path: Path, clauses: list[str]) -> None:
-        super().__init__(
-            f"{path}: was certified under another fingerprint: {'; '.join(clauses)}. "
-            "Delete it to certify anew, or choose another folder"
-        )
 
 
 @dataclass(frozen=True)
@@ -54,28 +48,25 @@ class CertifiedList(Study[Job, Slot]):
     ) -> None:
         self.setting, self.fingerprint, self.plan = setting, fingerprint, plan
         self.path = instance_file(plan.out, setting.protocol, setting.task)
-        self.slots: list[Slot] = []
-        self._measured: list[Names] = []  # of each slot
-        self._written: InstanceList | None = None
-        header = {**fingerprint, "first_seed": self.plan.first_seed}
-        self._journal = RowJournal(self.path, header)
-        asked = self._read(header)
-        self.baselines = _union(plan.wanted_baselines, asked, *self._measured, where=self.path)
-        self._measurable = measurable(self.baselines, setting.protocol)
+        self._rows: dict[int, Slot] = {}  # by seed
+        self._measured: dict[int, Names] = {}  # likewise
+        self._header = {**fingerprint, "first_seed": plan.first_seed}
+        self._journal = RowJournal(self.path, self._header)
+        self._written = read_instances(self.path) if self.path.exists() else None
+        asked = self._read()
+        wanted = {*plan.baselines, *asked}.union(*self._measured.values())
+        self.baselines = tuple(name for name in BASELINES if name in wanted)
+        self._physics = load_protocol(setting.protocol).physics
         self.series = self._series()
 
-    # ---- what the engine asks --------------------------------------------------------------------
-
     def job(self, seed: int) -> Job:
-        return Job(self.setting.at(seed), self._lacking(seed - self.plan.first_seed))
+        return Job(self.setting.at(seed), self._lacking(seed))
 
     def reason(self, result: Slot) -> str:
         return result.reason
 
     def commit(self, seed: int, result: Slot) -> str:
-        index = seed - self.plan.first_seed
-        if index < len(self.slots):
-            known = self.slots[index]
+        if known := self._rows.get(seed):
             if result.state != known.state:
                 now = result.reason or f"state {result.state}"
                 return self._halt(
@@ -83,7 +74,8 @@ class CertifiedList(Study[Job, Slot]):
                     f"came out otherwise than in the list: {now}, not state {known.state}; "
                     "a list made on another kind of machine cannot be added to here",
                 )
-            result = _joined(known, result)
+            new = {name: getattr(result, name) for name in self._lacking(seed)}
+            result = replace(known, **new)
         self._put(result, self.baselines)
         self._journal.append({**asdict(result), "measured": list(self.baselines)})
         return ""
@@ -98,16 +90,8 @@ class CertifiedList(Study[Job, Slot]):
     def close(self) -> None:
         """Writes the list if it is whole. Raises `CannotWrite`."""
         if self.whole:
-            made = InstanceList(
-                self.setting.task,
-                self.setting.protocol,
-                self.fingerprint,
-                tuple(self.slots),
-                self.baselines,
-            )
-            if made != self._written:
-                write_instances(self.path, made)
-                self._written = made
+            if self.instances != self._written:
+                write_instances(self.path, self.instances)
             self._journal.drop()
 
     @property
@@ -116,96 +100,73 @@ class CertifiedList(Study[Job, Slot]):
         return self.series.enough and not self.series.halted
 
     @property
-    def feasible(self) -> list[Slot]:
-        return [slot for slot in self.slots if slot.feasible]
+    def instances(self) -> InstanceList:
+        """What is known so far."""
+        of, slots = self.setting, tuple(self._rows.values())
+        return InstanceList(of.task, of.protocol, self.fingerprint, slots, self.baselines)
 
     @property
     def owed(self) -> list[int]:
         """Known feasible seeds that lack a baseline."""
-        first = self.plan.first_seed
-        return [
-            first + i for i, slot in enumerate(self.slots) if slot.feasible and self._lacking(i)
-        ]
+        return [slot.seed for slot in self.instances.feasible if self._lacking(slot.seed)]
 
-    # ----------------------------------------------------------------------------------------------
-
-    def _lacking(self, index: int) -> Names:
-        known = self._measured[index] if index < len(self.slots) else ()
-        return tuple(name for name in self._measurable if name not in known)
+    def _lacking(self, seed: int) -> Names:
+        """Without physics a twin would be the same world, and is not measured."""
+        lacking = {*self.baselines}.difference(self._measured.get(seed, ()))
+        return tuple(n for n in self.baselines if n in lacking and (self._physics or n != "twin"))
 
     def _series(self) -> Series[Job, Slot]:
-        plan, owed = self.plan, self.owed
-        name = f"{self.setting.task}, {self.setting.protocol}"
-        tally = Tally(name, plan.feasible, len(self.feasible), len(self.slots))
-        accepted = [True, *(slot.feasible for slot in self.slots)]
+        plan, owed, known = self.plan, self.owed, self.instances
+        name = f"{known.task}, {known.protocol}"
+        tally = Tally(name, plan.feasible, len(known.feasible), known.attempts)
+        accepted = [True, *(slot.feasible for slot in known.slots)]
         tally.fruitless = min(accepted[::-1].index(True), FRUITLESS)
-        end = self.plan.first_seed + plan.most_attempts
-        new = range(self.plan.first_seed + len(self.slots), end)
+        new = range(plan.first_seed, plan.first_seed + plan.most_attempts)[known.attempts :]
         return Series(self, tally, [*owed, *new], len(owed))
 
     def _halt(self, seed: int, text: str) -> str:
         kept = f"{self.path} is not written yet; what is finished is kept beside it"
         return f"seed {seed}: {text}. {kept}"
 
-    def _read(self, header: Mapping[str, JSON]) -> Names:
+    def _read(self) -> Names:
         """Takes what is there; returns baselines that were asked for by an earlier version."""
-        if self.path.exists():
-            self._written = known = read_instances(self.path)
-            _compare(self.path, {**known.fingerprint, "first_seed": known.first_seed}, header)
+        if known := self._written:
+            self._compare(self.path, {**known.fingerprint, "first_seed": known.first_seed})
             for slot in known.slots:
-                self._put(slot, _union(known.baselines, where=self.path))
+                self._put(slot, _checked(known.baselines, self.path))
         where, stored = self._journal.path, dict(self._journal.stored)
         # Format 1: the first line, and rows of their own, said what the rows behind them hold.
-        asked = _union(_names(stored.pop("baselines", [])), where=where)
-        _compare(where, stored, header)
+        asked = _checked(stored.pop("baselines", ()), where)
+        self._compare(where, stored)
         for entry in self._journal.rows:
-            if "seed" not in entry:
-                asked = _union(asked, _names(entry["baselines"]), where=where)
-                continue
             row = dict(entry)
-            measured = _names(row.pop("measured", list(asked)))
-            self._put(Slot(**row), _union(measured, where=where))  # type: ignore[arg-type] - its checksums vouch for `commit`
+            if "seed" not in row:
+                asked += _checked(row["baselines"], where)
+            else:
+                measured = _checked(row.pop("measured", asked), where)
+                self._put(Slot(**row), measured)  # type: ignore[arg-type] - its checksums vouch for `commit`
         return asked
 
     def _put(self, slot: Slot, measured: Names) -> None:
         """What is neither known nor next stays out: the list it belonged to was deleted, or it
         follows a seed that an earlier version called infeasible because its worker was lost."""
-        index = slot.seed - self.plan.first_seed
-        if not 0 <= index <= len(self.slots) or slot.reason in LOSSES:
+        next_seed = self.plan.first_seed + len(self._rows)
+        if slot.reason in LOSSES or not (slot.seed == next_seed or slot.seed in self._rows):
             return
-        if index < len(self.slots) and not {*self._measured[index]} <= {*measured}:
-            return  # older than the list
-        self.slots[index : index + 1] = [slot]
-        self._measured[index : index + 1] = [measured]
+        if {*self._measured.get(slot.seed, ())} <= {*measured}:  # else older than the list
+            self._rows[slot.seed], self._measured[slot.seed] = slot, measured
+
+    def _compare(self, path: Path, stored: Mapping[str, JSON]) -> None:
+        if clauses := differences(stored, self._header):
+            raise CertifiedOtherwise(
+                f"{path}: was certified under another fingerprint: {'; '.join(clauses)}. "
+                "Delete it to certify anew, or choose another folder"
+            )
 
 
-def measurable(baselines: Names, protocol: str) -> Names:
-    """Those that make sense under a protocol: without physics a twin would be the same world.
-
-    Raises:
-        UnknownName: no such protocol.
-    """
-    physics = load_protocol(protocol).physics
-    return tuple(name for name in baselines if physics or name != "twin")
-
-
-def _union(*names: Iterable[str], where: Path | str) -> Names:
-    """In the order of `BASELINES`. Raises `UnknownName`."""
-    wanted = {name for group in names for name in group}
-    for name in sorted(wanted.difference(BASELINES)):
+def _checked(names: object, where: Path) -> Names:
+    """Names of baselines, as a file holds them. Raises `UnknownName`."""
+    known = tuple(str(name) for name in names) if isinstance(names, list | tuple) else ()
+    for name in sorted({*known}.difference(BASELINES)):
         raise UnknownName("baseline", name, BASELINES, where)
-    return tuple(name for name in BASELINES if name in wanted)
-
-
-def _joined(known: Slot, new: Slot) -> Slot:
-    replay = known.replay if new.replay is None else new.replay
-    return replace(known, replay=replay, twin=known.twin if new.twin is None else new.twin)
-
-
-def _names(value: JSON) -> Names:
-    return tuple(str(name) for name in value) if isinstance(value, list) else ()
-
-
-def _compare(path: Path, stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> None:
-    if clauses := differences(stored, wanted):
-        raise CertifiedOtherwise(path, clauses)
+    return known

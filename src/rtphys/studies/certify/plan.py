@@ -1,10 +1,8 @@
 """What to certify, and all that can be refused before any work is done."""
 
-from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
-from rtphys.campaign.workers.pool import Limits
 from rtphys.results.instances import FIRST_SEED
 from rtphys.setting.option import (
     Option,
@@ -42,9 +40,3 @@ class CertifyPlan:
         Positive, Option("Number of seeds to try for one list.", "max_attempts")
     ] = 1000
     workers: Workers = None
-    limits: Limits = field(default_factory=Limits)
-
-    @property
-    def wanted_baselines(self) -> tuple[str, ...]:
-        """What is asked for; `none` stands for nothing on a command line."""
-        return tuple(name for name in self.baselines if name != "none")

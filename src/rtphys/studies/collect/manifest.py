@@ -1,7 +1,7 @@
 """`manifests/*.yaml` and sweeps: one description, the plans of many task datasets."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 from rtphys.core import library
@@ -13,29 +13,20 @@ from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.overrides import parse_overrides
 from rtphys.physics.registry import attributes
 from rtphys.physics.values import Value, plain_value
-from rtphys.setting.setting import Setting
-from rtphys.studies.collect.plan import TaskPlan
+from rtphys.studies.collect.plan import TaskPlan, plan_of
 
 
 def plans_for(template: TaskPlan, tasks: Sequence[str], sweep: str = "") -> tuple[TaskPlan, ...]:
-    """One plan a task, or one for each task and each value of a sweep.
-
-    Args:
-        template: all but the task's name.
-        sweep: as `swept` takes it; empty: none.
-    """
-    templates = swept(template, sweep) if sweep else (template,)
+    """One plan a task, or one for each task and each value of a sweep, which see `swept`."""
     return tuple(
         replace(variant, setting=replace(variant.setting, task=task))
-        for variant in templates
+        for variant in (swept(template, sweep) if sweep else (template,))
         for task in tasks
     )
 
 
 def swept(plan: TaskPlan, text: str) -> tuple[TaskPlan, ...]:
-    """The same seeds again, one attribute held at each of its values.
-
-    Each plan has a folder of its own, `<protocol>.<attribute>=<value>`.
+    """The same seeds again, one attribute held at each value, in folders of their own.
 
     Args:
         text: "friction=0.05,0.1", or ';' between vectors: "center_of_mass=0,0,0.01;0,0,0.02".
@@ -53,18 +44,13 @@ def swept(plan: TaskPlan, text: str) -> tuple[TaskPlan, ...]:
     if key in setting.overrides:
         raise BadValue("sweep", key, "it is held at a value already")
     only = None if setting.only is None else tuple(dict.fromkeys((*setting.only, key)))
-    return tuple(
-        replace(
-            plan,
-            setting=replace(
-                setting,
-                only=only,
-                overrides={**setting.overrides, **parse_overrides([f"{key}={part}"])},
-            ),
-            config=f"{plan.config or setting.protocol}.{key}={part}",
-        )
-        for part in parts
-    )
+    plans: list[TaskPlan] = []
+    for part in parts:
+        overrides = {**setting.overrides, **parse_overrides([f"{key}={part}"])}
+        held = replace(setting, only=only, overrides=overrides)
+        name = f"{plan.config or setting.protocol}.{key}={part}"
+        plans.append(replace(plan, setting=held, config=name))
+    return tuple(plans)
 
 
 def find_collection(text: str) -> Path:
@@ -82,13 +68,10 @@ def read_plans(path: Path) -> tuple[TaskPlan, ...]:
     found: list[TaskPlan] = []
     for number, run in enumerate(_read(path).collect):
         place = f"{path}: collect.{number}"
-        overrides = _overrides(run, place)
-        given = run.model_dump() | {"overrides": overrides, "ranges": run.domain}
+        given = run.model_dump() | {"overrides": _overrides(run, place), "ranges": run.domain}
         given["most_attempts"] = run.max_attempts
-        setting = {f.name: given[f.name] for f in fields(Setting) if f.name in given}
-        rest = {f.name: given[f.name] for f in fields(TaskPlan) if f.name in given}
-        template = TaskPlan(Setting("", **setting), **rest)
-        found += plans_for(template, library.matching("tasks", run.tasks, place), run.sweep)
+        template, tasks = plan_of(given), library.matching("tasks", run.tasks, place)
+        found += plans_for(template, tasks, run.sweep)
     folders = [plan.folder for plan in found]
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadFile(path, f"{twice} is collected by two runs")
@@ -97,23 +80,16 @@ def read_plans(path: Path) -> tuple[TaskPlan, ...]:
 
 def _read(path: Path) -> Collection:
     content = library.read_yaml(path)
-    _check_keys(content, Collection, "key", path)
     runs = content.get("collect")
+    parts: list[tuple[str, object, type[Model]]] = [("key", content, Collection)]
     for number, run in enumerate(runs if isinstance(runs, list) else []):
-        if isinstance(run, Mapping):
-            _check_keys(run, CollectionRun, f"key of collect.{number}", path)
-    try:
-        found = schema.check("collection", content)
-    except schema.SchemaError as error:
-        raise BadFile(path, "; ".join(error.problems)) from error
-    assert isinstance(found, Collection)
-    return found
-
-
-def _check_keys(content: Mapping[str, object], model: type[Model], kind: str, path: Path) -> None:
-    for key in content:
-        if key not in model.model_fields:
-            raise UnknownName(kind, str(key), model.model_fields, path)
+        parts.append((f"key of collect.{number}", run, CollectionRun))
+    for kind, part, model in parts:
+        for key in part if isinstance(part, Mapping) else ():
+            if key not in model.model_fields:
+                raise UnknownName(kind, str(key), model.model_fields, path)
+    with schema.problems_of(path):
+        return Collection.model_validate(content)
 
 
 def _overrides(run: CollectionRun, place: str) -> dict[str, Value]:

@@ -1,22 +1,16 @@
 """What to collect and on what; all that can be refused before any work is done."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import field, replace
+from dataclasses import field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 from rtphys.assets.pack import FALLBACKS, Pack, chosen_pack
 from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
-from rtphys.core.errors import (
-    BadValue,
-    Infeasible,
-    MissingAsset,
-    NoRenderer,
-    RtphysError,
-)
+from rtphys.core.errors import BadValue, Infeasible, NoRenderer, RtphysError
 from rtphys.data.layout import LAYOUTS, TaskDataset
 from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.physics.attribute import Part
@@ -24,15 +18,10 @@ from rtphys.physics.registry import attributes
 from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
-from rtphys.task.props import Articulated, Mesh, parts
+from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
 
-if TYPE_CHECKING:
-    from rtphys.assets.build import Progress
-
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
-LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
-RUNNERS = ("local", "ray")
 
 
 def _cameras() -> tuple[str, ...]:
@@ -47,10 +36,6 @@ def _shaders() -> tuple[str, ...]:
     return tuple(SHADERS)
 
 
-class NoRoom(RtphysError):
-    """Less disk space than the episodes will need."""
-
-
 @checked_dataclass(frozen=True)
 class TaskPlan:
     """One task dataset: under which setting, how much of it, and what is recorded."""
@@ -62,9 +47,7 @@ class TaskPlan:
         str | None, Option("A second protocol: record each seed under both, keep only pairs.")
     ] = None
     cameras: Annotated[
-        tuple[str, ...],
-        one_of("camera", _cameras),
-        Option("Any of head, left, right, front."),
+        tuple[str, ...], one_of("camera", _cameras), Option("Any of head, left, right, front.")
     ] = ("head", "left", "right")
     layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
     most_attempts: Annotated[
@@ -84,36 +67,24 @@ class TaskPlan:
     @property
     def folder(self) -> str:
         """Path of the task dataset below the dataset's folder."""
-        setting = self.setting
-        config = self.config or setting.protocol
-        return TaskDataset(Path(), config, setting.task, layout=self.layout).name
+        setting, name = self.setting, self.config or self.setting.protocol
+        return TaskDataset(Path(), name, setting.task, layout=self.layout).name
 
     @property
     def sides(self) -> "tuple[TaskPlan, ...]":
         """This plan without its twin, and the twin's if there is one."""
-        own = self.config or self.setting.protocol
         if self.twin is None:
             return (self,)
-        twin = replace(
-            self,
-            setting=self.setting.under(self.twin),
-            config=f"{own}.twin={self.twin}",
-            twin=None,
-            twin_of=own,
-        )
-        return self, twin
+        own, setting = self.config or self.setting.protocol, self.setting.under(self.twin)
+        name = f"{own}.twin={self.twin}"
+        return self, replace(self, setting=setting, config=name, twin=None, twin_of=own)
 
     def check(self) -> Task:
-        """The task; refuses what no episode could be made under.
-
-        Raises:
-            UnknownName, BadValue, BadFile: names the nearest match, or the place.
-        """
+        """The task; refuses what no episode could be made under."""
         setting = self.setting
         if setting.ranges is not None and setting.only is None:
             check_varies(setting.ranges, (setting.protocol,))
-        own, *twins = self.sides
-        if own.setting in [twin.setting for twin in twins]:
+        if any(side.setting == setting for side in self.sides[1:]):
             raise BadValue("twin", self.twin, "it is the protocol itself; name another")
         task = load_task(setting.task)
         setting.draw(0)
@@ -128,7 +99,7 @@ class Run:
     out: Annotated[Path, Option("The dataset's folder.")] = Path("data")
     workers: Workers = None
     runner: Annotated[
-        str, one_of("runner", RUNNERS), Option("local, or ray: on a Ray cluster.")
+        str, one_of("runner", ("local", "ray")), Option("local, or ray: on a Ray cluster.")
     ] = "local"
     address: Annotated[
         str | None, Option("Address of the Ray cluster; `local` makes a private one.")
@@ -155,8 +126,7 @@ class Run:
     def size(self) -> int:
         """Number of workers: as many as were asked for, else one for each CPU.
 
-        Raises:
-            NoCluster: there is none to join.
+        Joins the Ray cluster; raises `NoCluster` where there is none.
         """
         if self.runner == "local":
             return cores() if self.workers is None else self.workers
@@ -164,35 +134,42 @@ class Run:
 
         return connect(self.address, self.workers)
 
-    def pack(self, progress: "Progress | None" = None) -> Pack:
+    def pack(self, progress: Callable[[int, int, str], None] | None = None) -> Pack:
         """The asset pack, built if need be."""
         return chosen_pack(self.assets, self.fallback, progress)
 
     def room_needed(self, plans: Sequence[TaskPlan]) -> float:
         """Disk space that the plans' episodes need at most [bytes]."""
-        pictures = sum(plan.episodes * len(plan.cameras) * len(plan.sides) for plan in plans)
-        return pictures * EPISODE_BYTES
+        videos = sum(plan.episodes * len(plan.cameras) * len(plan.sides) for plan in plans)
+        return videos * EPISODE_BYTES
 
     def check_room(self, plans: Sequence[TaskPlan]) -> None:
-        """Raises `NoRoom`: less disk space than the plans' episodes will need."""
+        """Refuses plans whose episodes will need more disk space than there is."""
         finding = check_disk("space for data", self.out)
         if finding.status == "fail":
-            raise NoRoom(f"{self.out}: {finding.detail}; {finding.cure}")
-        place = self.out.absolute()
-        while not place.exists():
-            place = place.parent
+            raise RtphysError(f"{self.out}: {finding.detail}; {finding.cure}")
+        place = next(p for p in (self.out, *self.out.absolute().parents) if p.exists())
         needed, free = self.room_needed(plans), shutil.disk_usage(place).free
         if free < needed:
             amounts = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
-            raise NoRoom(f"{self.out}: {amounts}; free some space, or ask for fewer episodes")
+            raise RtphysError(f"{self.out}: {amounts}; free some space, or ask for fewer episodes")
+
+
+def chosen(kind: type, given: Mapping[str, object]) -> dict[str, Any]:
+    """Those of the values that are fields of a dataclass, which will check them."""
+    return {field.name: given[field.name] for field in fields(kind) if field.name in given}
+
+
+def plan_of(given: Mapping[str, object]) -> TaskPlan:
+    """The plan with these values of its own fields and of its setting's."""
+    return TaskPlan(Setting(**chosen(Setting, given)), **chosen(TaskPlan, given))
 
 
 def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
     """The tasks, one a plan; refuses all that cannot work, in a second or two.
 
     Raises:
-        UnknownName, BadValue, BadFile: names the nearest match, or the place.
-        NoRoom, NoRenderer, NoCluster: with the cure.
+        RtphysError: names the nearest match, the place, or the cure.
     """
     if not plans:
         raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")
@@ -209,51 +186,26 @@ def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
     return tasks
 
 
-def without_effect(plans: Sequence[TaskPlan]) -> list[str]:
-    """One sentence for each attribute that is picked or held where it acts on nothing."""
-    where: dict[str, list[str]] = {}
-    asked_in: dict[str, list[str]] = {}
-    known = attributes()
-    for plan in plans:
-        task, has = plan.setting.task, frozenset[Part]()
-        with suppress(Infeasible):
-            has = parts(load_task(task).props(plan.first_seed))
-        for key in sorted({*(plan.setting.only or ()), *plan.setting.overrides} & known.keys()):
-            asked_in.setdefault(key, []).append(task)
-            if not known[key].acts(has, plan.setting.overrides.get(key)):
-                where.setdefault(key, []).append(task)
-    sentences: list[str] = []
-    for key, tasks in where.items():
-        named = list(dict.fromkeys(tasks))
-        count = f"{len(named)} of {len(set(asked_in[key]))} tasks, among them {named[0]}"
-        place = named[0] if len(named) == 1 else count
-        what = f"no {_PARTS[str(known[key].acts_on)]}"
-        sentences.append(f"{key} acts on nothing in {place}: there is {what}")
-    return sentences
-
-
 _PARTS = {"bodies": "object that can move", "joints": "object with joints"}
 
 
-def check_assets(plans: Sequence[TaskPlan], pack: Pack) -> None:
-    """Looks for every model of each task's first layouts in the pack.
-
-    Raises:
-        MissingAsset, UnknownName, BadFile: from the pack.
-    """
+def without_effect(plans: Sequence[TaskPlan]) -> list[str]:
+    """One sentence for each attribute that is picked or held where it acts on nothing."""
+    asked: dict[str, list[str]] = {}
+    idle: dict[str, list[str]] = {}
+    known = attributes()
     for plan in plans:
-        task = load_task(plan.setting.task)
-        for seed in range(plan.first_seed, plan.first_seed + LAYOUTS_SEARCHED):
-            with suppress(Infeasible):
-                _check_models(task, seed, pack)
-
-
-def _check_models(task: Task, seed: int, pack: Pack) -> None:
-    for prop in task.props(seed):
-        try:
-            if isinstance(prop, Articulated):
-                pack.articulation(prop.category, prop.model)
-            elif isinstance(prop, Mesh):
-                pack.model(prop.category, prop.model)
-        except MissingAsset as error:
-            raise MissingAsset(error.what, error.where, task.name) from error
+        setting, has = plan.setting, frozenset[Part]()
+        with suppress(Infeasible):
+            has = parts(load_task(setting.task).props(plan.first_seed))
+        for key in sorted({*(setting.only or ()), *setting.overrides} & known.keys()):
+            asked.setdefault(key, []).append(setting.task)
+            if not known[key].acts(has, setting.overrides.get(key)):
+                idle.setdefault(key, []).append(setting.task)
+    sentences: list[str] = []
+    for key, tasks in idle.items():
+        named = list(dict.fromkeys(tasks))
+        count = f"{len(named)} of {len(set(asked[key]))} tasks, among them {named[0]}"
+        place, what = named[0] if len(named) == 1 else count, _PARTS[str(known[key].acts_on)]
+        sentences.append(f"{key} acts on nothing in {place}: there is no {what}")
+    return sentences

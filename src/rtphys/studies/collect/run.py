@@ -11,20 +11,27 @@ from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.series import Series, Study, Tally
 from rtphys.campaign.workers.local import LocalPool
 from rtphys.campaign.workers.pool import Lost, WorkerPool
+from rtphys.core.errors import Infeasible, MissingAsset
 from rtphys.data.conditions import Conditions
 from rtphys.data.faults import DatasetMismatch
-from rtphys.data.staging import StagedEpisode
-from rtphys.data.task_writer import TaskWriter
-from rtphys.data.writer import DatasetWriter
-from rtphys.episode.assemble import versions
+from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
+from rtphys.episode.assemble import describer, versions
+from rtphys.episode.generate import Attempt
 from rtphys.sim.camera import camera_specs
-from rtphys.studies.collect.plan import Run, TaskPlan, check, check_assets
-from rtphys.studies.collect.remote import RemoteWorker, Sent, Shipped
+from rtphys.studies.collect.plan import Run, TaskPlan, check
 from rtphys.studies.collect.shard import Shard, claim
-from rtphys.studies.collect.work import CollectWorker, Job, Result, Results, rejection
+from rtphys.studies.collect.work import (
+    CollectWorker,
+    Job,
+    RemoteWorker,
+    Results,
+    Shipped,
+    rejection,
+)
 from rtphys.task.spec import Task
 
 MOST_SEEDS = 10**9  # of a series whose attempts nobody limits
+LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
 
 
 @dataclass(frozen=True)
@@ -40,8 +47,8 @@ class Summary:
         return all(tally.done for tally in self.tallies)
 
 
-Known = Callable[[str, int, Sequence[Path]], Results | None]
-"""(task folder, seed, folders for the files) -> results made elsewhere; None: not known."""
+Known = Callable[[TaskPlan, int, Sequence[Path]], Results | None]
+"""(plan, seed, folders for the files) -> results that were made elsewhere; None: not known."""
 
 
 def collect(
@@ -53,10 +60,8 @@ def collect(
     """Collects until every task dataset has its episodes, or is given up.
 
     The dataset depends on the plans alone, not on the number of workers, nor on how often the run
-    was killed and resumed. Interrupted by an exception, it leaves a valid prefix.
-
-    Args:
-        known: spares attempts that were made elsewhere under the same conditions.
+    was killed and resumed. Interrupted by an exception, it leaves a valid prefix. What is `known`
+    from elsewhere, made under the same conditions, is not attempted again.
 
     Raises:
         RtphysError: what `plan.check` and `DatasetWriter` refuse; a full disk.
@@ -64,39 +69,44 @@ def collect(
     """
     listener, began = listener or Listener(), time.monotonic()
     shard = Shard.parse(plans, run) if run.shard else None
-    own = plans if shard is None else shard.plans
-    tasks = check(own, run) if own or shard is None else []
+    own, stride = (plans, (0, 1)) if shard is None else (shard.own, shard.stride)
+    tasks = check(own, run)
     pack = run.pack(listener.building)
-    check_assets(own, pack)
+    check_assets(own, tasks, pack)
+    series: list[Series[Job, Results]] = []
     with ExitStack() as stack:
         dataset = stack.enter_context(DatasetWriter(run.out, resume=run.resume))
         claim(run.out, shard)
-        series = [
-            open_series(plan, _writers(plan, task, pack, shard, dataset), known)
-            for plan, task in zip(own, tasks, strict=True)
-        ]
+        for plan, task in zip(own, tasks, strict=True):
+            wanted = [conditions_of(side, task, pack, stride) for side in plan.sides]
+            writers = [dataset.task(conditions, plan.episodes) for conditions in wanted]
+            series.append(open_series(plan, writers, known))
         pool = stack.enter_context(_pool(run, CollectWorker(pack, run.shader), tasks, listener))
         run_all(series, pool, listener, run.out, dataset.checkpoint_if_due)
     return Summary(run.out, [part.tally for part in series], time.monotonic() - began)
 
 
-def _writers(
-    plan: TaskPlan, task: Task, pack: Pack, shard: Shard | None, dataset: DatasetWriter
-) -> tuple[TaskWriter, ...]:
-    stride = (0, 1) if shard is None else shard.stride
-    return tuple(
-        dataset.task(conditions_of(side, task, pack, stride), plan.episodes) for side in plan.sides
-    )
+def check_assets(plans: Sequence[TaskPlan], tasks: Sequence[Task], pack: Pack) -> None:
+    """Reads every model of each task's first layouts. Raises `MissingAsset`, `BadFile`."""
+    read = describer(pack)
+    for plan, task in zip(plans, tasks, strict=True):
+        for seed in range(plan.first_seed, plan.first_seed + LAYOUTS_SEARCHED):
+            try:
+                for prop in task.props(seed):
+                    read(prop)
+            except Infeasible:
+                continue
+            except MissingAsset as error:
+                raise MissingAsset(error.what, error.where, task.name) from error
 
 
 def conditions_of(
     plan: TaskPlan, task: Task, pack: Pack, stride: tuple[int, int] = (0, 1)
 ) -> Conditions:
     """What makes two runs continue each other. `stride`: a shard's first attempt and step."""
-    setting = plan.setting
-    rules = setting.visual()
+    setting, rules = plan.setting, plan.setting.visual()
     specs = camera_specs(pack.embodiment(setting.embodiment), plan.cameras)
-    builtin = (pack.root / STAMP).is_file()
+    name = "builtin" if (pack.root / STAMP).is_file() else pack.root.name
     return Conditions(
         setting=setting,
         first_seed=plan.first_seed,
@@ -104,7 +114,7 @@ def conditions_of(
         visual=None if rules is None else rules.to_json(),
         cameras=tuple(spec.name for spec in specs),
         versions=versions(task),
-        assets={"pack": "builtin" if builtin else pack.root.name, "digest": pack.digest},
+        assets={"pack": name, "digest": pack.digest},
         layout=plan.layout,
         config=plan.config,
         twin=plan.sides[1].config if plan.twin else None,
@@ -115,17 +125,17 @@ def conditions_of(
 
 def _pool(
     run: Run, worker: CollectWorker, tasks: Sequence[Task], listener: Listener
-) -> WorkerPool[Job, Sent]:
+) -> WorkerPool[Job, Results]:
     if run.runner == "local":
-        return LocalPool[Job, Sent](worker, run.size(), run.limits, listener.noticed)
+        return LocalPool[Job, Results](worker, run.size(), run.limits, listener.noticed)
     from rtphys.campaign.workers.ray import RayPool  # imported here: Ray is optional
 
     remote = RemoteWorker.of(worker, run, tasks)
-    return RayPool[Job, Sent](remote, run.size(), run.limits, listener.noticed)
+    return RayPool[Job, Results](remote, run.size(), run.limits, listener.noticed)
 
 
 @dataclass
-class TaskCollection(Study[Job, Sent]):
+class TaskCollection(Study[Job, Results]):
     """One task dataset, and its twin if it has one: a writer each, in step.
 
     A kill between two commits leaves one writer ahead of the other; the seed is then tried again
@@ -133,7 +143,7 @@ class TaskCollection(Study[Job, Sent]):
     """
 
     plan: TaskPlan
-    writers: tuple[TaskWriter, ...]
+    writers: Sequence[TaskWriter]
     source: Known | None = None
 
     def job(self, seed: int) -> Job:
@@ -144,30 +154,34 @@ class TaskCollection(Study[Job, Sent]):
         """Where the files of a seed wait for their number, one folder a writer."""
         return tuple(writer.staging(seed) for writer in self.writers)
 
-    def known(self, seed: int) -> Sent | None:
-        return self.source(self.plan.folder, seed, self.folders(seed)) if self.source else None
+    def known(self, seed: int) -> Results | None:
+        return self.source(self.plan, seed, self.folders(seed)) if self.source else None
 
-    def reason(self, result: Sent) -> str:
-        first = result[0]
-        return "" if isinstance(first, StagedEpisode | Shipped) else first.reason
+    def reason(self, result: Results) -> str:
+        return result[0].reason if isinstance(result[0], Rejection) else ""
 
-    def arrived(self, seed: int, result: Sent) -> Results:
+    def arrived(self, seed: int, result: Results) -> Results:
         """Files from other machines are put where those of this one are."""
         return tuple(
             outcome.land(folder) if isinstance(outcome, Shipped) else outcome
             for outcome, folder in zip(result, self.folders(seed), strict=True)
         )
 
-    def commit(self, seed: int, result: Sent) -> str:
+    def commit(self, seed: int, result: Results) -> str:
         """Raises `DatasetMismatch`: an attempt that a twin holds came out otherwise this time."""
         for writer, outcome in zip(self.writers, result, strict=True):
-            assert not isinstance(outcome, Shipped)  # it has arrived
-            _record(writer, outcome)
+            rejected = isinstance(outcome, Rejection)
+            if seed >= writer.next_seed:
+                writer.record(outcome)
+            elif rejected == writer.accepted(seed):
+                now = f"rejected ({outcome.reason})" if rejected else "accepted"
+                clause = f"seed {seed} is {now} when its twin is made, and was not before"
+                raise DatasetMismatch(writer.task_dataset.folder, [clause])
         return ""
 
-    def lost(self, seed: int, loss: Lost) -> Sent:
-        recipes = (side.setting.at(seed) for side in self.plan.sides)
-        return tuple(rejection(recipe, loss.reason, loss.detail) for recipe in recipes)
+    def lost(self, seed: int, loss: Lost) -> Results:
+        recipes = [side.setting.at(seed) for side in self.plan.sides]
+        return tuple(rejection(Attempt(recipe, loss.reason, loss.detail)) for recipe in recipes)
 
     def close(self) -> None:
         for writer in self.writers:
@@ -175,8 +189,8 @@ class TaskCollection(Study[Job, Sent]):
 
 
 def open_series(
-    plan: TaskPlan, writers: tuple[TaskWriter, ...], known: Known | None = None
-) -> Series[Job, Sent]:
+    plan: TaskPlan, writers: Sequence[TaskWriter], known: Known | None = None
+) -> Series[Job, Results]:
     """The seeds that some writer still waits for, from the lowest."""
     behind = min(writers, key=lambda writer: writer.attempts)
     tally = Tally(plan.setting.task, behind.wanted, behind.episodes, behind.attempts)
@@ -184,12 +198,3 @@ def open_series(
     step = behind.conditions.seed(1) - behind.conditions.seed(0)
     end = plan.first_seed + (plan.most_attempts or MOST_SEEDS)
     return Series(TaskCollection(plan, writers, known), tally, range(behind.next_seed, end, step))
-
-
-def _record(writer: TaskWriter, result: Result) -> None:
-    if result.seed >= writer.next_seed:
-        writer.record(result)
-    elif isinstance(result, StagedEpisode) != writer.accepted(result.seed):
-        now = "accepted" if isinstance(result, StagedEpisode) else f"rejected ({result.reason})"
-        clause = f"seed {result.seed} is {now} when its twin is made, and was not before"
-        raise DatasetMismatch(writer.task_dataset.folder, [clause])

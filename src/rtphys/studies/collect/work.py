@@ -1,22 +1,33 @@
-"""What a worker of a collection does: attempt one seed, and draw it if it is accepted."""
+"""What a worker of a collection does: attempt one seed, and draw it if accepted; on any machine."""
 
-from dataclasses import dataclass
+import os
+import platform
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.core.errors import Infeasible
+from rtphys.core.errors import Infeasible, RtphysError
+from rtphys.data import files
+from rtphys.data.conditions import differences
 from rtphys.data.staging import StagedEpisode, stage_episode
-from rtphys.data.writer import Rejection
-from rtphys.episode.assemble import assemble, values
+from rtphys.data.task_writer import Rejection
+from rtphys.episode.assemble import assemble, values, versions
 from rtphys.episode.generate import Attempt, attempt
-from rtphys.episode.instance import Instance
 from rtphys.episode.photograph import photograph
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
+from rtphys.studies.collect.plan import Run
 from rtphys.studies.worker import StudyWorker
-from rtphys.task.spec import load_task
+from rtphys.task.spec import Task, load_task
 
-Result = StagedEpisode | Rejection
-Results = tuple[Result, ...]
+ROOT = "rtphys-staging"  # below the folder for temporary files, with user and node
+PASSED = ("RTPHYS_LIBRARY", "RTPHYS_ASSETS")  # paths that must mean the same on every node
+
+Results = tuple[StagedEpisode | Rejection, ...]
+"""What comes of a job: a result for each recipe."""
 
 
 @dataclass(frozen=True)
@@ -40,50 +51,117 @@ class CollectWorker(StudyWorker[Job, Results]):
         renderer.hold_anchor()
 
     def do(self, job: Job) -> Results:
-        """Simulates all recipes; draws, encodes and stages when every one succeeds."""
-        attempts = self.attempt(job.recipes)
-        if not all(tried.accepted for tried in attempts):
-            return tuple(_refused(tried, attempts) for tried in attempts)
-        return self.stage(attempts, job)
+        """Simulates all recipes; draws and stages if all succeed: half a pair is no episode."""
+        tries = [attempt(recipe, self.tasks[recipe.task], self.pack) for recipe in job.recipes]
+        if failed := next((tried for tried in tries if not tried.accepted), None):
+            why = f"under {failed.recipe.protocol}: {failed.reason}"
+            half = {"reason": "untwinned", "detail": why}
+            return tuple(rejection(replace(t, **half) if t.accepted else t) for t in tries)
+        return tuple(self.stage(*one, job) for one in zip(tries, job.folders, strict=True))
 
-    def attempt(self, recipes: tuple[Recipe, ...]) -> list[Attempt]:
-        """Without pictures."""
-        return [attempt(recipe, self.tasks[recipe.task], self.pack) for recipe in recipes]
-
-    def stage(self, attempts: list[Attempt], job: Job) -> tuple[StagedEpisode, ...]:
-        """Draws and encodes accepted attempts."""
-        staged: list[StagedEpisode] = []
-        for tried, folder in zip(attempts, job.folders, strict=True):
-            recipe, recording = tried.recipe, tried.recording
-            assert recording is not None
-            task = self.tasks[recipe.task]
-            pictures = photograph(recipe, task, self.pack, recording, job.cameras)
-            episode = assemble(tried, pictures, self.pack)
-            staged.append(stage_episode(folder, episode, job.layout))
-        return tuple(staged)
+    def stage(self, tried: Attempt, folder: Path, job: Job) -> StagedEpisode:
+        """Draws and encodes an accepted attempt."""
+        assert tried.recording is not None
+        task = self.tasks[tried.recipe.task]
+        pictures = photograph(tried.recipe, task, self.pack, tried.recording, job.cameras)
+        return stage_episode(folder, assemble(tried, pictures, self.pack), job.layout)
 
 
-def _refused(tried: Attempt, attempts: list[Attempt]) -> Rejection:
-    """Its own reason, or its twin's: half a pair is no episode."""
-    if not tried.accepted:
-        return rejection(tried.recipe, tried.reason, tried.detail, tried.instance)
-    other = next(twin for twin in attempts if not twin.accepted)
-    why = f"under {other.recipe.protocol}: {other.reason}"
-    return rejection(tried.recipe, "untwinned", why, tried.instance)
-
-
-def rejection(
-    recipe: Recipe, reason: str, detail: str, instance: Instance | None = None
-) -> Rejection:
+def rejection(tried: Attempt) -> Rejection:
     """With the physics of the attempt, as far as it can be known without its world."""
-    if instance is not None:
-        known = values(instance.physics, instance.props)
-        return Rejection(recipe.seed, reason, detail, known)
-    try:
-        drawn, props = recipe.setting.draw(recipe.seed), load_task(recipe.task).props(recipe.seed)
-    except Infeasible:
-        return Rejection(recipe.seed, reason, detail)
-    known = values(drawn, props)
-    # It is redrawn until it lies inside bodies that nobody built.
-    known.pop("center_of_mass", None)
-    return Rejection(recipe.seed, reason, detail, known)
+    recipe, known = tried.recipe, dict[str, object]()
+    if tried.instance is not None:
+        known = values(tried.instance.physics, tried.instance.props)
+    else:
+        with suppress(Infeasible):
+            props = load_task(recipe.task).props(recipe.seed)
+            known = values(recipe.setting.draw(recipe.seed), props)
+            # It is redrawn until it lies inside bodies that nobody built.
+            known.pop("center_of_mass", None)
+    return Rejection(recipe.seed, tried.reason, tried.detail, known)
+
+
+# ---- elsewhere: checked to be the same work, its files sent back ---------------------------------
+
+
+class OtherMachine(RtphysError):
+    """A node that would make other episodes."""
+
+    exit_code = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Shipped(StagedEpisode):
+    """Travels with the bytes of its files."""
+
+    contents: Mapping[str, bytes]
+
+    def land(self, folder: Path) -> StagedEpisode:
+        """Writes the files where a local worker would have.
+
+        Raises:
+            CannotWrite: the disk refuses.
+            OtherMachine: the bytes are not those that were sent.
+        """
+        shutil.rmtree(folder, ignore_errors=True)
+        files.make_folder(folder)
+        for name, data in self.contents.items():
+            if files.write_synced(folder / name, data) != self.files[name]:
+                raise OtherMachine(f"{folder / name}: it was damaged on its way here")
+        return replace(self, folder=folder, contents={})
+
+
+@dataclass(frozen=True)
+class RemoteWorker:
+    """As `CollectWorker`, on a node that does not share the supervisor's disk; it checks all."""
+
+    worker: CollectWorker  # its pack is the supervisor's
+    run: Run  # names the pack, at the same path on every node
+    digest: str  # of the supervisor's pack
+    versions: Mapping[str, Mapping[str, str]]  # by task: all that shapes its episodes
+    environment: Mapping[str, str]
+
+    @staticmethod
+    def of(worker: CollectWorker, run: Run, tasks: Sequence[Task]) -> "RemoteWorker":
+        known = {task.name: versions(task) for task in tasks}
+        passed = {key: os.environ[key] for key in PASSED if key in os.environ}
+        return RemoteWorker(worker, run, worker.pack.digest, known, passed)
+
+    def __call__(self) -> Callable[[Job], Results]:
+        """Raises `OtherMachine`. The builtin pack is built first if this node has none."""
+        os.environ.update(self.environment)
+        pack = self.run.pack()
+        if pack.digest != self.digest:
+            clause = f"its assets are {pack.digest[:12]}, the supervisor's {self.digest[:12]}"
+            raise OtherMachine(f"{platform.node()}: {clause}; link the same pack on both")
+        for name, wanted in self.versions.items():
+            if clauses := differences(wanted, versions(load_task(name))):
+                raise OtherMachine(f"{platform.node()}: {name}: {'; '.join(clauses)}")
+        folder = own_folder()
+        do = replace(self.worker, pack=pack)()
+
+        def do_and_ship(job: Job) -> Results:
+            local = tuple(folder / str(n) for n in range(len(job.folders)))
+            return tuple(_ship(result) for result in do(replace(job, folders=local)))
+
+        return do_and_ship
+
+
+def _ship(result: StagedEpisode | Rejection) -> StagedEpisode | Rejection:
+    if isinstance(result, Rejection):
+        return result
+    contents = {name: files.read(result.folder / name) for name in result.files}
+    shutil.rmtree(result.folder, ignore_errors=True)
+    return Shipped(**vars(result), contents=contents)
+
+
+def own_folder() -> Path:
+    """A folder of this process; removes those of processes that have died."""
+    root = Path(tempfile.gettempdir()) / f"{ROOT}-{os.getuid()}-{platform.node()}"
+    root.mkdir(mode=0o700, exist_ok=True)
+    for old in root.iterdir():
+        if not Path(f"/proc/{old.name}").exists():
+            shutil.rmtree(old, ignore_errors=True)
+    folder = root / str(os.getpid())
+    folder.mkdir(exist_ok=True)
+    return folder

@@ -10,9 +10,8 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
 from rtphys.data.layout import MANIFEST
 from rtphys.results.instance_file import instance_file, read_instances
-from rtphys.results.instances import Fingerprint, InstanceList, Slot
+from rtphys.results.instances import InstanceList, Slot
 from rtphys.studies.evaluate.plan import EvaluatePlan
-from rtphys.task.spec import Task
 
 BENCHMARK = "benchmark_v1"  # the folder below `manifests/` that holds the certified lists
 # Other packages' versions are stored, not enforced: they rarely decide what is feasible.
@@ -33,15 +32,9 @@ class NotCertified(RtphysError):
 class ChangedSinceCertified(RtphysError):
     """A list was certified with another task file, domain, look or asset pack."""
 
-    def __init__(self, where: Path, clauses: list[str]) -> None:
-        super().__init__(
-            f"{where}: has another certification fingerprint: {'; '.join(clauses)}. What was "
-            "feasible may not be so now: certify anew, or set `accept_changes`"
-        )
-
 
 def certified(
-    plan: EvaluatePlan, task: Task, protocol: str, fingerprint: Fingerprint
+    plan: EvaluatePlan, task: str, protocol: str, fingerprint: Mapping[str, JSON]
 ) -> InstanceList:
     """The instances to evaluate: the list up to the last episode that is asked for.
 
@@ -50,36 +43,32 @@ def certified(
         ChangedSinceCertified: and `plan.accept_changes` is false.
         BadFile: it is damaged, or another task's or protocol's.
     """
-    folder, wanted, cell = plan.instances, plan.episodes, (task.name, protocol)
+    folder, cell, least = plan.instances, (task, protocol), plan.episodes or 1
     if folder is not None and (folder / MANIFEST).is_file():
         where, found = folder, _of_dataset(folder, *cell, fingerprint)
     else:
         where = _file(folder, *cell)
         if not where.is_file():
-            raise NotCertified(where, "does not exist", cell, wanted or 100)
+            raise NotCertified(where, "does not exist", cell, plan.episodes or 100)
         found = read_instances(where)
         if (found.task, found.protocol) != cell:  # accepted changes must not hide it
             raise BadFile(where, f"is the list of {found.task}, {found.protocol}")
-    if (held := len(found.feasible)) < (least := wanted or 1):
-        problem = f"{task.name}, {protocol}: holds {held} feasible seeds, not {least}"
+    if (held := len(found.feasible)) < least:
+        problem = f"{task}, {protocol}: holds {held} feasible seeds, not {least}"
         raise NotCertified(where, problem, cell, least)
-    clauses = _changes(found.fingerprint, fingerprint.to_json())
+    clauses = differences(_enforced(found.fingerprint), _enforced(fingerprint))
     if clauses and not plan.accept_changes:
-        raise ChangedSinceCertified(where, clauses)
-    return found.first(wanted or held)
+        raise ChangedSinceCertified(
+            f"{where}: has another certification fingerprint: {'; '.join(clauses)}. What was "
+            "feasible may not be so now: certify anew, or set `accept_changes`"
+        )
+    return found.first(plan.episodes or held)
 
 
 def _file(folder: Path | None, task: str, protocol: str) -> Path:
-    if folder is not None:
-        return instance_file(folder, protocol, task)
-    places = [
-        instance_file(root / "manifests" / BENCHMARK, protocol, task) for root in library.roots()
-    ]
+    shipped = [root / "manifests" / BENCHMARK for root in library.roots()]
+    places = [instance_file(root, protocol, task) for root in ([folder] if folder else shipped)]
     return next((place for place in reversed(places) if place.is_file()), places[0])
-
-
-def _changes(stored: Mapping[str, JSON], now: Mapping[str, JSON]) -> list[str]:
-    return differences(_enforced(stored), _enforced(now))
 
 
 def _enforced(fingerprint: Mapping[str, JSON]) -> dict[str, JSON]:
@@ -88,7 +77,9 @@ def _enforced(fingerprint: Mapping[str, JSON]) -> dict[str, JSON]:
     return {**fingerprint, "versions": {key: known.get(key) for key in ENFORCED}}
 
 
-def _of_dataset(folder: Path, task: str, protocol: str, now: Fingerprint) -> InstanceList:
+def _of_dataset(
+    folder: Path, task: str, protocol: str, fingerprint: Mapping[str, JSON]
+) -> InstanceList:
     """Every seed that was tried for a dataset; its manifest has vouched for the ground."""
     entries = [entry for entry in Dataset(folder).task_datasets if entry.task == task]
     if not entries:
@@ -106,4 +97,4 @@ def _of_dataset(folder: Path, task: str, protocol: str, now: Fingerprint) -> Ins
         Slot(attempt.seed, (attempt.reason or "rejected") if attempt.verdict == "rejected" else "")
         for attempt in entry.attempts
     )
-    return InstanceList(task, protocol, now.to_json(), slots)
+    return InstanceList(task, protocol, fingerprint, slots)

@@ -5,10 +5,9 @@ from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
-from rtphys.campaign.workers.pool import Limits
 from rtphys.core.errors import NoRenderer
 from rtphys.doctor import check_renderer
-from rtphys.policies import PolicySetup, parse_spec
+from rtphys.policies import parse_spec
 from rtphys.results.folder import short_name
 from rtphys.setting.option import (
     Option,
@@ -21,11 +20,8 @@ from rtphys.setting.option import (
     checked_dataclass,
     one_of,
 )
-from rtphys.setting.setting import SPLITS, Setting
+from rtphys.setting.setting import SPLITS
 from rtphys.task.spec import Task, load_task
-
-# Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
-MOST_MEMORY = 256e9  # [bytes]
 
 
 @checked_dataclass(frozen=True)
@@ -67,19 +63,6 @@ class EvaluatePlan:
     def folder(self) -> Path:
         """Where the results lie."""
         return self.out or Path("eval") / short_name(self.policy)
-
-    @property
-    def limits(self) -> Limits:
-        """What a worker may use."""
-        return Limits(seconds=self.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
-
-    def setting(self, task: str, protocol: str) -> Setting:
-        """The worlds of a task under a protocol."""
-        return Setting(task, protocol, split=self.split)
-
-    def setup(self, setting: Setting) -> PolicySetup:
-        """What the policy is opened with."""
-        return PolicySetup(setting.task, setting.protocol, self.split, self.seed, self.options)
 
     def check(self) -> list[Task]:
         """The tasks. Raises UnknownName, BadValue, BadFile, NoRenderer before any work is done."""

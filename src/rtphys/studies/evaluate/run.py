@@ -2,21 +2,21 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.row_journal import RowJournal
 from rtphys.campaign.series import Series, Study, Tally
 from rtphys.campaign.workers.local import LocalPool, cores
-from rtphys.campaign.workers.pool import Lost
+from rtphys.campaign.workers.pool import Limits, Lost
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.episode import JSON
-from rtphys.data.json_text import parse_mapping, pretty
+from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.policies import PolicySetup
 from rtphys.report.figures.breaks import draw_breaks
 from rtphys.results import EpisodeRecord, summarise
 from rtphys.results.folder import INSTANCES, RUN, SUMMARY, record_file, short_name, video_file
@@ -29,19 +29,16 @@ from rtphys.setting.setting import Setting
 from rtphys.studies.evaluate.lists import certified
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
-from rtphys.task.spec import Task
 
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
+# Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
+MOST_MEMORY = 256e9  # [bytes]
+CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
+"""Fields of a plan that two runs must share to continue each other, but for the episodes."""
 
 
 class OtherRun(RtphysError):
     """The folder holds results of another evaluation."""
-
-    def __init__(self, out: Path, clauses: list[str]) -> None:
-        super().__init__(
-            f"{out}: holds results of another evaluation: {'; '.join(clauses)}. "
-            "Choose another folder, or ask for the same again"
-        )
 
 
 class TaskEvaluation(Study[Job, EpisodeRecord]):
@@ -50,16 +47,16 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
     A journal takes each record; the file that people read follows every few seconds.
     """
 
-    def __init__(self, plan: EvaluatePlan, setting: Setting, instances: InstanceList) -> None:
-        self.plan, self.setting, self.instances = plan, setting, instances
+    def __init__(self, plan: EvaluatePlan, instances: InstanceList) -> None:
+        self.plan, self.instances = plan, instances
+        self.setting = setting = Setting(instances.task, instances.protocol, split=plan.split)
         self.path = record_file(plan.folder, setting.protocol, setting.task)
         there = read_records(self.path) if self.path.exists() else []
-        self._journal = RowJournal(self.path, {"records": len(there)})
-        older = self._journal.stored["records"]  # that stood in the file when the journal began
-        assert isinstance(older, int)
+        self._journal = RowJournal(self.path, {})
         where = self._journal.path
         newer = [EpisodeRecord.from_json(row, where) for row in self._journal.rows]
-        self._all = [*there[:older], *newer] if newer else there
+        # By seed: the file, which follows the journal, may hold some of its records already.
+        self._all = list({record.seed: record for record in (*there, *newer)}.values())
         self._written_at = time.monotonic()
         seeds = [slot.seed for slot in instances.feasible]
         known = [record.seed for record in self._all]
@@ -77,10 +74,9 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
 
     def job(self, seed: int) -> Job:
         plan, setting = self.plan, self.setting
-        where = (plan.folder, setting.protocol, setting.task, seed)
-        return Job(
-            setting.at(seed), plan.setup(setting), video_file(*where) if plan.video else None
-        )
+        setup = PolicySetup(setting.task, setting.protocol, plan.split, plan.seed, plan.options)
+        video = video_file(plan.folder, setting.protocol, setting.task, seed)
+        return Job(setting.at(seed), setup, video if plan.video else None)
 
     def reason(self, result: EpisodeRecord) -> str:
         return ""  # a failure is a result too
@@ -117,21 +113,26 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             evaluation in the folder; a policy that cannot be reached; an error in a worker.
     """
     tasks, listener = plan.check(), listener or Listener()
-    cells = [(task, protocol) for protocol in plan.protocols for task in tasks]
-    lists = [certified(plan, task, name, fingerprint_of(task, name, pack)) for task, name in cells]
+    ground = {
+        protocol: {task.name: fingerprint_of(task, protocol, pack).to_json() for task in tasks}
+        for protocol in plan.protocols
+    }
+    lists = [
+        certified(plan, task, protocol, fingerprint)
+        for protocol, fingerprints in ground.items()
+        for task, fingerprint in fingerprints.items()
+    ]
     files.make_folder(plan.folder)
     with FolderLock(plan.folder):
-        _claim(plan, tasks, pack)
-        studies: list[TaskEvaluation] = []
+        _claim(plan, ground)
         for instances in lists:
             copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
             write_instances(copy, instances)
-            setting = plan.setting(instances.task, instances.protocol)
-            studies.append(TaskEvaluation(plan, setting, instances))
-        worker = EvaluateWorker(pack, plan.policy)
-        size = cores() if plan.workers is None else plan.workers
+        studies = [TaskEvaluation(plan, instances) for instances in lists]
+        worker, size = EvaluateWorker(pack, plan.policy), plan.workers or cores()
+        limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
         try:
-            with LocalPool[Job, EpisodeRecord](worker, size, plan.limits, listener.noticed) as pool:
+            with LocalPool[Job, EpisodeRecord](worker, size, limits, listener.noticed) as pool:
                 run_all([study.series for study in studies], pool, listener, plan.folder)
         finally:
             for study in studies:
@@ -139,47 +140,38 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         return _conclude(plan, studies)
 
 
-def _claim(plan: EvaluatePlan, tasks: Sequence[Task], pack: Pack) -> None:
+def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
     """Writes down what makes two runs continue each other, or compares it."""
-    fingerprints: dict[str, JSON] = {
-        protocol: {task.name: fingerprint_of(task, protocol, pack).to_json() for task in tasks}
-        for protocol in plan.protocols
-    }
-    run: dict[str, JSON] = {
-        "policy": plan.policy,
-        "options": dict(plan.options),
-        "seed": plan.seed,
-        "split": plan.split,
-        "episodes": plan.episodes,
-        "protocols": list(plan.protocols),
-        "tasks": list(plan.tasks),
-        "ground": fingerprints,
-    }
+    run = {**{key: plain(getattr(plan, key), key) for key in CLAIMED}, "ground": ground}
     path = plan.folder / RUN
     if path.exists():
-        if not plan.resume:
-            raise OtherRun(plan.folder, ["and `resume` is off"])
-        before = {**parse_mapping(files.read(path), path), "episodes": plan.episodes}
-        if clauses := differences(before, run):
-            raise OtherRun(plan.folder, clauses)
+        clauses = ["and `resume` is off"]
+        if plan.resume:
+            before = {**parse_mapping(files.read(path), path), "episodes": plan.episodes}
+            clauses = differences(before, run)
+        if clauses:
+            raise OtherRun(
+                f"{plan.folder}: holds results of another evaluation: {'; '.join(clauses)}. "
+                "Choose another folder, or ask for the same again"
+            )
     files.replace_file(path, pretty(run))
 
 
 def _conclude(plan: EvaluatePlan, studies: Sequence[TaskEvaluation]) -> Summary:
     cells = {(study.setting.protocol, study.setting.task): study for study in studies}
-    records: Mapping[tuple[str, str], Sequence[EpisodeRecord]] = {
-        key: study.records for key, study in cells.items()
-    }
-    summary = summarise(records, {key: study.instances for key, study in cells.items()})
-    policy = short_name(plan.policy)
+    summary = summarise(
+        {key: study.records for key, study in cells.items()},
+        {key: study.instances for key, study in cells.items()},
+    )
+    policy, out = short_name(plan.policy), plan.folder
     text = {"policy": plan.policy, "split": plan.split, **summary.to_json()}
-    files.replace_file(plan.folder / SUMMARY, pretty(text))
+    files.replace_file(out / SUMMARY, pretty(text))
     for protocol, found in summary.breaks.items():
         if found:
-            place = plan.folder / f"attributes_{protocol}.png"
+            place = out / f"attributes_{protocol}.png"
             draw_breaks(found, f"{policy} under {protocol}", place)
     for row in summary.tasks:
-        counts = row.counts
-        path = result_file(plan.folder, row.task, policy, row.protocol)
-        write_result(path, plan.split, (counts.rollouts, counts.slots, counts.successes))
+        path = result_file(out, row.task, policy, row.protocol)
+        counts = row.counts.rollouts, row.counts.slots, row.counts.successes
+        write_result(path, plan.split, counts)
     return summary

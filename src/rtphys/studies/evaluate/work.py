@@ -5,11 +5,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtphys.core.errors import Infeasible
-from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.film import film
-from rtphys.physics import Physics, acting, attributes
+from rtphys.physics import acting, attributes
 from rtphys.policies import Policy, PolicyGone, PolicySetup, open_policy
 from rtphys.results import EpisodeRecord
 from rtphys.setting.setting import Recipe
@@ -47,22 +46,18 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
             episode = begin(recipe, self.tasks[recipe.task], self.pack)
         except Infeasible as problem:
             return lost_record(recipe, "infeasible", str(problem))
-        trace = self._play(policy, episode)
-        record = _judged(episode, trace)
-        if job.video is not None:
-            film(episode, self.pack, job.video)
-        return record
-
-    def _play(self, policy: Policy, episode: PolicyEpisode) -> str:
-        """The traceback of a policy that raised; its crash is its failure, not ours."""
+        trace = ""
         try:
             policy.play(episode)
         except PolicyGone:
             raise
-        except (Exception, SystemExit):
+        except (Exception, SystemExit):  # a policy's crash is its failure, not ours
             self._close()  # whatever it remembers now, the next episode must not depend on it
-            return traceback.format_exc()
-        return ""
+            trace = traceback.format_exc()
+        record = _judged(episode, trace)
+        if job.video is not None:
+            film(episode, self.pack, job.video)
+        return record
 
     def _opened(self, setup: PolicySetup) -> Policy:
         if self._open is None or self._open[0] != setup:
@@ -94,7 +89,7 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
         steps=episode.taken,
         time=time,
         unreachable=episode.unreachable,
-        physics=_values(physics),
+        physics={key: plain(value, key) for key, value in physics.items()},
         inert=tuple(sorted(attributes().keys() - acting(physics, parts(episode.instance.props)))),
         state=episode.rollout.recorder.recording.hash,
         detail=trace or "; ".join(outcome.missing),
@@ -106,7 +101,3 @@ def lost_record(recipe: Recipe, reason: str, detail: str) -> EpisodeRecord:
     return EpisodeRecord(
         recipe.task, recipe.protocol, recipe.seed, False, reason=reason, detail=detail
     )
-
-
-def _values(physics: Physics) -> dict[str, JSON]:
-    return {key: plain(value, key) for key, value in physics.items()}
