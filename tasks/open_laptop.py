@@ -1,6 +1,7 @@
 """Swing the lid of a laptop further open: a closed hand lifts its free edge along the arc.
 
-Success: the hinge is past 40 % of its range, and the hand that pushed is still at the lid.
+Success: the hinge is past 40 % of its range, and a closed hand that points at the lid is still
+there. Upstream asks only that a hand is near.
 """
 
 from itertools import product
@@ -30,6 +31,8 @@ EDGE, CARROT = 0, 1  # contact points: the lid's free edge, and 2-3 cm further o
 ENOUGH = 0.52  # share of the range to which the hand goes
 DONE = 0.43  # share of the range that is enough: success asks for 0.4
 AT_LID = 0.1  # [m] from the TCP to CARROT, at most
+ASKEW = 1.3  # [rad] of the hand from straight at the lid, at most; the expert's is 1.1
+CLOSED = 0.1  # opening of the gripper, at most; the expert's is 0
 PUSH = 9.0  # [N] on the edge that the hinge's damping may cost: the servos yield 2 mm per newton
 DAMPING = 1.0  # [N m s/rad] taken for the hinge's where physics does not vary it
 LEAST_TIME = 1.5  # [s] of a push
@@ -53,9 +56,15 @@ def layout(draw: Draw):
 
 
 def hand_at_lid(scene: Scene) -> bool:
-    edge = scene.contact("laptop", CARROT).p
-    gaps = [((scene.tcp(side).p - edge) ** 2).sum() ** 0.5 for side in ("left", "right")]
-    return min(gaps) < AT_LID
+    return any(at_lid(scene, side) for side in ("left", "right"))
+
+
+def at_lid(scene: Scene, side: str) -> bool:
+    """Whether this hand is closed, near the lid's edge, and points at it."""
+    edge, tcp = scene.contact("laptop", CARROT), scene.tcp(side)
+    near = np.linalg.norm(tcp.p - edge.p) < AT_LID
+    straight = -(tcp.R[:, 0] @ edge.R[:, 1]) > cos(ASKEW)
+    return bool(near and straight) and scene.opening(side) < CLOSED
 
 
 def arc(robot: Robot, pitch: float, turn: float, aside: float) -> list[Pose]:

@@ -1,7 +1,8 @@
 """Press the lower half of a rocker switch in.
 
-Success: the rocker is within 0.05 rad of its upper stop, and a hand has been on it. Upstream does
-not ask for the hand; an external force alone may creep a loose rocker there within an episode.
+Success: the rocker is within 0.05 rad of its upper stop, and a fingertip of a closed hand has
+pressed its lower half. Upstream does not ask for the hand; an external force alone may creep a
+loose rocker there within an episode.
 """
 
 from itertools import product
@@ -21,11 +22,13 @@ from rtphys.task import (
     Task,
     axis_angle,
     condition,
-    in_hand,
+    pressed,
     quat_multiply,
 )
 
 MARGIN = 0.05  # [rad] of the rocker from its stop, at most
+NEAR = (0.02, 0.02, 0.02)  # [m] of a finger from the middle of the plate; the expert's is 1.1 cm
+ASKEW = 1.1  # [rad] of the hand from straight in; the expert's is 0.9 at most
 CLOSE = 0.5 * MARGIN  # [rad] at which the hand need not wait any longer
 PUSH = 12.0  # [N] on the rocker that its damping may cost: the servos yield 2 mm per newton
 LEVER = 0.025  # [m] of the push about the rocker's hinge
@@ -87,16 +90,11 @@ def script(robot: Robot) -> None:
         raise Infeasible("too_slow", "the rocker did not reach its stop")
 
 
-def pushed(scene: Scene) -> bool:
-    """Whether a hand has touched the switch."""
-    return scene.once("a hand on the switch", in_hand(scene, "switch"))
-
-
 task = Task(
     layout=layout,
     script=script,
     success=condition("the rocker is at its upper stop", lambda s: left_to_go(s) < MARGIN)
-    & condition("a hand has been on the switch", pushed, remembers=True),
+    & pressed("switch", contact=0, within=NEAR, tilted_below=ASKEW),
     step_limit=400,
     mechanism="press articulated",
     info={"A": "switch", "a": "arm:switch"},

@@ -10,7 +10,7 @@ from rtphys.core.poses import Pose, axis_angle
 from rtphys.task.scene import Scene
 from rtphys.task.success import pressed
 
-BUTTON = Pose((0.1, -0.1, 0.9), (1, 0, 0, 0))
+BUTTON = Pose((0.1, -0.1, 0.9), axis_angle((1, 0, 0), pi / 2))  # +y, outward, is up
 
 
 class OneHand:

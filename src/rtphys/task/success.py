@@ -197,29 +197,30 @@ def turned_to(prop: str, q: Vector, within: float) -> Condition:
     return Condition(f"{prop} turned to {tuple(np.round(goal, 3))}", holds)
 
 
-ABOVE = 0.02  # [m] of the TCP over what is pressed, at least; the expert's is 3.4 to 6.5 cm
+OFF = 0.02  # [m] of the TCP from what is pressed, outward, at least; the expert's is 3.4 to 6.5 cm
 
 
 def pressed(
     prop: str, contact: int, within: Vector, closed_below: float = 0.1, tilted_below: float = 0.5
 ) -> Condition:
-    """A closed hand that points down touched the prop from above near a contact point, once.
+    """A closed hand that points at a contact point, against its +y, touched the prop there, once.
 
-    A hand whose TCP is not ABOVE the point scrapes along the table and meets the prop's side.
+    A hand whose TCP is not OFF the point passes by and meets the prop with its side.
 
     Args:
         within: (dx, dy, dz) [m] between a measured contact and the declared point.
         closed_below: largest measured opening of the pressing gripper that counts.
-        tilted_below: largest angle [rad] between its approach (TCP +x) and straight down.
+        tilted_below: largest angle [rad] between its approach (TCP +x) and the point's -y.
     """
     bounds = np.asarray(within, float)
 
     def counts(scene: Scene, side: str) -> bool:
         if scene.opening(side) >= closed_below:
             return False
-        tcp = scene.tcp(side)
-        above = tcp.p[2] - scene.contact(prop, contact).p[2] > ABOVE
-        return bool(above and -tcp.R[2, 0] >= np.cos(tilted_below))
+        tcp, point = scene.tcp(side), scene.contact(prop, contact)
+        outward = point.R[:, 1]
+        straight = -(tcp.R[:, 0] @ outward) >= np.cos(tilted_below)
+        return bool(straight and (tcp.p - point.p) @ outward > OFF)
 
     def holds(scene: Scene) -> bool:
         hit = False
