@@ -54,4 +54,6 @@ def test_it_is_keyed_by_the_episode() -> None:
 @pytest.mark.parametrize("name", ["click_bell", "press_stapler", "click_alarmclock"])
 def test_trembling_presses_nothing(name: str) -> None:
     task, pack = load_task(name), default_pack()
-    assert not any(solves(Setting(name).at(seed), task, pack, "jitter") for seed in range(3))
+    assert not any(
+        solves(Setting(name, "clean").at(seed), task, pack, "jitter") for seed in range(3)
+    )
