@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from rtphys.assets.build import Progress
 
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
+TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
 LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
 RUNNERS = ("local", "ray")
 
@@ -176,8 +177,12 @@ class Run:
 
     def room_needed(self, plans: Sequence[TaskPlan]) -> float:
         """Disk space that the plans' episodes need at most [bytes]."""
-        pictures = sum(plan.episodes * len(plan.cameras) * len(plan.sides) for plan in plans)
-        return pictures * EPISODE_BYTES
+        needed = 0.0
+        for plan in plans:
+            looks = [side.setting.visual() for side in plan.sides]
+            shares = sum(TEXTURED if look and look.textures else 1 for look in looks)
+            needed += plan.episodes * len(plan.cameras) * shares * EPISODE_BYTES
+        return needed
 
     def check_room(self, plans: Sequence[TaskPlan]) -> None:
         """Raises `NoRoom`: less disk space than the plans' episodes will need."""
