@@ -35,7 +35,7 @@ def test_child_replaces_whole_rules_and_says_where_from(write):
 def test_null_holds_an_attribute_at_nominal(write):
     domain = load_domain(write("extends: global\nphysics: {friction: null, restitution: null}\n"))
     physics = domain.sample(1)
-    assert physics["friction"] is None
+    assert physics["friction"] == 0.5
     assert physics["restitution"] == 0.0
     assert not {"friction", "restitution"} & physics.varied
 

@@ -39,7 +39,8 @@ def test_nothing_varies_in_clean():
     physics = GLOBAL.sample(5, only=[])
     assert physics.varied == frozenset()
     assert physics["camera_mode"] is None
-    assert physics["friction"] is None
+    assert physics["friction"] == 0.5
+    assert physics["object_joint_damping"] is None
     assert physics["center_of_mass"] == (0.0, 0.0, 0.0)
     assert physics["object_mass"] == 1.0
 

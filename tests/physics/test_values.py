@@ -33,10 +33,10 @@ def test_immutable():
 def test_scalar_and_vector():
     clean = load_domain("global").sample(1, only=[])
     assert clean.scalar("object_mass") == 1.0
-    assert clean.scalar("friction", 0.5) == 0.5
+    assert clean.scalar("object_joint_damping", 0.5) == 0.5
     assert clean.vector("center_of_mass") == (0, 0, 0)
-    with pytest.raises(TypeError, match="friction is None"):
-        clean.scalar("friction")
+    with pytest.raises(TypeError, match="object_joint_damping is None"):
+        clean.scalar("object_joint_damping")
     with pytest.raises(TypeError, match="not a vector"):
         clean.vector("object_mass")
 

@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-Field = NDArray[np.float32]  # one number a pixel, (height, width), or a row or column of them
+Field = NDArray[np.floating[Any]]  # one number a pixel, (height, width), or a row or column of them
 HELD_OUT = ((0.4, 0.5), (0.9, 1.0))  # of each parameter's range: shares that are unseen
 
 

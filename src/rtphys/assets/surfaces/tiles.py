@@ -62,14 +62,10 @@ def checks(canvas: Canvas, knobs: Knobs) -> Field:
     rng, side = knobs.rng, knobs.number("side", 0.06, 0.16)  # [m]
     light = knobs.colour("light", (0.0, 1.0), (0.02, 0.25), (0.7, 0.97))
     dark = knobs.colour("dark", (0.0, 1.0), (0.05, 0.65), (0.12, 0.5))
-    column, row = np.floor(canvas.x / side), np.floor(canvas.y / side)
-    odd = ((column + row) % 2).astype(np.float32)
-    cell, edge, *_ = _laid(canvas, Knobs(rng, knobs.unseen), (side, side), 0.0)
+    cell, edge, *_ = _laid(canvas, knobs, (side, side), 0.0)
+    odd = (cell % 2).astype(np.float32)  # columns count by 17, rows by 131
     veins = 1 + 0.09 * canvas.clouds(rng, 0.12, 5) + 0.02 * per_cell(rng, cell, 1.0)
-    seam = np.minimum(np.abs(canvas.x / side - np.round(canvas.x / side)) + 0 * canvas.y,
-                      np.abs(canvas.y / side - np.round(canvas.y / side)))  # fmt: skip
-    del edge
-    return mix(light, dark, odd) * (veins * (0.8 + 0.2 * step(0.008, 0.01, seam)))[..., None]
+    return mix(light, dark, odd) * (veins * (0.8 + 0.2 * step(0.0008, 0.001, edge)))[..., None]
 
 
 def bricks(canvas: Canvas, knobs: Knobs) -> Field:
@@ -105,4 +101,4 @@ def hexagons(canvas: Canvas, knobs: Knobs) -> Field:
     near, cell = np.minimum(a, b), np.where(a < b, first, second)
     pick = (per_cell(rng, cell, 0.5) - 0.5) * 3
     face = np.array(palette)[np.clip(pick, 0, 2).astype(int)] * per_cell(rng, cell, 0.05)[..., None]
-    return mix(face, joint, step(wide * 0.475, wide * 0.012, near)[...])
+    return mix(face, joint, step(wide * 0.475, wide * 0.012, near))

@@ -22,6 +22,7 @@ from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
 
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
+TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
 
 
 def _cameras() -> tuple[str, ...]:
@@ -140,8 +141,12 @@ class Run:
 
     def room_needed(self, plans: Sequence[TaskPlan]) -> float:
         """Disk space that the plans' episodes need at most [bytes]."""
-        videos = sum(plan.episodes * len(plan.cameras) * len(plan.sides) for plan in plans)
-        return videos * EPISODE_BYTES
+        needed = 0.0
+        for plan in plans:
+            looks = [side.setting.visual() for side in plan.sides]
+            shares = sum(TEXTURED if look and look.textures else 1 for look in looks)
+            needed += plan.episodes * len(plan.cameras) * shares * EPISODE_BYTES
+        return needed
 
     def check_room(self, plans: Sequence[TaskPlan]) -> None:
         """Refuses plans whose episodes will need more disk space than there is."""
