@@ -93,6 +93,8 @@ def seven_joints(source: Path, folder: Path) -> dict[str, object]:
         **config,
         **{key: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0] for key in per_joint},
         "hand": {**hand, "finger_travel": 0.04},
+        "joint_armature": 0.2,
+        "gripper_armature": 0.05,
     }
 
 

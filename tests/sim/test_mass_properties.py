@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from rtphys.assets.asset_model import ArticulatedModel, Body
-from rtphys.assets.material import substance
+from rtphys.assets.material import density
 from rtphys.assets.objects import catalogue
 from rtphys.assets.pack import default_pack
 from rtphys.core.poses import Pose
@@ -49,7 +49,7 @@ def seen(category: str, index: int, link: str) -> tuple[float, np.ndarray]:
     parts = []
     for part in body.visual:
         mesh = trimesh.Trimesh(part.solid.vertices, part.solid.faces, process=False)
-        mesh.density = substance(part.material).density
+        mesh.density = density(part.material)
         parts.append(mesh.mass_properties)
     mass = sum(p.mass for p in parts)
     com = sum(p.mass * p.center_mass for p in parts) / mass

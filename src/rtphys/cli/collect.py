@@ -44,7 +44,10 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
 
     plans = _plans(request, template)
     own = own_plans(plans, run)
-    for sentence in (*_protocols(request, template), *without_effect(plans)):
+    if not request.manifest:  # which says it itself
+        chosen = load_protocol(template.setting.protocol)
+        typer.echo(f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)")
+    for sentence in without_effect(plans):
         typer.echo(sentence, err=True)
     if request.dry_run:
         from rtphys.cli.collect_forecast import show_plans
@@ -76,14 +79,6 @@ def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:
         allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
         raise BadValue("task", None, allowed)
     return plans_for(template, library.matching("tasks", list(request.task)), request.sweep)
-
-
-def _protocols(request: Request, template: TaskPlan) -> list[str]:
-    """What varies, and how to get another protocol; nothing where a manifest says it."""
-    if request.manifest:
-        return []
-    chosen = load_protocol(template.setting.protocol)
-    return [f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)"]
 
 
 def _collect(plans: Sequence[TaskPlan], run: Run) -> None:

@@ -55,7 +55,8 @@ def test_it_names_every_folder_and_writes_nothing(
 def test_it_knows_what_is_there(tmp_path: Path, without_robot: None) -> None:
     out = robotless.collect(plans(1, 5), tmp_path / "data")
     before = content(out)
-    options = ["--task", "click_bell,lift_pot", "--seed", "3", "--out", str(out)]
+    options = ["--task", "click_bell,lift_pot", "--protocol", "clean", "--seed", "3"]
+    options += ["--out", str(out)]
     found, _ = rows(*options, "--episodes", "9")
     assert [cells[:2] for cells in found.values()] == [["9", "5"], ["9", "0"]]
     assert content(out) == before
@@ -64,11 +65,11 @@ def test_it_knows_what_is_there(tmp_path: Path, without_robot: None) -> None:
 def test_a_shard_names_its_own_part(tmp_path: Path) -> None:
     options = ["--task", "click_bell,lift_pot", "--episodes", "9", "--out", str(tmp_path / "data")]
     found, last = rows(*options, "--shard", "2/2")
-    assert list(found) == ["clean/lift_pot/aloha_agilex"]
+    assert list(found) == ["phys_random_all/lift_pot/aloha_agilex"]
     assert last.startswith("9 episodes")
     found, last = rows(*options, "--shard", "1/4")
     assert {folder: cells[0] for folder, cells in found.items()} == {
-        "clean/click_bell/aloha_agilex": "5"
+        "phys_random_all/click_bell/aloha_agilex": "5"
     }
 
 
@@ -76,8 +77,8 @@ def test_a_sweep_and_a_manifest(tmp_path: Path) -> None:
     out = ["--out", str(tmp_path / "data")]
     found, _ = rows("--task", "lift_pot", "--sweep", "friction=0.1,0.2", *out)
     assert [folder.partition("/")[0] for folder in found] == [
-        "clean.friction=0.1",
-        "clean.friction=0.2",
+        "phys_random_all.friction=0.1",
+        "phys_random_all.friction=0.2",
     ]
     found, _ = rows("--manifest", "smoke", *out)
     assert {folder.partition("/")[0] for folder in found} == {"clean", "phys_random_all"}
