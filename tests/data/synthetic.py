@@ -77,7 +77,12 @@ def phys_meta(seed: int) -> dict[str, object]:
         "protocol": "phys_random",
         "domain": {"name": DOMAIN.name, "digest": DOMAIN.digest},
         "attributes": {
-            key: {"value": physics[key], "unit": known.unit, "varied": key in physics.varied}
+            key: {
+                "value": physics[key],
+                "unit": known.unit,
+                "varied": key in physics.varied,
+                "tolerance": known.deviation(physics[key]),
+            }
             for key, known in attributes().items()
         },
         "draws": {key: physics[key] for key in physics if key not in attributes()},
