@@ -18,7 +18,7 @@ OUT = Path(__file__).resolve().parents[1] / "docs" / "slip.json"
 UPRIGHT = Pose((0, 0, 0), (0.5**0.5, 0.5**0.5, 0, 0))
 ASIDE = (0.005, 0.010, 0.015)  # [m]
 AZIMUTHS = (0, 90, 180, 270)  # [deg] from the push
-FRICTIONS = (0.05, 0.3, 1.0)
+FRICTIONS = (0.1, 0.5)
 
 
 def objects(pack: Pack) -> list[Prop]:

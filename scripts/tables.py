@@ -27,8 +27,10 @@ DOCUMENTS = (
     ROOT / "README.md",
     DOCS / "objects.md",
     DOCS / "domains.md",
+    DOCS / "physics.md",
     DOCS / "benchmark.md",
 )
+SHOWN = ("block", "plate", "071_can", "001_bottle", "021_cup", "081_playingcards", "043_book")
 DRAWN = 200  # number of layouts per task for which centres of mass are drawn
 
 
@@ -101,6 +103,35 @@ def feasibility() -> str:
     return _table(head, rows)
 
 
+def slip() -> str:
+    """Table of objects that stand: push at which they slide, by the distance of their mass."""
+    measured = json.loads((DOCS / "slip.json").read_text())
+    aside = sorted({a for row in measured.values() for a in row["slip"]}, key=float)
+    footed = [name for name, row in measured.items() if row["feet"]]
+    off = [
+        n
+        for n in measured
+        if any(low < 0.97 or high > 1.03 for low, high in measured[n]["slip"].values())
+    ]
+    plain = [name for name in footed if name not in off]
+    groups = {f"{len(plain)} of {len(footed)} on feet": plain}
+    named = [n for n in SHOWN if n in plain] + sorted({*off, *measured} - {*plain})
+    rows = []
+    for title, names in {**groups, **{f"`{n}`": [n] for n in named}}.items():
+        found = [measured[n]["slip"] for n in names]
+        cells = (_extremes([s[a] for s in found if a in s]) for a in aside)
+        turned = max((measured[n]["turned_deg"] for n in names), default=0)
+        rows.append((title, *cells, f"{turned:.0f}"))
+    return _table(("object", *(f"{a} mm" for a in aside), "turned [deg]"), rows)
+
+
+def _extremes(pairs: list[list[float]]) -> str:
+    """Least and largest of several ranges; empty if there are none."""
+    if not pairs:
+        return ""
+    return f"{min(low for low, _ in pairs):.2f} to {max(high for _, high in pairs):.2f}"
+
+
 def benchmark() -> str:
     """Table of certified lists: length, and success of both open-loop baselines."""
     lists = _certified()
@@ -156,6 +187,7 @@ TABLES = {
     "center_of_mass": center_of_mass,
     "com_rejection": com_rejection,
     "feasibility": feasibility,
+    "slip": slip,
     "benchmark": benchmark,
     "baselines": baselines,
 }

@@ -85,6 +85,7 @@ def phys_meta(seed: int) -> dict[str, object]:
                 "varied": key in physics.varied,
                 "source": rules.source(key, physics),
                 "acts": key in acts,
+                "tolerance": known.deviation(physics[key]),
             }
             for key, known in attributes().items()
         },

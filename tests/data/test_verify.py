@@ -121,6 +121,10 @@ def edit_meta(change: Callable[[dict], None]) -> Callable[[TaskDataset], None]:
             "attributes.friction is 0.5, the seed",
         ),
         (lambda m: m["attributes"]["friction"].update(varied=False), "attributes.friction.varied"),
+        (
+            lambda m: m["attributes"]["friction"].update(tolerance=0.5),
+            "attributes.friction.tolerance",
+        ),
         (lambda m: m["attributes"]["table_tilt"].update(unit="rad"), "attributes.table_tilt.unit"),
         (lambda m: m["attributes"].pop("restitution"), "attributes.restitution is missing"),
         (lambda m: m["attributes"]["center_of_mass"]["value"].reverse(), "center_of_mass"),

@@ -103,3 +103,14 @@ def test_clean_is_the_assets_own(pack):
         assert body.mass == body.nominal_mass
     for joint in world.joints:
         assert joint.damping == joint.nominal_damping
+
+
+@pytest.mark.parametrize("key", sorted(attributes()))
+def test_stated_deviation_is_no_finer_than_the_simulator(key: str) -> None:
+    attribute = attributes()[key]
+    middle = (attribute.valid.low + attribute.valid.high) / 2
+    value = (middle,) * attribute.size if attribute.size > 1 else middle
+    stated = attribute.deviation(value)
+    assert stated is not None
+    assert attribute.resolution <= stated < 0.1 * (attribute.valid.high - attribute.valid.low)
+    assert attribute.deviation(None) is None or attribute.nominal is not None

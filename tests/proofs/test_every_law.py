@@ -11,7 +11,7 @@ from rtphys.physics import attributes, gaze, load_domain
 from rtphys.physics.distribution import By, Fixed, SameAs
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
-from rtphys.proofs.proof import Trial, Values
+from rtphys.proofs.proof import COMPANY, Trial, Values
 from rtphys.proofs.run import proof, run_trials
 
 pytestmark = pytest.mark.sim
@@ -43,6 +43,22 @@ def test_law(lab: Lab, key: str, value: Value) -> None:
 )
 def test_law_beside_other_attributes(lab: Lab, key: str, others: Values) -> None:
     assert_passed(run_trials(lab, proof(key), proof(key).settings[-1], others))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [(law.key, value) for law in LAWS for value in law.settings], ids=str
+)
+def test_law_in_company_with_all(lab: Lab, key: str, value: Value) -> None:
+    assert_passed(run_trials(lab, proof(key), value, proof(key).company))
+
+
+def test_company_varies_every_attribute() -> None:
+    nominal = {key: attribute.nominal for key, attribute in attributes().items()}
+    assert nominal.keys() <= COMPANY.keys()
+    assert not [key for key, value in nominal.items() if COMPANY[key] == value]
+    for law in LAWS:  # only what the law itself excludes is left out
+        missing = nominal.keys() - law.company.keys() - {law.key}
+        assert missing <= {"camera_angle", "camera_distance"}, law.key
 
 
 def global_ends(key: str) -> list[Value]:

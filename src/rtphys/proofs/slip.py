@@ -1,6 +1,6 @@
 """Slip on the table: the push at which standing objects slide, over friction and centre of mass."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,11 +17,13 @@ from rtphys.sim.world import World
 from rtphys.task.props import TABLE_TOP, Prop
 
 LOW, HIGH, RATE_OF_PUSH = 0.7, 1.1, 0.2  # push [mu m g] where slip is looked for, its end; [1/s]
-EASE = 1.0  # [s] in which the push grows to LOW: a blow would rock what is tall
+EASE = 0.5  # [s] in which the push grows to LOW: a blow would rock what is tall
 AFTER = 0.1  # [s] from the slip until it is noticed
-REST = RATE  # [steps] until the objects stand
-MARGIN = 0.95  # of the face on which an object stands: what pushes harder tips it
+WINDOW = 5  # [steps] over which a speed is measured
+REST = RATE // 2  # [steps] until the objects stand
+MARGIN = 0.9  # of the face on which an object stands: what pushes harder tips it
 GAP = 0.06  # [m] between two copies: they slide by less than half of that
+CLEAR = 0.15  # [m] y of the copies' row: the hands at home are nearer to the robot
 
 
 @dataclass(frozen=True)
@@ -38,68 +40,73 @@ def slips(lab: Lab, prop: Prop, mu: float, offsets: Sequence[Array]) -> list[Sli
 
     None stands for a copy that does not stand by itself, or that would tip before it slides.
     """
-    alone = lab.world([prop.at(Pose((0, 0, 0), prop.pose.q))], {"friction": mu})
-    size = float(np.ptp((pose_of(alone.bodies[0]) @ alone.bodies[0].hull)[:, :2], axis=0).max())
-    found: list[Slip | None] = []
-    for start in range(0, len(offsets), len(places := list(_places(size)))):
-        found += _pushed(lab, prop, mu, offsets[start : start + len(places)], places)
+    alone = lab.world([prop.at(Pose((0, CLEAR, 0), prop.pose.q))], {"friction": mu})
+    body = alone.bodies[0]
+    # What topples would hit its neighbours, so only what stands is built.
+    standing = [i for i, offset in enumerate(offsets) if _stands(_moved(body, offset), mu)]
+    size = float(np.ptp((pose_of(body) @ body.hull)[:, :2], axis=0).max())
+    pitch, room = size + GAP, 2 * TOP_HALF[0] - size - GAP
+    row = 1 + int(room / pitch)
+    found: list[Slip | None] = [None] * len(offsets)
+    for start in range(0, len(standing), row):
+        some = standing[start : start + row]
+        copies = [
+            replace(prop, name=f"copy{i}", pose=Pose((pitch * k - room / 2, CLEAR, 0), prop.pose.q))
+            for k, i in enumerate(some)
+        ]
+        world = lab.world(copies, {"friction": mu})
+        for i, copy in zip(some, world.bodies, strict=True):
+            _moved(copy, offsets[i])
+        for i, slip in zip(some, _pushed(world, mu), strict=True):
+            found[i] = slip
     return found
 
 
-def _places(size: float) -> Iterator[tuple[float, float]]:
-    """Places (x, y) [m] on the table for copies of an object of this size."""
-    for x in np.arange(-TOP_HALF[0] + size / 2, TOP_HALF[0] - size / 2 - GAP, size + GAP):
-        for y in np.arange(-TOP_HALF[1] + size / 2, TOP_HALF[1] - size / 2, size + GAP):
-            yield float(x), float(y)
+def _moved(body: SimBody, offset: Array) -> SimBody:
+    """The body, its centre of mass `offset` (3,) [m] (world axes) from where it belongs."""
+    body.set_com(body.nominal_com + pose_of(body).R.T @ offset)
+    return body
 
 
-def _pushed(
-    lab: Lab,
-    prop: Prop,
-    mu: float,
-    offsets: Sequence[Array],
-    places: Sequence[tuple[float, float]],
-) -> list[Slip | None]:
-    copies = [
-        replace(prop, name=f"copy{i}", pose=Pose((*place, 0), prop.pose.q))
-        for i, (place, _) in enumerate(zip(places, offsets, strict=False))
-    ]
-    world = lab.world(copies, {"friction": mu})
-    for body, offset in zip(world.bodies, offsets, strict=True):
-        body.set_com(body.nominal_com + pose_of(body).R.T @ offset)
+def _pushed(world: World, mu: float) -> list[Slip | None]:
+    """What each body does; None for one that fell while they came to rest."""
     for _ in range(REST):
         world.step()
     tried = [i for i, body in enumerate(world.bodies) if _stands(body, mu)]
-    before = {i: pose_of(world.bodies[i]) for i in tried}
-    shares = _ramp(world, tried, mu)
-    return [
-        Slip(
-            shares.get(i, HIGH),
-            float(np.degrees(before[i].angle_to(pose_of(body)))),
-            has_feet(body.component),
-        )
-        if i in before
-        else None
-        for i, body in enumerate(world.bodies)
-    ]
+    before = [pose_of(body) for body in world.bodies]
+    shares, slips = _ramp(world, tried, mu), list[Slip | None]()
+    for i, (body, X) in enumerate(zip(world.bodies, before, strict=True)):
+        turned = float(np.degrees(X.angle_to(pose_of(body))))
+        slip = Slip(shares.get(i, HIGH), turned, has_feet(body.component))
+        slips.append(slip if i in tried else None)
+    return slips
 
 
 def _ramp(world: World, tried: list[int], mu: float) -> dict[int, float]:
-    """Body -> push [mu m g] at which it began to slide, found from its speed AFTER seconds."""
+    """Body -> push [mu m g] at which it began to slide, found from its speed AFTER seconds.
+
+    The speed is that of the positions: PhysX states some millimetres a second for what is tall and
+    stands still.
+    """
     fast = RATE_OF_PUSH * mu * GRAVITY * AFTER**2 / 2
     grow = np.arange(LOW, HIGH, RATE_OF_PUSH * TIME_STEP)
     pushes = [*np.linspace(0, LOW, int(EASE * RATE), endpoint=False), *grow]
     shares: dict[int, float] = {}
-    for share in pushes:
+    last = dict.fromkeys(tried, 0.0)
+    for step, share in enumerate(pushes):
         for i in tried:
             body = world.bodies[i]
             push = share * mu * body.mass * GRAVITY
             body.component.add_force_torque([push, 0.0, 0.0], [0.0, 0.0, 0.0])
         world.step()
+        if step % WINDOW:
+            continue
         for i in tried:
-            slid = world.bodies[i].component.linear_velocity[0] > fast
+            x = float((pose_of(world.bodies[i]) @ world.bodies[i].com)[0])
+            slid = (x - last[i]) / (WINDOW * TIME_STEP) > fast
+            last[i] = x
             if share >= LOW and i not in shares and slid:
-                shares[i] = share - RATE_OF_PUSH * AFTER
+                shares[i] = share - RATE_OF_PUSH * (AFTER + WINDOW * TIME_STEP / 2)
     return shares
 
 

@@ -15,9 +15,8 @@ from rtphys.sim.engine import from_sapien, to_sapien
 
 PROUD = 5e-6  # [m] that a foot stands out of the face: it bears all, and nobody sees it
 INSET = FOOT_RADIUS + 2e-4  # [m] from the face's edges: nothing touches a foot from aside
-FLAT = 3e-4  # [m] a vertex so near to the lowest one belongs to the face on which the body stands
+FLAT = 1e-4  # [m] a vertex so near to the lowest one belongs to the face on which the body stands
 LEAST_WIDTH = 0.01  # [m] of that face: what stands on less rocks or rolls
-MOST = 4  # feet under one body
 
 
 def add_feet(body: AnyBody, up: Array) -> None:
@@ -51,8 +50,7 @@ def footing(face: Array) -> Array:
         corners = face[ConvexHull(face).vertices]  # counter-clockwise
     except (QhullError, ValueError):  # a point or a line
         return np.empty((0, 2))
-    while len(corners) > MOST or (len(corners) > 3 and _lost(corners).min() < FLAT**2):
-        corners = np.delete(corners, np.argmin(_lost(corners)), axis=0)
+    corners = _largest_four(corners)
     along = np.roll(corners, -1, axis=0) - corners
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     inward = np.c_[-along[:, 1], along[:, 0]]
@@ -65,7 +63,17 @@ def footing(face: Array) -> Array:
     return corners + INSET * middle / (1 + (before * inward).sum(1, keepdims=True))
 
 
-def _lost(corners: Array) -> Array:
-    """Area [m²] that a convex polygon (n, 2) loses with each of its corners (n,)."""
-    a, b = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
-    return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+def _largest_four(corners: Array) -> Array:
+    """Those four corners of a convex polygon (n, 2) that span the largest area; all, if n < 5."""
+    n = len(corners)
+    if n < 5:
+        return corners
+    best, chosen = 0.0, (0, 1, 2, 3)
+    for i in range(n - 2):
+        for j in range(i + 2, n):
+            (x, y), off = corners[j] - corners[i], corners - corners[i]
+            height = x * off[:, 1] - y * off[:, 0]  # times the diagonal's length, left positive
+            left, right = int(np.argmax(height)), int(np.argmin(height))
+            if height[left] - height[right] > best * (1 + 1e-9):
+                best, chosen = float(height[left] - height[right]), (i, right, j, left)
+    return corners[sorted(chosen)] if len(set(chosen)) == 4 else corners[:4]
