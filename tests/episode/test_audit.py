@@ -13,13 +13,14 @@ from rtphys.core import library
 from rtphys.core.errors import Infeasible
 from rtphys.data.schema import PhysMeta
 from rtphys.episode.assemble import label
-from rtphys.episode.audit import Audit, audit_episode
+from rtphys.episode.audit import Audit, Totals, audit_episode, from_opencv
 from rtphys.episode.instance import Instance, prepare
 from rtphys.physics import Physics, attributes
 from rtphys.proofs.audit_labels import Label
 from rtphys.proofs.measure.finding import Measurement, Unmeasured
 from rtphys.setting.protocol import BUILTIN
 from rtphys.setting.setting import Setting
+from rtphys.sim.camera import extrinsic_cv
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
@@ -260,3 +261,27 @@ def test_a_look_of_version_1_is_rebuilt_and_told(pack: Pack) -> None:
     assert drop == pytest.approx(-0.02, abs=1e-4)
     still = replace(first, meta=first.meta.model_copy(update={"visual": None}))
     assert not audit_episode(still, pack, PATH).deviations
+
+
+def test_a_camera_is_where_its_stored_matrix_says(pack: Pack) -> None:
+    (instance,) = instances("click_bell", "phys_random", pack, 1)
+    pose = instance.world.head_camera.pose
+    again = from_opencv(np.asarray(extrinsic_cv(pose), float))
+    assert np.allclose(again.p, pose.p, atol=1e-6)
+    assert again.angle_to(pose) < 1e-6
+
+
+def test_totals_name_the_largest_deviation_of_each_attribute(pack: Pack) -> None:
+    audits = [
+        audit_episode(stored(instance), pack, PATH)
+        for instance in instances("click_bell", "phys_random", pack, 2)
+    ]
+    totals = Totals()
+    for audit in audits:
+        totals.add(audit)
+    assert (totals.episodes, totals.sound) == (2, 2)
+    every = [f for a in audits for f in a.findings if isinstance(f, Measurement)]
+    tilts = [m.deviation for m in every if m.key == "table_tilt"]
+    assert totals.worst["table_tilt"].deviation == max(tilts)
+    assert totals.measured["arm_joint_damping"] == 24
+    assert totals.unmeasured["object_mass", "acts on nothing in this episode"] == 2

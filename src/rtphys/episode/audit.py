@@ -1,7 +1,7 @@
 """Audits labels: each episode's world is built again, read back, and measured by experiment."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -95,10 +95,10 @@ def _filmed(episode: Episode) -> dict[str, Pose]:
     camera = episode.frames.cameras.get(HEAD)
     if camera is None:
         return {}
-    return {"pictures": _from_opencv(np.asarray(camera.extrinsic_cv[0], float))}
+    return {"pictures": from_opencv(np.asarray(camera.extrinsic_cv[0], float))}
 
 
-def _from_opencv(extrinsic: Array) -> Pose:
+def from_opencv(extrinsic: Array) -> Pose:
     """World pose (x forward, y left, z up) of a camera from its matrix (3, 4), world -> camera."""
     right, down, forward = R = extrinsic[:, :3]
     X = np.eye(4)
@@ -129,13 +129,6 @@ class Totals:
             known = self.worst.get(finding.key)
             if known is None or _share(finding) > _share(known):
                 self.worst[finding.key] = finding
-
-    @staticmethod
-    def of(audits: Iterable[Audit]) -> "Totals":
-        totals = Totals()
-        for audit in audits:
-            totals.add(audit)
-        return totals
 
 
 def _share(measurement: Measurement) -> float:

@@ -20,7 +20,8 @@ def measure(
     """What experiments find of every attribute of the label; the world is used up.
 
     Args:
-        acting: attributes that act in this episode, as its label says; others are not measured.
+        acting: attributes that act in this episode, as its label says. Others are measured all
+            the same where there is something to measure: the label may be wrong in this, too.
         cameras: other statements of where the head camera was (`locate`).
     """
     lift(specimen.world)
@@ -28,9 +29,8 @@ def measure(
     found += [*weigh_bodies(specimen), *weigh_articulated(specimen)]
     lift(specimen.world)  # again at rest
     found += [*survey(specimen), *hit_surfaces(specimen), *drag(specimen)]
-    findings = [finding for finding in found if finding.key in acting]
-    silent = specimen.keys - {finding.key for finding in findings}
-    return [*findings, *(Unmeasured(key, "", _why(key, acting)) for key in sorted(silent))]
+    silent = specimen.keys - {finding.key for finding in found}
+    return [*found, *(Unmeasured(key, "", _why(key, acting)) for key in sorted(silent))]
 
 
 def _why(key: str, acting: Collection[str]) -> str:

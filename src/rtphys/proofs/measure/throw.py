@@ -130,12 +130,12 @@ def _only_normal(body: AnyBody, contacts: Sequence[tuple[AnyBody, Array]]) -> Ar
 
 
 def _outcome(before: Array, ball: Ball, normal: Array) -> Outcome | None:
-    """Friction and restitution from what an impact did to a ball's velocity; None for a graze."""
+    """Friction and restitution from what an impact did to a ball; None if there was none."""
     change = np.array(ball.linear_velocity, float) - before
     normal = normal * np.sign(change @ normal)
     gained, inward = float(change @ normal), -float(before @ normal)
-    if inward < INWARD / 2:
-        return None
+    if inward < INWARD / 2 or gained < inward / 2:
+        return None  # a graze, or a contact that was seen and not reached
     slowed = float(np.linalg.norm(change - gained * normal))
     return 2 * slowed / gained, 2 * (gained / inward - 1)
 
