@@ -1,6 +1,6 @@
 """Mass, inertia and shape that files state for a body: the reference of every weighing."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,9 +77,3 @@ def hulls(parts: Iterable[Array], density: float) -> Matter:
     com = first / mass
     central = second - mass * np.outer(com, com)
     return Matter(mass, com, np.trace(central) * np.eye(3) - central)
-
-
-def box_of(parts: Sequence[Array]) -> Array:
-    """Size (3,) of the box around some corners."""
-    every = np.vstack(parts)
-    return np.ptp(every, axis=0)
