@@ -10,16 +10,17 @@ from rich.table import Table
 
 from rtphys.cli.domains import AsJson, domain_named
 from rtphys.cli.options import split
+from rtphys.cli.physics_audit import audit
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
 from rtphys.physics import Physics, Value, attributes, parse_overrides
 from rtphys.setting.setting import Recipe, Setting
 
 if TYPE_CHECKING:
-    from rtphys.data.dataset import Dataset
     from rtphys.proofs.proof import Trial
 
 app = typer.Typer(no_args_is_help=True, help="The physical attributes.")
+app.command()(audit)
 
 
 @app.command()
@@ -80,49 +81,6 @@ def prove(
     typer.echo(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
     if failed:
         raise typer.Exit(1)
-
-
-@app.command()
-def audit(
-    dataset: Annotated[Path, typer.Argument(help="A folder with a manifest.json.")],
-    out: Annotated[Path | None, typer.Option(help="Draw histograms here, one per task.")] = None,
-    labels: Annotated[bool, typer.Option(help="Rebuild worlds and compare labels.")] = True,
-) -> None:
-    """Build each episode's world again from its label, and tell where feasibility cut."""
-    from rtphys.data.dataset import Dataset
-    from rtphys.proofs.audit import selections_by_task_dataset
-
-    data = Dataset(dataset)
-    wrong = _audit_labels(data) if labels else 0
-    for name, selections in selections_by_task_dataset(data).items():
-        typer.echo(f"\n{name}")
-        typer.echo(f"  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
-        for selection in selections:
-            counts = f"{selection.accepted.sum()} of {len(selection.accepted)}"
-            shift = f"{selection.distance:6.3f} {selection.p:8.2g}"
-            typer.echo(f"  {selection.key:24} {counts:>12} {shift}  {selection.sentence}")
-        if out is not None:
-            from rtphys.report.figures.selection import draw_selections
-
-            out.mkdir(parents=True, exist_ok=True)
-            draw_selections(selections, name, out / f"{name.replace('/', '_')}.png")
-    if wrong:
-        raise typer.Exit(1)
-
-
-def _audit_labels(data: "Dataset") -> int:
-    """Prints every false label; the number of episodes that have one."""
-    from rtphys.assets.pack import default_pack
-    from rtphys.proofs.audit_labels import label_problems
-
-    pack, wrong = default_pack(), 0
-    for episode in data:
-        problems = label_problems(episode, pack)
-        wrong += bool(problems)
-        for problem in problems:
-            typer.echo(f"{episode.paths.phys_meta}: {problem}")
-    typer.echo(f"{len(data) - wrong} of {len(data)} episodes: the rebuilt world says what they say")
-    return wrong
 
 
 def worst(trials: "list[Trial]") -> "list[Trial]":

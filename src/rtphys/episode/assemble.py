@@ -49,7 +49,7 @@ def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
         recipe=attempt.recipe.to_json(),
         frames=_frames(recording, photographs),
         phys_meta={
-            **_label(instance),
+            **label(instance),
             "cameras": {name: _camera(X) for name, X in photographs.first_poses.items()},
             "verdict": {**_verdict(recording, outcome), **_clutter(instance, recording)},
             "versions": dict(versions(task)),
@@ -61,7 +61,8 @@ def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
     )
 
 
-def _label(instance: Instance) -> dict[str, object]:
+def label(instance: Instance) -> dict[str, object]:
+    """The part of a label file that is known before anyone acts."""
     recipe, physics = instance.recipe, instance.physics
     known, rules, acts = attributes(), recipe.setting.rules, acting(physics, parts(instance.props))
     return {
