@@ -5,7 +5,7 @@ import pytest
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
-from rtphys.episode.assemble import _label
+from rtphys.episode.assemble import label as label_of
 from rtphys.episode.instance import Instance, prepare
 from rtphys.physics import acting, attributes
 from rtphys.physics.attribute import Part
@@ -49,7 +49,7 @@ def test_the_props_tell_what_the_world_has(name: str) -> None:
     ],
 )
 def test_a_label_says_what_acts(name: str, inert: set[str]) -> None:
-    label = _label(instance_of(name))["attributes"]
+    label = label_of(instance_of(name))["attributes"]
     assert isinstance(label, dict)
     assert {key for key, one in label.items() if not one["acts"]} - CAMERA == inert
 

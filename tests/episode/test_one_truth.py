@@ -14,7 +14,7 @@ from sapien import physx
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.core.errors import BadValue
 from rtphys.core.poses import Pose
-from rtphys.episode.assemble import _label
+from rtphys.episode.assemble import label as label_of
 from rtphys.episode.instance import Instance, prepare
 from rtphys.setting.protocol import BUILTIN, OFFICIAL
 from rtphys.setting.setting import Setting
@@ -35,7 +35,7 @@ def pack() -> Pack:
 
 def labels(instance: Instance) -> dict[str, dict[str, object]]:
     """The attributes of the label that a recording of this instance would have."""
-    return _label(instance)["attributes"]  # pyright: ignore[reportReturnType]
+    return label_of(instance)["attributes"]  # pyright: ignore[reportReturnType]
 
 
 def table_point(instance: Instance, dx: float, dy: float) -> np.ndarray:

@@ -138,8 +138,7 @@ def test_physics_is_told_and_shown_only_on_request() -> None:
     assert info["physics"]["object_mass"] != 1.0
     seen, info = shown.reset(seed=5)
     assert set(seen["physics"]) == set(attributes())
-    assert info["physics"]["friction"] is None
-    assert seen["physics"]["friction"].item() > 0.05  # the asset's own
+    assert info["physics"]["friction"] == seen["physics"]["friction"].item() == 0.5
     assert seen["physics"]["object_mass"].item() == 1.0
     assert seen["physics"]["center_of_mass"].shape == (3,)
 

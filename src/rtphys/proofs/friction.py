@@ -56,16 +56,8 @@ def _slips(lab: Lab, values: Values, push: float) -> bool:
     return bool(body.linear_velocity[0] > 2e-3 * push * GRAVITY * 0.4)
 
 
-def _nominal_friction(lab: Lab, values: Values) -> float:
-    """Coefficient [1] of plate against table with the assets' own materials."""
-    world = lab.world([puck()], values)
-    own = [s.materials()[0][0] for s in world.surfaces if s.name in ("puck", "table")]
-    return sum(own) / 2  # PhysX averages
-
-
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
-    values = {**others, "friction": value}
-    mu = _nominal_friction(lab, values) if value is None else number(value)
+    values, mu = {**others, "friction": value}, number(value)
     # On a tilted table a plate that is nearly without friction slides by itself.
     table = {**values, "table_tilt": 0.0} if mu < ROUGH else values
     distance, trace = stopping(lab, table, mu)
@@ -89,7 +81,7 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
 PROOF = Proof(
     "friction",
     "stopping distance = v² / 2 μ g;  breakaway push = μ m g;  F_slip = 2 μ N between fingers",
-    (None, 0.01, 0.3, 1.25),
+    (0.5, 0.01, 0.3, 1.25),
     run,
     ({"restitution": 0.5}, {"object_mass": 4.0, "restitution": 0.25}),
 )

@@ -32,17 +32,16 @@ WRONG = {
     "--task click_bell --layout nativ": "did you mean 'native'?",
     "--task click_bell --split sen": "did you mean 'seen'?",
     "--task click_bell --twin cleen": "did you mean 'clean'?",
-    "--task click_bell --twin clean": "it is the protocol itself",
+    "--task click_bell --protocol clean --twin clean": "it is the protocol itself",
     "--task click_bell --fallback builtin": "is not allowed; it needs --assets",
     "--task click_bell --assets / --fallback bultin": "did you mean 'builtin'?",
     "--task click_bell --shader slm": "did you mean 'slim'?",
     "--task click_bell --set frction=1": "did you mean 'friction'?",
     "--task click_bell --set friction=-1": "friction = -1.0 is not allowed",
     "--task click_bell --set friction": "write key=value",
-    "--task click_bell --only friction": "varies no physics",
     "--task click_bell --protocol phys_random --only friktion": "did you mean 'friction'?",
     "--task click_bell --domain globl --protocol phys_random": "did you mean 'global'?",
-    "--task click_bell --domain global": "varies no physics",
+    "--task click_bell --protocol clean --domain global": "varies no physics",
     "--task click_bell --domain no/such.yaml": "no/such.yaml",
     "--task click_bell --episodes 0": "--episodes = 0 is not allowed",
     "--task click_bell --runner rey": "did you mean 'ray'?",
@@ -131,7 +130,9 @@ def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(make_task, tmp_
     assert done.exit_code == 4
     assert "hopeless: 3 attempts were made" in done.stderr
     assert verify(out).problems == []
-    leaf = json.loads((out / "manifest.json").read_text())["leaves"]["clean/hopeless/aloha_agilex"]
+    leaf = json.loads((out / "manifest.json").read_text())["leaves"][
+        "phys_random_all/hopeless/aloha_agilex"
+    ]
     assert leaf["rejections"] == {"unreachable": 3}
     assert leaf["episodes"] == 0
 
