@@ -22,13 +22,11 @@ from rtphys.cli.progress import Lines
 from rtphys.core import library
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.results.instance_file import read_instances, write_instances
-from rtphys.results.instances import InstanceList, Slot
+from rtphys.results.instances import BENCHMARK, InstanceList, Slot
 from rtphys.setting.setting import Setting
 from rtphys.studies.certify.certified_list import Job
 from rtphys.studies.certify.run import CertifyWorker
 from rtphys.task.spec import load_task
-
-FOLDER = "benchmark_v1"
 
 
 @dataclass
@@ -62,7 +60,7 @@ class Reproof(Study[Job, Slot]):
 
 def reprove(instances: int, listener: Listener) -> list[Reproof]:
     """Solves the first instances of all lists again."""
-    folder, pack = library.bundled() / "manifests" / FOLDER, default_pack()
+    folder, pack = library.bundled() / "manifests" / BENCHMARK, default_pack()
     studies = [Reproof(path, read_instances(path)) for path in sorted(folder.glob("*/*.yaml"))]
     series = [study.series(instances) for study in studies]
     with LocalPool[Job, Slot](CertifyWorker(pack), cores(), Limits(), listener.noticed) as pool:

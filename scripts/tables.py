@@ -15,7 +15,7 @@ from rtphys.physics import attributes, load_domain
 from rtphys.physics.load import domain_for_task
 from rtphys.proofs.com_inside import Bodies, narrowed, survival
 from rtphys.results.instance_file import read_instances
-from rtphys.results.instances import InstanceList
+from rtphys.results.instances import BENCHMARK, InstanceList
 from rtphys.task.rates import rates
 from rtphys.task.spec import load_task
 
@@ -154,7 +154,7 @@ def baselines() -> str:
 def _certified() -> dict[str, dict[str, InstanceList]]:
     """Certified lists by protocol and task."""
     lists: dict[str, dict[str, InstanceList]] = {}
-    for path in sorted((ROOT / "manifests" / "benchmark_v1").glob("*/*.yaml")):
+    for path in sorted((ROOT / "manifests" / BENCHMARK).glob("*/*.yaml")):
         instances = read_instances(path)
         lists.setdefault(instances.protocol, {})[instances.task] = instances
     return lists

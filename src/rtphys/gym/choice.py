@@ -8,11 +8,11 @@ from rtphys.core.errors import BadValue, UnknownName
 from rtphys.physics import attributes
 from rtphys.physics.values import Value, plain_value
 from rtphys.results.instance_file import instance_file, read_instances
+from rtphys.results.instances import BENCHMARK
 from rtphys.setting.protocol import load_protocol
 from rtphys.setting.setting import Recipe, Setting
 
 OPTIONS = ("protocol", "physics", "index", "split")
-BENCHMARK = "benchmark_v1"  # certified lists that ship with rtphys
 
 
 @dataclass(frozen=True)

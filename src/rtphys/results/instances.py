@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 
 from rtphys.data.episode import JSON
 
+BENCHMARK = "benchmark_v2"
+"""The folder below `manifests/` that holds the certified lists of this version."""
+
 FIRST_SEED = 100_000
 """First seed of certification, as in RoboTwin's evaluation; training seeds start at 0."""
 

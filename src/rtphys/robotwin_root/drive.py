@@ -16,12 +16,11 @@ from rtphys.policies.robotwin.options import pairs, user_args
 from rtphys.policies.robotwin.plugin import Plugin, plugin_named
 from rtphys.policies.robotwin.policy import SKIP, play
 from rtphys.results.instance_file import instance_file, read_instances
-from rtphys.results.instances import FIRST_SEED
+from rtphys.results.instances import BENCHMARK, FIRST_SEED
 from rtphys.results.official import result_text
 from rtphys.robotwin_root.base_task import Base_Task, UnStableError, protocol_of
 
 MAX_INFEASIBLE = 200  # consecutive infeasible seeds after which the search ends
-BENCHMARK = "benchmark_v1"
 
 
 def parse_args_and_config(words: Sequence[str] | None = None) -> dict[str, object]:

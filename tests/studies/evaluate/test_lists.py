@@ -9,9 +9,10 @@ from rtphys.core import library
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.episode.generate import attempt
 from rtphys.results.instance_file import read_instances
+from rtphys.results.instances import BENCHMARK
 from rtphys.setting.protocol import BUILTIN
 from rtphys.setting.setting import Setting
-from rtphys.studies.evaluate.lists import BENCHMARK, certified
+from rtphys.studies.evaluate.lists import certified
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.task.spec import load_task
 

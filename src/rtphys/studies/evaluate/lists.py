@@ -10,10 +10,9 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
 from rtphys.data.layout import MANIFEST
 from rtphys.results.instance_file import instance_file, read_instances
-from rtphys.results.instances import InstanceList, Slot
+from rtphys.results.instances import BENCHMARK, InstanceList, Slot
 from rtphys.studies.evaluate.plan import EvaluatePlan
 
-BENCHMARK = "benchmark_v1"  # the folder below `manifests/` that holds the certified lists
 # Other packages' versions are stored, not enforced: they rarely decide what is feasible.
 ENFORCED = ("dataset", "task")
 
