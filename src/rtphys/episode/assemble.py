@@ -1,9 +1,6 @@
 """Assembles an accepted attempt and its pictures into the episode that the files hold."""
 
-import platform
 from collections.abc import Iterable, Mapping, Sequence
-from functools import lru_cache
-from importlib import metadata
 
 import numpy as np
 
@@ -11,6 +8,7 @@ from rtphys.assets.pack import Pack
 from rtphys.core.errors import RtphysError
 from rtphys.core.poses import Pose
 from rtphys.data.episode import Episode, Frames
+from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
 from rtphys.episode.instance import Instance
 from rtphys.episode.photograph import Photographs
@@ -19,11 +17,7 @@ from rtphys.sim.recorder import Recording
 from rtphys.sim.rollout import Outcome
 from rtphys.task.instructions import instructions, scene_info
 from rtphys.task.props import Articulated, Mesh, Prop, parts
-from rtphys.task.spec import Task
 from rtphys.visual import disturbed
-
-# Whatever can change a bit of an episode. The renderer's driver is not among them: states are.
-SHAPING = ("rtphys", "sapien", "numpy", "scipy", "pin", "coal", "toppra", "ruckig")
 
 
 class FalseLabel(RtphysError):
@@ -160,14 +154,3 @@ def describer(pack: Pack):
 def values(physics: Physics, props: Iterable[Prop]) -> dict[str, object]:
     """Attribute -> value of those that act, for the record of a rejection."""
     return {key: physics[key] for key in sorted(acting(physics, parts(props)))}
-
-
-def versions(task: Task) -> dict[str, str]:
-    """Everything that decides what a seed of this task looks like, besides assets and domain."""
-    return {**_packages(), "task": task.digest}
-
-
-@lru_cache(maxsize=1)
-def _packages() -> dict[str, str]:
-    packages = {name: metadata.version(name) for name in SHAPING}
-    return {**packages, "python": platform.python_version(), "machine": platform.machine()}

@@ -1,14 +1,23 @@
 """Certification fingerprint of a task, as it is on this machine now."""
 
 import hashlib
+import platform
+from functools import lru_cache
+from importlib import metadata
+from pathlib import Path
 
 from rtphys.assets.pack import Pack
+from rtphys.core import library
+from rtphys.core.code_digest import code_digest, imported_files
 from rtphys.data.json_text import compact
 from rtphys.data.schema import DATASET_VERSION
-from rtphys.episode.assemble import versions
 from rtphys.results.instances import Fingerprint
 from rtphys.setting.setting import Setting
 from rtphys.task.spec import Task
+
+# Whatever can change a bit of an episode. The renderer's driver is not among them: states are.
+SHAPING = ("rtphys", "sapien", "numpy", "scipy", "pin", "coal", "toppra", "ruckig")
+PACKAGE = Path(__file__).parents[1]
 
 
 def fingerprint_of(task: Task, protocol: str, pack: Pack) -> Fingerprint:
@@ -22,3 +31,23 @@ def fingerprint_of(task: Task, protocol: str, pack: Pack) -> Fingerprint:
     look = hashlib.sha256(compact(visual.to_json())).hexdigest() if visual else ""
     found = {**versions(task), "dataset": DATASET_VERSION}
     return Fingerprint(domain.name, domain.digest, look, pack.digest, found)
+
+
+def versions(task: Task) -> dict[str, str]:
+    """Everything that decides what a seed of this task looks like, besides assets and domain."""
+    return {**_packages(), "task": task.digest, "code": _code()}
+
+
+@lru_cache(maxsize=1)
+def _packages() -> dict[str, str]:
+    packages = {name: metadata.version(name) for name in SHAPING}
+    return {**packages, "python": platform.python_version(), "machine": platform.machine()}
+
+
+@lru_cache(maxsize=1)
+def _code() -> str:
+    """Digest of the code between a recipe and its states: physics, simulation, planner, expert."""
+    path = imported_files(PACKAGE / "episode" / "generate.py", PACKAGE)
+    # Attributes are found by looking into folders, not imported by name.
+    found = (PACKAGE / "physics" / "attributes").glob("*.py")
+    return code_digest({*path, *found, *library.names("attributes").values()})

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import cast
 
 from rtphys.core import library
+from rtphys.core.code_digest import code_digest, imported_files
 from rtphys.core.errors import BadFile, Infeasible
 from rtphys.core.python_file import load_file
 from rtphys.task.arm import Robot
@@ -89,8 +90,9 @@ class Task:
 
     @property
     def digest(self) -> str:
-        """Digest of the task's file and of its sentences, 16 hex digits."""
-        source = hashlib.sha256(self.source.read_bytes())
+        """Digest of the task's code, its family's and its sentences, 16 hex digits."""
+        files = imported_files(self.source, self.source.parent)
+        source = hashlib.sha256(code_digest(files).encode())
         if (phrases := self.source.with_suffix(".yaml")).is_file():
             source.update(phrases.read_bytes())
         return source.hexdigest()[:16]

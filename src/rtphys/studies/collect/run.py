@@ -15,7 +15,8 @@ from rtphys.core.errors import Infeasible, MissingAsset
 from rtphys.data.conditions import Conditions
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
-from rtphys.episode.assemble import describer, versions
+from rtphys.episode.assemble import describer
+from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
 from rtphys.sim.camera import camera_specs
 from rtphys.studies.collect.plan import Run, TaskPlan, check

@@ -14,7 +14,8 @@ from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection
-from rtphys.episode.assemble import assemble, values, versions
+from rtphys.episode.assemble import assemble, values
+from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import photograph
 from rtphys.setting.setting import Recipe

@@ -14,7 +14,7 @@ from rtphys.results.instances import BENCHMARK, InstanceList, Slot
 from rtphys.studies.evaluate.plan import EvaluatePlan
 
 # Other packages' versions are stored, not enforced: they rarely decide what is feasible.
-ENFORCED = ("dataset", "task")
+ENFORCED = ("dataset", "task", "code")
 
 
 class NotCertified(RtphysError):
