@@ -5,6 +5,8 @@ spread: with its centre of mass aside a body slips early and turns. A sphere tou
 which bears friction by its own load, so a body that stands on spheres slips as it should.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 from sapien import physx
 from scipy.spatial import ConvexHull, QhullError
@@ -17,6 +19,17 @@ PROUD = 5e-6  # [m] that a foot stands out of the face: it bears all, and nobody
 INSET = FOOT_RADIUS + 2e-4  # [m] from the face's edges: nothing touches a foot from aside
 FLAT = 1e-4  # [m] a vertex so near to the lowest one belongs to the face on which the body stands
 LEAST_WIDTH = 0.01  # [m] of that face: what stands on less rocks or rolls
+
+# Bits of SAPIEN's collision groups: feet meet what feels them, and nothing else. At the edge of a
+# thin part a foot would be in too deep within one step, and be shot out on any side.
+_FOOT = [2, 2, 0, 0]
+_FLOOR = [3, 3, 0, 0]
+
+
+def feel_feet(floor: Iterable[physx.PhysxCollisionShape]) -> None:
+    """Let shapes bear feet, besides all else: the table's."""
+    for shape in floor:
+        shape.set_collision_groups(_FLOOR)
 
 
 def add_feet(body: AnyBody, up: Array) -> None:
@@ -36,6 +49,7 @@ def add_feet(body: AnyBody, up: Array) -> None:
         centre = spot @ across + (lowest + PROUD - FOOT_RADIUS) * down
         shape.set_local_pose(to_sapien(Pose(centre, (1, 0, 0, 0))))
         shape.set_density(0.0)
+        shape.set_collision_groups(_FOOT)
         body.attach(shape)
 
 

@@ -14,6 +14,7 @@ from rtphys.core.poses import Array, Pose, axis_angle
 from rtphys.physics.handles import Blueprint
 from rtphys.sim.body import SimSurface
 from rtphys.sim.engine import from_sapien, renders, to_sapien
+from rtphys.sim.feet import feel_feet
 
 TOP = 0.74  # [m] nominal height of the table's surface
 TOP_HALF = (0.6, 0.35, 0.025)  # [m] half size of the slab, 5 cm thick
@@ -58,6 +59,7 @@ class Room:
         self.table_surface, *self.scenery = (
             SimSurface(entity.name, _shapes(entity)) for entity in (self.table, wall, ground)
         )
+        feel_feet(self.table_surface.shapes)
 
     def measured(self) -> tuple[float, float]:
         """Tilt [rad] and height above nominal [m] of the simulator's table."""
