@@ -1,4 +1,4 @@
-"""An audit finds labels that lie, and says in words where feasibility cut."""
+"""An audit finds false labels, and says in words how feasibility changed a distribution."""
 
 import json
 

@@ -61,7 +61,11 @@ def prove(
     out: Annotated[Path | None, typer.Option(help="Draw one figure per attribute here.")] = None,
     every: Annotated[bool, typer.Option("--all", help="Show each trial, not the worst.")] = False,
 ) -> None:
-    """Prove each label by experiment: a textbook law, what it expects, what the simulator did."""
+    """Prove each attribute by experiment: a textbook law, what it expects, what the simulator did.
+
+    Each setting is tried alone, and with all other attributes varied at once. It needs no dataset;
+    `rtphys physics audit` measures the labels of one. The exit code is 1 where a law is broken.
+    """
     # Imported here: the simulator takes a second that no other command should wait for.
     from rtphys.assets.pack import default_pack
     from rtphys.proofs.lab import Lab

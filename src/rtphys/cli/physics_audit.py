@@ -26,11 +26,13 @@ def audit(
     labels: Annotated[bool, typer.Option(help="Rebuild worlds and measure labels.")] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Build each episode's world again, measure its label there, and tell where feasibility cut.
+    """Build each episode's world again and measure its label there, by experiment.
 
     Worlds follow from recipes, looks included. Experiments weigh bodies, throw balls at surfaces,
     turn joints and move servos; what they find is compared with the label, and so is what the
-    simulator reads back. The exit code is 1 where anything deviates by more than its tolerance.
+    simulator reads back. Then, for each attribute: how accepted episodes differ from all attempts.
+    The exit code is 1 where anything deviates by more than its tolerance. docs/physics.md defines
+    the labels.
     """
     from rtphys.data.dataset import Dataset
     from rtphys.proofs.audit import selections_by_task_dataset

@@ -19,8 +19,8 @@ from rtphys.task.spec import Task, load_task
 def rules_of(entry: TaskDatasetEntry, manifest: Manifest) -> Rules:
     """What a task dataset's physics and looks were drawn by.
 
-    In version 1 all tasks shared one draw, and a look moved table and head camera beside physics,
-    where no attribute told it; these rules are left out.
+    In version 1 all tasks shared one draw, and a look moved table and head camera without any
+    attribute that said so; these rules are left out.
 
     Raises:
         RtphysError, ValueError: a rule or a value that cannot be read.
@@ -145,7 +145,7 @@ class PhysicsCheck:
         return differences + _clauses("draws.", draws)
 
     def _parts(self, seed: int) -> frozenset[Part] | None:
-        """What the episode's world has; None where nobody can tell."""
+        """What the episode's world has; None where that is unknown."""
         if self._task is None or self._first:
             return None
         try:

@@ -1,7 +1,7 @@
 """Builds the world of a stored episode again, look included: from its recipe, not from its label.
 
 An episode of version 1 is built from its label, since its task drew from other streams then. Its
-look is added to it: it lowered the table and turned the head camera, and no attribute told.
+look is added to it: it lowered the table and moved the head camera, and no attribute said so.
 """
 
 from dataclasses import dataclass

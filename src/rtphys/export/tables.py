@@ -40,7 +40,7 @@ def _plain(value: object) -> object:
 
 
 def _type(values: Sequence[object]) -> pa.DataType | None:
-    """Type of a column: floats if all values are null (the asset's own friction), else inferred."""
+    """Type of a column: floats if all values are null (the asset's own damping), else inferred."""
     return pa.float64() if all(value is None for value in values) else None
 
 

@@ -1,4 +1,4 @@
-"""Baseline policy that trembles ever further: a task that it solves asks for too little."""
+"""Baseline policy that jitters about the present posture: a task that it solves is too easy."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ SPREAD = 0.1  # standard deviation of each number: [rad] of joints, and of the o
 class Jitter(Stepwise):
     """Commands the present posture plus independent normal noise, grippers too.
 
-    Its steps are large and know no direction; those of `random` are small and keep theirs.
+    Its steps are large and independent; those of `random` are small and correlated.
     """
 
     needs_images = False

@@ -10,7 +10,7 @@ from rtphys.proofs.lab import Lab, launch, pose_of, puck, record
 from rtphys.proofs.proof import Proof, Trace, Trial, Values, number
 
 RUNWAY = 0.25  # [m] stopping distance for which the plate is launched
-ROUGH = 0.1  # ten times the slope of the company's table
+ROUGH = 0.1  # ten times the slope of the table in COMPANY
 HELD = 0.05  # of 2 mu N: the hand yields while the load grows
 CREPT = 0.05  # [mm/s]
 FALL = 50  # [steps] until the plate, dropped from 1 mm, lies still

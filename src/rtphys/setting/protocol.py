@@ -14,11 +14,11 @@ class VisualRules:
     """How the visual appearance varies. Every default is that of protocol clean: it does not.
 
     Rates are shares of episodes. The numbers of OFFICIAL are those of RoboTwin's randomised
-    configuration. The head camera is no matter of the look: `camera_distance` and `camera_angle`
-    move it, and RoboTwin leaves it where it is.
+    configuration. No look moves the head camera: `camera_distance` and `camera_angle` do, and
+    RoboTwin leaves it where it is.
     """
 
-    textures: bool = False  # random pictures on table and wall
+    textures: bool = False  # random textures of table and wall
     clean_background_rate: float = 0.0  # table and wall, each: keeps its clean colour
     light_colours: bool = False  # random colours of directional and point lights, in [0, 1]^3
     flicker_rate: float = 0.0  # light colours change with every picture

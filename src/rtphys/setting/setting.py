@@ -18,7 +18,7 @@ from rtphys.setting.protocol import PAPER, VisualRules, load_protocol
 from rtphys.setting.rules import Rules
 
 SPLITS = ("seen", "unseen")
-"""Which pictures may lie on table and wall: those of demonstrations, or those of evaluation."""
+"""Which textures table and wall may have: those of demonstrations, or those of evaluation."""
 
 NOMINAL = Domain("nominal", {})
 
@@ -55,7 +55,7 @@ class Setting:
         Ranges, Option("Draw from this domain (name or file), not from the task's own.", "domain")
     ] = None
     split: Annotated[
-        str, one_of("texture split", SPLITS), Option("seen or unseen pictures on table and wall.")
+        str, one_of("texture split", SPLITS), Option("seen or unseen textures of table and wall.")
     ] = "seen"
     recovery: Annotated[bool, Option("Keep episodes in which a load was lost and taken again.")] = (
         True

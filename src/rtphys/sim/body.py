@@ -18,7 +18,7 @@ FOOT_RADIUS = 5e-4  # [m] of the spheres of `feet.py`; no other shape is so smal
 
 # [m] Radius for torsional friction, far too small to matter. With any radius PhysX solves a contact
 # by itself, not four at once in a code that gets the friction of light bodies wrong (a plate of
-# 20 g at mu 0.01, with three others in the scene, was held for ever).
+# 20 g at mu 0.01, with three others in the scene, never slid).
 SINGLE = 1e-6
 
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)

@@ -118,7 +118,7 @@ def draw_look(
         rules: visual rules of the protocol; None means as in protocol clean.
         chance: the episode's streams of physics and look.
         scene: the task and its props in this episode, of which clutter keeps clear.
-        split: "seen" or "unseen" pictures.
+        split: "seen" or "unseen" textures.
 
     Raises:
         MissingAsset: the pack has no pictures.
@@ -138,7 +138,7 @@ def draw_look(
 def problems(label: Mapping[str, object], rules: VisualRules, chance: Chance) -> list[str]:
     """One sentence for each part of a stored `visual` label that the seed does not give.
 
-    Pictures and clutter depend on the asset pack, so only their split and number are checked here.
+    Textures and clutter depend on the asset pack, so only their split and number are checked here.
     """
     wrong = []
     for key, expected in backdrop_json(backdrop(rules, chance)).items():

@@ -27,10 +27,10 @@ def pack() -> Pack:
 
 # Feasible instances of each task, and whether the actions of each were replayed.
 CERTIFIED = {
-    "clean": (20, True),
-    "official_random": (10, False),
-    "phys_random": (20, True),
-    "phys_random_all": (10, False),
+    "clean": (12, True),
+    "official_random": (5, False),
+    "phys_random": (12, True),
+    "phys_random_all": (5, False),
 }
 
 

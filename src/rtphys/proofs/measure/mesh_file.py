@@ -18,7 +18,7 @@ def corners(path: Path) -> list[Array]:
     """Corners (n, 3) of each part of a mesh file, in the file's unit.
 
     Raises:
-        BadFile: of a kind that nobody reads here.
+        BadFile: of a kind that is not read here.
     """
     if path.suffix.lower() == ".glb":
         return _gltf(path)

@@ -43,7 +43,7 @@ class EvaluatePlan:
     split: Annotated[
         str,
         one_of("texture split", SPLITS),
-        Option("Sentences, and pictures on table and wall: seen or unseen."),
+        Option("Sentences, and textures of table and wall: seen or unseen."),
     ] = "unseen"
     seed: Annotated[Seed, Option("Seed of the policy's own chance.")] = 0
     options: Annotated[
