@@ -31,7 +31,8 @@ class Attribute(ABC, Generic[Target, Label]):
     when: ClassVar[Literal["before_build", "after_build"]] = "after_build"
     size: ClassVar[int] = 1  # number of components, each drawn on its own
     resolution: ClassVar[float] = 0.0  # absolute error of `read` in single precision
-    tolerance: ClassVar[float] = 1e-6  # [1] share of the value by which the world may differ
+    # [1] Share of the value by which the world may differ: what `physics audit` resolves.
+    tolerance: ClassVar[float] = 1e-3
     auxiliary: ClassVar[tuple[str, ...]] = ()  # keys of further draws that it needs
     acts_on: ClassVar[Part | None] = None  # a world without any leaves it without effect
     what: ClassVar[str] = ""  # a phrase that describes it in tables
