@@ -31,7 +31,7 @@ TOLERANCES: Mapping[str, Tolerance] = {
     "object_joint_damping": Tolerance(0.01, 1e-3),  # [N m s/rad or N s/m]
     "object_mass": Tolerance(0.01, 0.0),
     "object_scale": Tolerance(0.001, 0.0),
-    "restitution": Tolerance(0.0, 0.005),
+    "restitution": Tolerance(0.0, 0.01),
     "table_height": Tolerance(0.0, 1e-4),  # [m]
     "table_tilt": Tolerance(0.0, 0.02),  # [deg]
 }
