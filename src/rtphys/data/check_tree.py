@@ -6,17 +6,17 @@ from pathlib import Path
 
 from rtphys.core.errors import BadFile
 from rtphys.data import files
+from rtphys.data.attempts import own_place, read_attempts
 from rtphys.data.files import FileFacts
-from rtphys.data.journal import START, Line, read_journal
+from rtphys.data.journal import START, Line
 from rtphys.data.layout import JOURNAL, MANIFEST, STAGING, TaskDataset, episode_number
 from rtphys.data.manifest import (
     TaskDatasetHistory,
     journals_below,
     manifest_of,
     parse_manifest,
-    task_dataset_of,
 )
-from rtphys.data.schema import Manifest, TaskDatasetEntry
+from rtphys.data.schema import Manifest
 
 
 @dataclass
@@ -53,12 +53,12 @@ def read_tree(out: Path, findings: Findings) -> Tree:
     """Reads and cross-checks manifest and journals, and looks for files that nobody listed.
 
     Raises:
-        BadFile: there is no dataset, or its manifest cannot be read at all.
+        BadFile: there is no dataset, its manifest cannot be read at all, or a folder is a link.
     """
     path = out / MANIFEST
     if not out.is_dir():
         raise BadFile(out, "there is no such folder")
-    if not path.exists():
+    if not path.is_symlink() and not path.exists():
         cure = " (a collection was stopped early; resume it)" if journals_below(out) else ""
         raise BadFile(out, f"there is no {MANIFEST} here{cure}")
     data = files.read(path)
@@ -67,6 +67,7 @@ def read_tree(out: Path, findings: Findings) -> Tree:
     histories = _histories(out, findings)
     for name, entry in manifest.task_datasets.items():
         tree.task_datasets[name] = entry.below(out)
+        tree.task_datasets[name].check_links()
         if tree.task_datasets[name].name != name:
             text = f"task dataset {name!r} does not lie where its task and config say"
             findings.problem(path, text)
@@ -83,16 +84,14 @@ def _histories(out: Path, findings: Findings) -> dict[str, TaskDatasetHistory]:
     histories: dict[str, TaskDatasetHistory] = {}
     for path in journals_below(out):
         try:
-            contents = read_journal(path)
+            contents = read_attempts(path)
+            place = own_place(out, path, contents.lines) if contents.lines else None
         except BadFile as error:
             findings.problem(path, str(error).removeprefix(f"{path} "))
             continue
         if contents.torn_bytes:
             findings.notes.append(f"{path}: a crash cut its last line short; resuming drops it")
-        if contents.lines:
-            place = task_dataset_of(out, contents.lines[0].entry)
-            if place.folder != path.parent:
-                findings.problem(path, f"belongs to {place.name}")
+        if place is not None:
             histories[place.name] = TaskDatasetHistory(place, contents.lines)
     return histories
 
@@ -108,7 +107,6 @@ def _compare(
         if history is None:
             complete = False
             findings.notes.append(f"{name}: there is no readable journal; it cannot be resumed")
-            _alone(tree, entry, name, findings)
         elif _check_at(history.lines, entry.journal.entries) != entry.journal.check:
             complete = False
             # Either may be the changed one: the journal can have lost whole lines at its end.
@@ -150,13 +148,6 @@ def _extend(tree: Tree, history: TaskDatasetHistory, counted: int, findings: Fin
         states = [history.until(n).side_files()[path] for n in range(counted, total + 1)]
         allowed = tuple(dict.fromkeys(FileFacts.of(state) for state in states))
         tree.files[path.relative_to(tree.out).as_posix()] = ListedFile(path, allowed)
-
-
-def _alone(tree: Tree, entry: TaskDatasetEntry, name: str, findings: Findings) -> None:
-    """Without a journal the manifest must at least agree with itself."""
-    path, accepted = tree.out / MANIFEST, [a.seed for a in entry.attempts if a.reason is None]
-    if not entry.episodes == len(entry.seeds) == len(accepted) or entry.seeds != accepted:
-        findings.problem(path, f"{name}: seeds, attempts and the number of episodes disagree")
 
 
 def _twins(tree: Tree, findings: Findings) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data import jpeg, schema
+from rtphys.data import files, jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
 from rtphys.data.layout import MANIFEST, EpisodePaths
@@ -120,6 +120,7 @@ class Episode:
 
     @property
     def _file(self) -> EpisodeFile:
+        files.check(self.paths.hdf5)
         return EpisodeFile(self.paths.hdf5, self.layout)
 
 
@@ -132,6 +133,7 @@ class Pair(NamedTuple):
 
 def _episodes(path: Path, entry: TaskDatasetEntry) -> Iterator[Episode]:
     place = entry.below(path)
+    place.check_links()
     for number, seed in enumerate(entry.seeds):
         yield Episode(entry.task, entry.config, number, seed, entry.layout, place.episode(number))
 

@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from rtphys.core.bounds import FILE_BYTES
 from rtphys.core.errors import BadFile
+from rtphys.core.paths import open_ordinary, read_file
 from rtphys.data.faults import CannotWrite
 from rtphys.data.schema_model import Count, Model, Sha256
 
@@ -43,7 +45,8 @@ def write_synced(path: Path, data: bytes) -> FileFacts:
     """Writes, syncs, reads back, compares. A failed write leaves no file. Raises `CannotWrite`."""
     try:
         with refusals(path):
-            with path.open("wb") as file:
+            path.unlink(missing_ok=True)  # of a killed run; or a link, which must not be followed
+            with open(path, "xb") as file:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
@@ -83,15 +86,25 @@ def sync_folder(folder: Path) -> None:
 
 
 def facts_of(path: Path) -> FileFacts:
-    """Reads the whole file once."""
-    with path.open("rb", buffering=0) as file:
+    """Reads the whole file once. Raises `OSError`, or `BadFile`: a link, or no ordinary file."""
+    with open(open_ordinary(path), "rb", buffering=0) as file:
         digest = hashlib.file_digest(file, "sha256")
         return FileFacts(size=file.tell(), sha256=digest.hexdigest())
 
 
-def read(path: Path) -> bytes:
-    """Raises `BadFile` when the file is missing or unreadable."""
+def read(path: Path, most: int = FILE_BYTES) -> bytes:
+    """Raises `BadFile` when the file is missing, unreadable, a link, too large or no file."""
+    return read_file(path, most)
+
+
+def check(path: Path) -> None:
+    """For files that a library opens. Raises `BadFile`: missing, a link, or no ordinary file."""
     try:
-        return path.read_bytes()
+        os.close(open_ordinary(path))
     except OSError as error:
         raise BadFile(path, (error.strerror or "cannot be read").lower()) from error
+
+
+def unlinked(path: str, flags: int) -> int:
+    """Opener for `open`: refuses a link instead of writing where it leads."""
+    return os.open(path, flags | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)

@@ -97,7 +97,7 @@ class Journal:
             if self._torn_at is not None:
                 os.truncate(self.path, self._torn_at)
                 self._torn_at = None
-            with self.path.open("ab") as file:
+            with open(self.path, "ab", opener=files.unlinked) as file:
                 size = file.tell()
                 try:
                     file.write(text)

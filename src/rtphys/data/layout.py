@@ -4,6 +4,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from rtphys.core.errors import BadValue
+from rtphys.core.paths import check_inside, plain_name
+
 MANIFEST = "manifest.json"
 LOCK = ".rtphys.lock"
 JOURNAL = "journal.jsonl"
@@ -11,6 +14,8 @@ SHARD = "shard.json"  # only in a shard: which part of which collection it is
 STAGING = ".staging"
 EMBODIMENT = "aloha_agilex"
 LAYOUTS = ("native", "legacy")
+EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
+FOLDERS = (*EPISODE_FOLDERS, STAGING)
 
 
 def embodiment_folder(name: str) -> str:
@@ -41,6 +46,13 @@ class TaskDataset:
     embodiment: str = EMBODIMENT
     layout: str = "native"
 
+    def __post_init__(self) -> None:
+        for key in ("config", "task", "embodiment"):
+            try:
+                plain_name(getattr(self, key))
+            except ValueError as error:
+                raise BadValue(key, getattr(self, key), str(error)) from error
+
     @property
     def name(self) -> str:
         """Path below `out`, with forward slashes; its key in the manifest."""
@@ -64,6 +76,12 @@ class TaskDataset:
             phys_meta=at / "phys_meta" / f"{stem}.json",
             instruction=at / words / f"{stem}.json",
         )
+
+    def check_links(self) -> None:
+        """Raises `BadFile` where a folder or a file with a fixed place is a link."""
+        own = [self.folder / name for name in FOLDERS]
+        for path in (*own, self.journal, self.scene_info, self.seed_txt, self.seeds_txt):
+            check_inside(self.out, path)
 
     @property
     def scene_info(self) -> Path:

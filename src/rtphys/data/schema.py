@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError, model_validator
 
 from rtphys.core.errors import BadFile
 from rtphys.data import files
@@ -16,10 +16,13 @@ from rtphys.data.schema_collect import Collection, ShardFile
 from rtphys.data.schema_model import (
     Count,
     Model,
+    Name,
     Quaternion,
+    RelativePath,
     SchemaError,
     Seed,
     Sha256,
+    Stride,
     Vector3,
 )
 
@@ -163,9 +166,9 @@ class JournalState(Model):
 class TaskDatasetEntry(Model):
     """One task under one configuration."""
 
-    task: str
-    config: str
-    embodiment: str
+    task: Name
+    config: Name
+    embodiment: Name
     layout: Literal["native", "legacy"]
     episodes: Count
     frames: Count
@@ -188,18 +191,25 @@ class TaskDatasetEntry(Model):
         default=None, description="attributes that acted in some attempt; null: version 1"
     )
     protocol: str = Field(default="", description="empty: config is the protocol's name")
-    twin: str | None = Field(
+    twin: Name | None = Field(
         default=None,
         description="config of the one whose episode i has the same seed",
     )
     twin_of: str | None = Field(default=None, description="config of the one whose twin this is")
-    stride: list[Count] | None = Field(
+    stride: Stride | None = Field(
         default=None, description="of a shard: its first attempt after first_seed, and its step"
     )
     cameras: list[str]
     assets: dict[str, str]
     versions: dict[str, str]
     journal: JournalState
+
+    @model_validator(mode="after")
+    def _counts(self) -> "TaskDatasetEntry":
+        accepted = [one.seed for one in self.attempts if one.verdict == "accepted"]
+        if not self.episodes == len(self.seeds) or self.seeds != accepted:
+            raise ValueError("seeds, attempts and the number of episodes disagree")
+        return self
 
     def below(self, out: Path) -> TaskDataset:
         """Where its files lie when the manifest lies in `out`."""
@@ -227,7 +237,7 @@ class Manifest(Model):
         alias="leaves", description="by folder below the manifest"
     )
     domains: dict[str, dict[str, JsonValue]] = Field(description="resolved, by digest")
-    files: dict[str, FileFacts] = Field(description="by path below the manifest")
+    files: dict[RelativePath, FileFacts] = Field(description="by path below the manifest")
 
 
 MODELS: dict[str, type[BaseModel]] = {

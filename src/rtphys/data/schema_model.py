@@ -2,25 +2,45 @@
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from rtphys.core.errors import RtphysError
+from rtphys.core.bounds import TOLD, WHOLE_NUMBER
+from rtphys.core.errors import RtphysError, shortened
+from rtphys.core.paths import plain_name, plain_path
 
-Seed = Annotated[int, Field(ge=0)]
-Count = Annotated[int, Field(ge=0)]
+Seed = Annotated[int, Field(ge=0, le=WHOLE_NUMBER)]
+Count = Annotated[int, Field(ge=0, le=WHOLE_NUMBER)]
+Name = Annotated[str, AfterValidator(plain_name)]  # becomes a part of a path
+RelativePath = Annotated[str, AfterValidator(plain_path)]  # of a file in the dataset
+
+
+def _stepping(stride: list[int]) -> list[int]:
+    if stride[1] < 1:
+        raise ValueError("its step is at least 1")
+    return stride
+
+
+# First attempt, and step.
+Stride = Annotated[list[Count], Field(min_length=2, max_length=2), AfterValidator(_stepping)]
 Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 Vector3 = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[FiniteFloat], Field(min_length=4, max_length=4)]
+
+
+MOST = TOLD // 40  # problems that an error names
 
 
 class SchemaError(RtphysError):
     """JSON that breaks its schema; one clause per problem, naming the place."""
 
     def __init__(self, what: str, error: ValidationError) -> None:
+        found = error.errors(include_url=False, include_context=False, include_input=False)
         self.problems = [
-            f"{'.'.join(map(str, item['loc'])) or 'top level'}: {item['msg'].lower()}"
-            for item in error.errors()
+            f"{shortened('.'.join(map(str, item['loc']))) or 'top level'}: {item['msg'].lower()}"
+            for item in found[:MOST]
         ]
+        if len(found) > MOST:
+            self.problems.append(f"and {len(found) - MOST} more")
         super().__init__(f"{what} breaks its schema: {'; '.join(self.problems)}")
 
 

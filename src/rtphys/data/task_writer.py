@@ -8,17 +8,15 @@ from pathlib import Path
 
 from rtphys.core.errors import BadFile
 from rtphys.data import files, staging
+from rtphys.data.attempts import check_entries
 from rtphys.data.conditions import Conditions, differences
 from rtphys.data.episode import JSON
 from rtphys.data.faults import CannotWrite, DatasetExists, DatasetMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import Journal
 from rtphys.data.json_text import plain, pretty
-from rtphys.data.layout import EpisodePaths, TaskDataset, episode_number
+from rtphys.data.layout import EPISODE_FOLDERS, EpisodePaths, TaskDataset, episode_number
 from rtphys.data.staging import StagedEpisode
-
-EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
-
 
 @dataclass(frozen=True)
 class Rejection:
@@ -68,6 +66,7 @@ class TaskWriter:
             files.make_folder(self.task_dataset.folder)
             self._journal.append(header, durable=True)
             return
+        check_entries(self.task_dataset.journal, stored)
         if found := differences(stored[0], header):
             raise DatasetMismatch(self.task_dataset.folder, found)
         verdicts = [entry["verdict"] for entry in stored[1:]]

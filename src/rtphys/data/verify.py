@@ -12,6 +12,7 @@ from pathlib import Path
 
 from rtphys.assets.pack import pack_with
 from rtphys.core.errors import BadFile
+from rtphys.core.paths import check_inside
 from rtphys.data import files
 from rtphys.data.check_episode import Effort, EpisodeClaim, check_episode
 from rtphys.data.check_look import LookCheck
@@ -88,7 +89,7 @@ def verify(
     for listed in tree.files.values():
         report.files += 1
         report.bytes += sizes[listed.path]
-        if reason := _file_problem(listed):
+        if reason := _file_problem(out, listed):
             findings.problem(listed.path, reason)
         meter.add(sizes[listed.path])
     for paths in _check_episodes(tree, findings, effort, Verified(memory)):
@@ -99,9 +100,10 @@ def verify(
     return report
 
 
-def _file_problem(listed: ListedFile) -> str:
+def _file_problem(out: Path, listed: ListedFile) -> str:
     path = listed.path
     try:
+        check_inside(out, path)
         size = path.stat().st_size
         if all(size != facts.size for facts in listed.allowed):
             return f"has {size} bytes, not {listed.allowed[-1].size}"
@@ -109,6 +111,8 @@ def _file_problem(listed: ListedFile) -> str:
             return "its SHA-256 is not the listed one: the content was changed"
     except FileNotFoundError:
         return "is missing"
+    except BadFile as error:
+        return error.problem
     except OSError as error:
         return f"cannot be read ({error.strerror})"
     return ""

@@ -7,15 +7,15 @@ from types import TracebackType
 from typing import get_args
 
 from rtphys.data import files
+from rtphys.data.attempts import own_place, read_attempts
 from rtphys.data.conditions import Conditions
 from rtphys.data.episode import JSON
 from rtphys.data.faults import CannotWrite, DatasetMismatch
 from rtphys.data.files import replace_file
-from rtphys.data.journal import read_journal
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import MANIFEST
 from rtphys.data.lock import FolderLock
-from rtphys.data.manifest import TaskDatasetHistory, journals_below, manifest_of, task_dataset_of
+from rtphys.data.manifest import TaskDatasetHistory, journals_below, manifest_of
 from rtphys.data.schema import DATASET_VERSION, Version
 from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection, TaskWriter
@@ -56,6 +56,7 @@ class DatasetWriter:
         self._lock = FolderLock(self.out)
         try:
             self._version = self._stored_version()
+            self.histories()  # what others planted is refused before any work
         except BaseException:
             self._lock.release()
             raise
@@ -86,6 +87,7 @@ class DatasetWriter:
             raise DatasetMismatch(self.out, [clause])
         self._version = version
         place = conditions.task_dataset(self.out)
+        place.check_links()
         writer = self._tasks.get(place.name) or TaskWriter(place, conditions, resume=self.resume)
         writer.wanted = episodes
         self._tasks[place.name] = writer
@@ -93,10 +95,10 @@ class DatasetWriter:
 
     def histories(self) -> list[TaskDatasetHistory]:
         """All task datasets of the folder, also those of earlier runs."""
-        read = [read_journal(path).lines for path in journals_below(self.out)]
+        read = {path: read_attempts(path).lines for path in journals_below(self.out)}
         return [
-            TaskDatasetHistory(task_dataset_of(self.out, lines[0].entry), lines)
-            for lines in read
+            TaskDatasetHistory(own_place(self.out, path, lines), lines)
+            for path, lines in read.items()
             if lines
         ]
 

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from rtphys.data import jpeg
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.encode import VIDEO_CAMERA
-from rtphys.data.files import make_folder, replace_file
+from rtphys.data.files import check, make_folder, read, replace_file
 from rtphys.report.facts import Progress, gather
 
 THUMBNAIL = 200  # [px]
@@ -35,6 +35,7 @@ def write_report(dataset: Dataset, out: Path, progress: Progress | None = None) 
     facts = gather(dataset, lambda done, _: progress(done, total) if progress else None)
     embedded = 0
     for number, (row, episode) in enumerate(zip(facts.episodes, dataset, strict=True), start=1):
+        check(episode.paths.video)
         size = episode.paths.video.stat().st_size
         embedded += size
         row["thumb"] = _inline("image/jpeg", _thumbnail(episode))
@@ -56,7 +57,7 @@ def _thumbnail(episode: Episode) -> bytes:
 
 def _video(episode: Episode, page: Path, *, inside: bool) -> str:
     if inside:
-        return _inline("video/mp4", episode.paths.video.read_bytes())
+        return _inline("video/mp4", read(episode.paths.video))
     return quote(Path(os.path.relpath(episode.paths.video, page.parent)).as_posix())
 
 

@@ -1,0 +1,15 @@
+"""Bounds on what is read from files that others may have written; no other module sets one."""
+
+NAME_BYTES = 200  # of a task, a configuration, a protocol; a file system takes 255
+FILE_BYTES = 2**29  # of a file that is read as a whole, such as a journal or a video
+JSON_BYTES = 2**28  # of a JSON document; a manifest has about 1 kB an episode
+JSON_ITEMS = 10_000_000  # commas and brackets of a document: about 1.5 GB of Python objects
+JSON_DEPTH = 64  # deepest of our own files: 9
+YAML_BYTES = 2**20  # longest of our own files: 20 kB
+YAML_NODES = 100_000  # the parser takes about 0.1 ms a node
+YAML_DEPTH = 32
+YAML_ALIASES = 32  # none of our own files has one
+WHOLE_NUMBER = 2**63 - 1  # numpy's largest; also of a seed
+EPISODES = 10_000_000  # of a task, and attempts
+SHARDS = 10_000
+TOLD = 400  # characters of a value that an error shows
