@@ -13,7 +13,10 @@ from pathlib import Path
 
 import yaml
 
-from rtphys.core.errors import BadFile, RtphysError, UnknownName
+from rtphys.core.bounds import YAML_BYTES
+from rtphys.core.errors import BadFile, RtphysError, UnknownName, shortened
+from rtphys.core.paths import read_file
+from rtphys.core.yaml_text import parsed
 
 KINDS = {
     "tasks": ".py",
@@ -94,31 +97,25 @@ def find(kind: str, name: str) -> Path:
     return known[name]
 
 
-@lru_cache(maxsize=256)
-def _parsed(text: str) -> object:
-    """Parsed YAML, cached: every episode reads its domain, and parsing is slow."""
-    return yaml.safe_load(text)
-
-
 def read_yaml(path: Path) -> dict[str, object]:
     """Read a YAML file that holds one mapping.
 
     Raises:
-        BadFile: not there, not readable, not YAML (names line and column), or not a mapping.
+        BadFile: not there, not readable, not YAML (names line and column), larger or deeper than
+            is read, with a key twice or more aliases than a person writes, or not a mapping.
     """
+    data = read_file(path, YAML_BYTES, links=True)
     try:
-        content = deepcopy(_parsed(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise BadFile(path, error.strerror or "cannot be read") from error
+        content = deepcopy(parsed(data.decode("utf-8")))
     except UnicodeDecodeError as error:
         raise BadFile(path, "is not UTF-8 text") from error
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         where = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
         problem = getattr(error, "problem", None) or "cannot be parsed"
-        raise BadFile(path, f"broken YAML{where}: {problem}") from error
-    except RecursionError as error:
-        raise BadFile(path, "broken YAML: nested too deeply") from error
+        raise BadFile(path, f"broken YAML{where}: {shortened(str(problem))}") from error
+    except (RecursionError, ValueError) as error:
+        raise BadFile(path, f"broken YAML: {shortened(str(error))}") from error
     if content is None:
         return {}
     if not isinstance(content, Mapping) or not all(isinstance(k, str) for k in content):
