@@ -78,5 +78,5 @@ def test_a_file_that_is_no_yaml_mapping_is_named(
     with pytest.raises(BadFile, match=problem) as caught:
         library.read_yaml(path)
     assert str(caught.value).startswith(str(path))
-    with pytest.raises(BadFile, match="No such file"):
+    with pytest.raises(BadFile, match="no such file"):
         library.read_yaml(tmp_path / "nowhere.yaml")

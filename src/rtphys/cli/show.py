@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from rtphys.core.errors import BadValue
+from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import jpeg
 from rtphys.data.dataset import Dataset, Episode, find_episode
 from rtphys.data.files import make_folder, replace_file
@@ -39,6 +39,8 @@ def _episode(path: Path, number: int) -> Episode:
     if not path.is_dir():
         return find_episode(path)
     dataset = Dataset(path)
+    if not len(dataset):
+        raise BadFile(path, "the dataset holds no episode")
     if not 0 <= number < len(dataset):
         raise BadValue("number", number, f"the dataset holds episodes 0 to {len(dataset) - 1}")
     return dataset[number]

@@ -69,7 +69,7 @@ def open_ordinary(path: Path, *, links: bool = False) -> int:
 def read_file(path: Path, most: int = FILE_BYTES, *, links: bool = False) -> bytes:
     """The whole content. Raises `BadFile`: missing, unreadable, no ordinary file, or too large."""
     try:
-        with open(open_ordinary(path, links=links), "rb") as file:
+        with os.fdopen(open_ordinary(path, links=links), "rb") as file:
             data = file.read(most + 1)
     except (OSError, ValueError) as error:  # ValueError: NUL in the path
         problem = getattr(error, "strerror", None) or "cannot be read"

@@ -42,7 +42,7 @@ class _Loader(yaml.SafeLoader):
         self._open.append(None if alias else event.anchor)
         for count, most, what in (
             (self._nodes, YAML_NODES, "values"),
-            (len(self._open), YAML_DEPTH, "levels"),
+            (len(self._open), YAML_DEPTH, "levels: nested too deeply"),
             (self._aliases, YAML_ALIASES, "aliases"),
         ):
             if count > most:

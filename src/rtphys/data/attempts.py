@@ -105,7 +105,7 @@ def check_entries(path: Path, entries: Sequence[Mapping[str, JSON]]) -> None:
 
 
 def own_place(out: Path, path: Path, lines: Sequence[Line]) -> TaskDataset:
-    """The task dataset of a journal below `out`. Raises `BadFile`: it lies elsewhere, or by links."""
+    """The task dataset of a journal below `out`. Raises `BadFile`: it is another's, or a link."""
     place = task_dataset_of(out, lines[0].entry)
     if place.journal != path:
         raise BadFile(path, f"belongs to {place.name}")

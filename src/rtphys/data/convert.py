@@ -5,7 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from rtphys.core.errors import BadFile, UnknownName
-from rtphys.data import files
+from rtphys.data import files, schema
+from rtphys.data.attempts import read_attempts
 from rtphys.data.conditions import Conditions
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import JSON, Frames
@@ -13,11 +14,10 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.hdf5_legacy import read_legacy
 from rtphys.data.hdf5_native import read_native
-from rtphys.data.journal import read_journal
 from rtphys.data.json_text import parse_mapping
-from rtphys.data.layout import LAYOUTS, EpisodePaths, TaskDataset
+from rtphys.data.layout import LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
-from rtphys.data.schema import TaskDatasetEntry
+from rtphys.data.schema import Instructions, Kind, PhysMeta, SceneEntry, TaskDatasetEntry
 from rtphys.data.staging import EncodedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 
@@ -26,8 +26,11 @@ Progress = Callable[[int, int], None]  # episodes done, episodes in all
 
 def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages]:
     """Frames and picture streams (no video) of an HDF5 file. Raises `BadFile`."""
+    files.check(path)
     with open_read(path) as file:
-        return read_legacy(file) if layout == "legacy" else read_native(file)[:2]
+        frames, images = read_legacy(file) if layout == "legacy" else read_native(file)[:2]
+    frames.check(path)
+    return frames, images
 
 
 def convert(source: Path, out: Path, layout: str, progress: Progress | None = None) -> list[str]:
@@ -52,12 +55,15 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
     written, done = [], 0
     with DatasetWriter(out) as dataset:
         for entry in manifest.task_datasets.values():
-            conditions = replace(
-                conditions_of(entry, manifest.domains, layout),
-                dataset_version=manifest.dataset_version,
-            )
+            with schema.problems_of(source / MANIFEST):
+                conditions = replace(
+                    conditions_of(entry, manifest.domains, layout),
+                    dataset_version=manifest.dataset_version,
+                )
             task = dataset.task(conditions, entry.episodes)
-            for _ in _copy(entry.below(source), entry, task):
+            place = entry.below(source)
+            place.check_links()
+            for _ in _copy(place, entry, task):
                 done += 1
                 dataset.checkpoint_if_due()
                 if progress:
@@ -70,6 +76,8 @@ def conditions_of(
     entry: TaskDatasetEntry, domains: Mapping[str, Mapping[str, JSON]], layout: str
 ) -> Conditions:
     """The conditions that a task dataset was collected under, for another layout."""
+    if entry.domain.digest not in domains:
+        raise BadFile(MANIFEST, f"{entry.task}: holds no domain with its digest")
     own = {} if entry.config == entry.protocol else {"config": entry.config}
     header = (
         entry.model_dump(mode="json", exclude={"config"})
@@ -92,10 +100,17 @@ def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Ite
         if attempt.seed < task.next_seed:  # done by an earlier call
             number += attempt.verdict == "accepted"
             continue
+        if attempt.seed != task.next_seed:
+            problem = f"{entry.task}: seed {attempt.seed} stands where {task.next_seed} belongs"
+            raise BadFile(source.out / MANIFEST, problem)
         if attempt.verdict == "rejected":
             task.record(rejections[attempt.seed])
             continue
-        episode = _encoded(source.episode(number), source.layout, scenes.get(f"episode_{number}"))
+        scene = scenes.get(f"episode_{number}")
+        episode = _encoded(source.episode(number), source.layout, scene)
+        if episode.phys_meta["seed"] != attempt.seed:
+            path = source.episode(number).phys_meta
+            raise BadFile(path, f"seed is not {attempt.seed}, as the manifest says")
         folder = task.staging(attempt.seed)
         task.record(stage_encoded(folder, episode, task.conditions.layout))
         number += 1
@@ -108,16 +123,26 @@ def _rejections(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejec
     rejections = {a.seed: Rejection(a.seed, a.reason or "") for a in rejected}
     if not source.journal.exists():
         return rejections
-    entries = [line.entry for line in read_journal(source.journal).lines[1:]]
+    entries = [line.entry for line in read_attempts(source.journal).lines[1:]]
     journalled = [Rejection.of(entry) for entry in entries if entry["verdict"] == "rejected"]
     return rejections | {rejection.seed: rejection for rejection in journalled}
+
+
+def _plain(kind: type[Kind], path: Path) -> dict[str, JSON]:
+    """The JSON of a file as it is, once it is seen to be one of the models. Raises `BadFile`."""
+    content = parse_mapping(files.read(path), path)
+    with schema.problems_of(path):
+        kind.model_validate(content)
+    return content
 
 
 def _encoded(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
     frames, images = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
-    meta = parse_mapping(files.read(paths.phys_meta), paths.phys_meta)
-    words = parse_mapping(files.read(paths.instruction), paths.instruction)
+    meta = _plain(PhysMeta, paths.phys_meta)
+    words = _plain(Instructions, paths.instruction)
     if not isinstance(scene, Mapping):
         raise BadFile(paths.hdf5, "scene_info.json has no entry for this episode")
+    with schema.problems_of(paths.hdf5):
+        SceneEntry.model_validate(scene)
     return EncodedEpisode(frames, images, meta, scene, words)

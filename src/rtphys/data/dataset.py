@@ -50,8 +50,14 @@ class Episode:
 
     @cached_property
     def frames(self) -> Frames:
-        """Everything but pictures, T rows each; poses are xyz [m] + wxyz, world frame."""
-        return self._file.frames()
+        """Everything but pictures, T rows each; poses are xyz [m] + wxyz, world frame.
+
+        Raises:
+            BadFile: the file is damaged, or its arrays contradict each other.
+        """
+        frames = self._file.frames()
+        frames.check(self.paths.hdf5)
+        return frames
 
     @cached_property
     def meta(self) -> PhysMeta:

@@ -3,12 +3,14 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import ActionLayout
+from rtphys.core.errors import BadFile, shortened
 
 JSON: TypeAlias = Mapping[str, "JSON"] | Sequence["JSON"] | str | int | float | bool | None
 Floats: TypeAlias = NDArray[np.floating]
@@ -112,6 +114,15 @@ class Frames:
             problems.append(f"stage runs outside the {len(self.stages)} named stages")
         problems += [f"{name!r} is no camera" for name in self.cameras if name not in CAMERAS]
         return problems
+
+    def check(self, path: Path) -> None:
+        """Raises `BadFile` when the arrays of a file contradict each other."""
+        try:
+            found = self.problems()
+        except (AttributeError, IndexError, TypeError, ValueError) as error:
+            found = [f"its arrays do not fit together: {error}"]
+        if found:
+            raise BadFile(path, shortened("; ".join(found)))
 
 
 @dataclass(frozen=True, eq=False)

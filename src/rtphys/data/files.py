@@ -46,7 +46,7 @@ def write_synced(path: Path, data: bytes) -> FileFacts:
     try:
         with refusals(path):
             path.unlink(missing_ok=True)  # of a killed run; or a link, which must not be followed
-            with open(path, "xb") as file:
+            with path.open("xb") as file:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
@@ -87,7 +87,7 @@ def sync_folder(folder: Path) -> None:
 
 def facts_of(path: Path) -> FileFacts:
     """Reads the whole file once. Raises `OSError`, or `BadFile`: a link, or no ordinary file."""
-    with open(open_ordinary(path), "rb", buffering=0) as file:
+    with os.fdopen(open_ordinary(path), "rb", buffering=0) as file:
         digest = hashlib.file_digest(file, "sha256")
         return FileFacts(size=file.tell(), sha256=digest.hexdigest())
 

@@ -29,7 +29,7 @@ class FolderLock:
     def _acquire(self, out: Path) -> IO[str]:
         while True:
             with files.refusals(self.path):
-                file = open(self.path, "a+", opener=files.unlinked)  # noqa: SIM115, PTH123
+                file = open(self.path, "a+", opener=files.unlinked)  # noqa: SIM115
             try:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:

@@ -47,6 +47,7 @@ def _episode(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode:
         staging.INSTRUCTION: paths.instruction,
     }
     meta = parse_mapping(_sound(source, entry, paths.phys_meta), paths.phys_meta)
+    _check_label(meta, paths.phys_meta)
     del meta["episode"]  # its number changes
     shutil.rmtree(folder, ignore_errors=True)
     files.make_folder(folder)
@@ -55,6 +56,15 @@ def _episode(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode:
         for name, path in sources.items()
     }
     return StagedEpisode(seed, folder, frames, facts, meta, scene)
+
+
+def _check_label(meta: Entry, path: Path) -> None:
+    """Refuses a label that has not what the journal will tell of it."""
+    attributes = meta.get("attributes")
+    labels = attributes.values() if isinstance(attributes, Mapping) else [None]
+    whole = "episode" in meta and isinstance(meta.get("verdict"), Mapping)
+    if not whole or not all(isinstance(one, Mapping) and "value" in one for one in labels):
+        raise BadFile(path, "episode, verdict or attributes are missing")
 
 
 def _sound(source: TaskDataset, entry: Entry, path: Path) -> bytes:

@@ -1,13 +1,18 @@
 """The JSON files of a dataset as typed, versioned models; also the source of their JSON Schemas."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, JsonValue, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    JsonValue,
+    ValidationError,
+    model_validator,
+)
 
-from rtphys.core.errors import BadFile
 from rtphys.data import files
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import parse_mapping, plain, pretty
@@ -24,6 +29,9 @@ from rtphys.data.schema_model import (
     Sha256,
     Stride,
     Vector3,
+)
+from rtphys.data.schema_model import (
+    problems_of as problems_of,
 )
 
 Kind = TypeVar("Kind", bound=Model)
@@ -42,7 +50,7 @@ class DomainName(Model):
 class AttributeLabel(Model):
     """One of the 13 physical attributes, in force during the whole episode."""
 
-    value: FiniteFloat | list[FiniteFloat] | None = Field(description="null: the asset's own value")
+    value: FiniteFloat | Vector3 | None = Field(description="null: the asset's own value")
     unit: str
     varied: bool = Field(description="false: nominal in this episode")
     source: Literal["nominal", "domain", "set", "look"] | None = Field(
@@ -257,15 +265,6 @@ def read(kind: type[Kind], path: Path) -> Kind:
         return kind.model_validate(parse_mapping(files.read(path), path))
     except ValidationError as error:
         raise SchemaError(str(path), error) from error
-
-
-@contextmanager
-def problems_of(path: Path) -> Iterator[None]:
-    """Turns what a file's content breaks into `BadFile`, which names each problem's place."""
-    try:
-        yield
-    except ValidationError as error:
-        raise BadFile(path, "; ".join(SchemaError(str(path), error).problems)) from error
 
 
 def check(name: str, value: object) -> BaseModel:

@@ -4,16 +4,17 @@ from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat, JsonValue
 
-from rtphys.data.schema_model import Model, Seed
+from rtphys.core.bounds import EPISODES, SHARDS
+from rtphys.data.schema_model import Model, RelativePath, Seed
 from rtphys.setting.protocol import PAPER
 
 
 class ShardUnit(Model):
     """A task dataset, and its twin, as the whole collection wants it."""
 
-    leaf: str = Field(description="folder of the task dataset")
-    twin: str | None
-    episodes: Annotated[int, Field(ge=1)]
+    leaf: RelativePath = Field(description="folder of the task dataset")
+    twin: RelativePath | None
+    episodes: Annotated[int, Field(ge=1, le=EPISODES)]
     plan: dict[str, JsonValue] = Field(description="what `rtphys collect` was told about it")
 
 
@@ -21,15 +22,17 @@ class ShardFile(Model):
     """`shard.json`: which part of which collection a folder holds."""
 
     index: Annotated[int, Field(ge=1)]
-    of: Annotated[int, Field(ge=1)]
-    units: list[ShardUnit] = Field(description="sorted by task dataset")
+    of: Annotated[int, Field(ge=1, le=SHARDS)]
+    units: Annotated[list[ShardUnit], Field(min_length=1)] = Field(
+        description="sorted by task dataset"
+    )
 
 
 class CollectionRun(Model):
     """What a manifest collects of some tasks, in the words of `rtphys collect`."""
 
     tasks: Annotated[list[str], Field(min_length=1)] = Field(description="names or patterns")
-    episodes: Annotated[int, Field(ge=1)] = Field(description="of each task")
+    episodes: Annotated[int, Field(ge=1, le=EPISODES)] = Field(description="of each task")
     protocol: str = PAPER
     first_seed: Seed = 0
     domain: str = Field(default="", description="name or file; empty: each task's own")
@@ -44,7 +47,9 @@ class CollectionRun(Model):
     cameras: list[str] = Field(default=["head", "left", "right"], description="or front")
     layout: Literal["native", "legacy"] = "native"
     split: Literal["seen", "unseen"] = "seen"
-    max_attempts: Annotated[int, Field(ge=1)] | None = Field(default=None, description="a task")
+    max_attempts: Annotated[int, Field(ge=1, le=EPISODES)] | None = Field(
+        default=None, description="a task"
+    )
 
 
 class Collection(Model):

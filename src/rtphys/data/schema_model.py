@@ -1,11 +1,14 @@
 """Base class and field types of the models of JSON files."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from rtphys.core.bounds import TOLD, WHOLE_NUMBER
-from rtphys.core.errors import RtphysError, shortened
+from rtphys.core.errors import BadFile, RtphysError, shortened
 from rtphys.core.paths import plain_name, plain_path
 
 Seed = Annotated[int, Field(ge=0, le=WHOLE_NUMBER)]
@@ -48,3 +51,12 @@ class Model(BaseModel):
     """A closed record: an unknown key is a mistake, not an extension."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+@contextmanager
+def problems_of(path: Path) -> Iterator[None]:
+    """Turns what a file's content breaks into `BadFile`, which names each problem's place."""
+    try:
+        yield
+    except ValidationError as error:
+        raise BadFile(path, "; ".join(SchemaError(str(path), error).problems)) from error

@@ -18,6 +18,7 @@ from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import EPISODE_FOLDERS, EpisodePaths, TaskDataset, episode_number
 from rtphys.data.staging import StagedEpisode
 
+
 @dataclass(frozen=True)
 class Rejection:
     """An attempt that gave no episode. `reason` is counted, so it comes from a short list."""

@@ -104,7 +104,7 @@ def _files(dataset: Dataset) -> list[dict[str, object]]:
             "@id": path,
             "name": path,
             "contentUrl": path,
-            "encodingFormat": FORMATS[path.rpartition(".")[2]],
+            "encodingFormat": FORMATS.get(path.rpartition(".")[2], "application/octet-stream"),
             "sha256": digest,
         }
         for path, digest in sorted(listed.items())
@@ -115,8 +115,8 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
     """Record set with one inline record per episode, to search a dataset by."""
     records = [_record(episode, dataset) for episode in dataset]
     types = {
-        key: next((TYPES[type(r[key])] for r in records if r[key] is not None), "sc:Float")
-        for key in (records[0] if records else ())
+        key: next((TYPES[type(r[key])] for r in records if r.get(key) is not None), "sc:Float")
+        for key in dict.fromkeys(key for record in records for key in record)
     }
     return {
         "@type": "cr:RecordSet",

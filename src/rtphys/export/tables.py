@@ -7,13 +7,21 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from rtphys.core.errors import BadValue
 from rtphys.data.files import make_folder, refusals
 
 
 def frame_table(columns: Mapping[str, np.ndarray]) -> pa.Table:
-    """Table of frame columns, (T,) or (T, n) each; vectors become lists of fixed length."""
+    """Table of frame columns, (T,) or (T, n) each; vectors become lists of fixed length.
+
+    Raises:
+        BadValue: a column of another shape or length.
+    """
     arrays = {}
+    rows = {len(values) for values in columns.values() if values.ndim}
     for name, values in columns.items():
+        if values.ndim not in (1, 2) or not values.size or len(rows) > 1:
+            raise BadValue(name, values.shape, "a column is (T,) or (T, n), and no column is empty")
         if values.ndim == 2:
             flat = pa.array(np.ascontiguousarray(values).ravel())
             arrays[name] = pa.FixedSizeListArray.from_arrays(flat, values.shape[1])
@@ -26,12 +34,18 @@ def record_table(rows: Sequence[Mapping[str, object]]) -> pa.Table:
     """Table with one row per record.
 
     Args:
-        rows: all with the keys of the first; numbers, text, arrays and nested lists of them.
+        rows: numbers, text, arrays and nested lists of them; a key that one lacks is null there.
+
+    Raises:
+        BadValue: a column has values of several types, or one that no type holds.
     """
     columns = {}
-    for key in rows[0]:
-        values = [_plain(row[key]) for row in rows]
-        columns[key] = pa.array(values, _type(values))
+    for key in dict.fromkeys(key for row in rows for key in row):
+        values = [_plain(row.get(key)) for row in rows]
+        try:
+            columns[key] = pa.array(values, _type(values))
+        except (pa.ArrowException, OverflowError, UnicodeError) as error:
+            raise BadValue(key, values, f"a column has one type: {error}") from error
     return pa.table(columns)
 
 

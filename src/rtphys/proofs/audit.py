@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from rtphys.data.attempts import read_attempts
 from rtphys.data.dataset import Dataset
-from rtphys.data.journal import read_journal
 from rtphys.physics.registry import attributes
 from rtphys.proofs.audit_selection import Selection, selections
 
@@ -28,7 +28,7 @@ def selections_by_task_dataset(dataset: Dataset) -> dict[str, list[Selection]]:
 
 
 def _attempts(journal: Path) -> Iterator[tuple[Mapping[str, object], bool]]:
-    for line in read_journal(journal).lines[1:]:
+    for line in read_attempts(journal).lines[1:]:
         physics = line.entry.get("physics")
         # An attempt that was rejected before its physics was drawn has none.
         if isinstance(physics, Mapping) and physics:

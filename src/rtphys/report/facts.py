@@ -7,10 +7,10 @@ import numpy as np
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile
+from rtphys.data.attempts import read_attempts
 from rtphys.data.check_physics import Redraw
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.episode import JSON
-from rtphys.data.journal import read_journal
 from rtphys.data.schema import TaskDatasetEntry
 from rtphys.physics import attributes
 
@@ -30,7 +30,7 @@ class Axis:
         """Value among an episode's physics; None if it has no such number."""
         value = values.get(self.key)
         if self.part is not None and isinstance(value, list | tuple):
-            value = value[self.part]
+            value = value[self.part] if self.part < len(value) else None
         return float(value) if isinstance(value, int | float) else None
 
 
@@ -103,7 +103,7 @@ def _tried(dataset: Dataset, entry: TaskDatasetEntry) -> list[tuple[bool, Mappin
     known: dict[int, Mapping[str, JSON]] = {}
     journal = entry.below(dataset.path).journal
     if journal.exists():
-        for line in read_journal(journal).lines[1:]:
+        for line in read_attempts(journal).lines[1:]:
             seed, physics = line.entry.get("seed"), line.entry.get("physics")
             if isinstance(seed, int) and isinstance(physics, Mapping) and physics:
                 known[seed] = physics

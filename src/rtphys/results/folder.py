@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePath
 
 from rtphys.core.errors import BadFile
+from rtphys.core.paths import plain_name
 from rtphys.data import files
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import parse_mapping
@@ -82,4 +83,7 @@ def _names(run: Mapping[str, JSON], key: str, out: Path) -> list[str]:
     names = run.get(key)
     if not isinstance(names, list):
         raise BadFile(out / RUN, f"{key} is {names!r}, but must be a list of names")
-    return [str(name) for name in names]
+    try:
+        return [plain_name(str(name)) for name in names]
+    except ValueError as error:
+        raise BadFile(out / RUN, f"{key}: {error}") from error

@@ -11,7 +11,7 @@ from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.series import Series, Study, Tally
 from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.campaign.workers.pool import Lost
-from rtphys.data.journal import read_journal
+from rtphys.data.attempts import read_attempts
 from rtphys.data.layout import JOURNAL
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
@@ -101,7 +101,7 @@ def _mean(values: Sequence[float]) -> float:
 def episodes_there(out: Path, plan: TaskPlan) -> int:
     """Episodes that earlier runs have left in the folder. Raises `BadFile`."""
     path = out / plan.folder / JOURNAL
-    lines = read_journal(path).lines if path.exists() else ()
+    lines = read_attempts(path).lines if path.exists() else ()
     return sum(line.entry.get("verdict") == "accepted" for line in lines)
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from rtphys.campaign.engine import Listener
 from rtphys.campaign.series import Tally
 from rtphys.core.errors import BadFile
+from rtphys.data import schema
+from rtphys.data.attempts import own_place, read_attempts
 from rtphys.data.conditions import Conditions, differences
 from rtphys.data.episode import JSON
 from rtphys.data.faults import DatasetError
-from rtphys.data.journal import read_journal
 from rtphys.data.layout import JOURNAL, SHARD, TaskDataset
-from rtphys.data.manifest import task_dataset_of
 from rtphys.data.restage import restage
 from rtphys.data.writer import DatasetWriter
 from rtphys.studies.collect.plan import TaskPlan
@@ -154,11 +154,13 @@ def read_journals(shards: Mapping[Path, Shard]) -> dict[str, Tried]:
 def _read(part: Path, shard: Shard, plan: TaskPlan) -> Tried:
     """One shard's journal of one task dataset. `plan`: of which the shard wants its share."""
     path = part / plan.folder / JOURNAL
-    lines = read_journal(path).lines if path.is_file() else ()  # none: killed at the first
+    lines = read_attempts(path).lines if path.is_file() else ()  # none: killed at the first
     if not lines:
         raise CannotMerge(f"{part}: {shard} has not begun {plan.folder}; run it first")
     header, *entries = [line.entry for line in lines]
-    conditions, place = Conditions.from_json(header), task_dataset_of(part, header)
+    with schema.problems_of(path):
+        conditions = Conditions.from_json(header)
+    place = own_place(part, path, lines)
     if (conditions.stride or (0, 1)) != shard.stride:
         raise BadFile(path, f"is not of {shard}, as {SHARD} says")
     tally = Tally(plan.setting.task, plan.episodes)
@@ -170,4 +172,6 @@ def _read(part: Path, shard: Shard, plan: TaskPlan) -> Tried:
         counts = f"{tally.accepted} of its {plan.episodes} episodes of {plan.folder}"
         raise CannotMerge(f"{part}: {shard} has {counts}; repeat its command to finish it")
     attempts = {conditions.seed(n): (place, entry) for n, entry in enumerate(entries)}
+    if any(entry["seed"] != seed for seed, (_, entry) in attempts.items()):
+        raise BadFile(path, "its attempts are not those of its seeds, in their order")
     return Tried(header, place, attempts)

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.core.errors import BadValue
+from rtphys.core.bounds import SHARDS
+from rtphys.core.errors import BadFile, BadValue, UnknownName, shortened
 from rtphys.data import files, schema
 from rtphys.data.episode import JSON
 from rtphys.data.faults import DatasetMismatch
@@ -41,8 +42,9 @@ class Shard:
     def parse(plans: Sequence[TaskPlan], run: Run) -> "Shard":
         """The shard that `run.shard` names: "i/n", from "1/n" to "n/n". Raises `BadValue`."""
         index, _, of = run.shard.partition("/")
-        if not (index.isdecimal() and of.isdecimal() and 1 <= int(index) <= int(of)):
-            raise BadValue("shard", run.shard, "write i/n, from 1/n to n/n")
+        spelt = all(part.isdecimal() and len(part) <= len(str(SHARDS)) for part in (index, of))
+        if not (spelt and 1 <= int(index) <= int(of) <= SHARDS):
+            raise BadValue("shard", run.shard, f"write i/n, from 1/n to n/n, n at most {SHARDS}")
         wanted = sorted(plans, key=lambda plan: plan.folder)
         return Shard(int(index), int(of), tuple(wanted), run)
 
@@ -72,13 +74,22 @@ def own_plans(plans: Sequence[TaskPlan], run: Run) -> Sequence[TaskPlan]:
 def read_shard(out: Path) -> Shard | None:
     """The shard that a folder holds; None if it is no shard. Raises `BadFile`."""
     path = out / SHARD
-    if not path.exists():
+    if not path.is_symlink() and not path.exists():
         return None
     with schema.problems_of(path):
         known = ShardFile.model_validate(parse_mapping(files.read(path), path))
-        run = Run(**chosen(Run, known.units[0].plan if known.units else {}))
-        wanted = tuple(plan_of({**unit.plan, "episodes": unit.episodes}) for unit in known.units)
-        return Shard(known.index, known.of, wanted, run)
+    if known.index > known.of:
+        raise BadFile(path, f"index is {known.index}, of is {known.of}")
+    try:
+        with schema.problems_of(path):
+            run = Run(**chosen(Run, known.units[0].plan))
+            wanted = tuple(plan_of({**one.plan, "episodes": one.episodes}) for one in known.units)
+        for unit, plan in zip(known.units, wanted, strict=True):
+            if unit.leaf != plan.folder:
+                raise BadFile(path, f"leaf is {unit.leaf}, its plan makes {plan.folder}")
+    except (TypeError, ValueError, BadValue, UnknownName) as error:
+        raise BadFile(path, shortened(str(error))) from error
+    return Shard(known.index, known.of, wanted, run)
 
 
 def told(plan: TaskPlan, run: Run) -> dict[str, JSON]:
