@@ -51,7 +51,8 @@ def check_episode(
     if effort is Effort.DEEP and facts.frames is not None and not facts.problems:
         for text in check_meaning(facts.frames, meta, claim.entry.embodiment):
             findings.problem(paths.hdf5, text)
-        for text in check_video(paths.video, len(facts.frames), facts.shapes[VIDEO_CAMERA]):
+        shape = facts.shapes.get(VIDEO_CAMERA, ())
+        for text in check_video(paths.video, len(facts.frames), shape) if shape else ():
             findings.problem(paths.video, text)
     return meta
 

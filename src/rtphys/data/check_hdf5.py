@@ -109,10 +109,12 @@ def _pictures(name: str, streams: Streams, frames: int, *, decode: bool) -> list
 
 def _undecodable(stream: bytes, shape: tuple[int, int, int]) -> str:
     try:
-        decoded = jpeg.decode(stream).shape
+        if (stated := jpeg.shape_of(stream)) != shape:
+            return f"is {stated}, not {shape}"
+        jpeg.decode(stream)
     except jpeg.BadImage:
         return "does not decode"
-    return "" if decoded == shape else f"is {decoded}, not {shape}"
+    return ""
 
 
 def _motion(frames: Frames) -> list[str]:

@@ -29,7 +29,7 @@ def check_meaning(frames: Frames, meta: PhysMeta, embodiment: str) -> list[str]:
 def check_video(path: Path, frames: int, size: tuple[int, ...]) -> list[str]:
     """Decodes every picture. `size`: height and width of the head camera first [px]."""
     try:
-        facts = video.probe(files.read(path))
+        facts = video.probe(files.read(path), frames + 1)
     except video.BadVideo as error:
         return [str(error)]
     expected = video.VideoFacts("h264", size[1], size[0], float(video.FPS), frames)

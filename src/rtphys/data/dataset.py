@@ -4,6 +4,7 @@ for episode in Dataset("data").where(task="click_bell"):
     print(episode.seed, episode.physics["friction"], episode.images("head_camera").shape)
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +14,7 @@ from typing import Literal, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.core.bounds import MOST_PICTURES
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, jpeg, schema
 from rtphys.data.episode import Frames
@@ -101,8 +103,15 @@ class Episode:
         return jpeg.decode(self._file.stream(camera, frame))
 
     def images(self, camera: str) -> NDArray[np.uint8]:
-        """All pictures of a camera (T, H, W, 3), RGB. Raises `UnknownName`."""
-        return np.stack([*self.each_image(camera)])
+        """All pictures of a camera (T, H, W, 3), RGB. Raises `UnknownName`, `BadFile`."""
+        streams = self._file.streams(camera)
+        shapes = {jpeg.shape_of(stream) for stream in streams}
+        if len(shapes) > 1:
+            raise BadFile(self.paths.hdf5, f"pictures of {camera} differ in size")
+        if (size := len(streams) * max(map(math.prod, shapes), default=0)) > MOST_PICTURES:
+            problem = f"{size} bytes of pictures of {camera}; take them with each_image"
+            raise BadFile(self.paths.hdf5, problem)
+        return np.stack([*map(jpeg.decode, streams)])
 
     def each_image(self, camera: str) -> Iterator[NDArray[np.uint8]]:
         """The pictures of a camera one after the other, (H, W, 3) RGB. Raises `UnknownName`."""

@@ -2,16 +2,24 @@
 
 import hashlib
 import io
-from collections.abc import Callable, Mapping
+import math
+import stat
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from rtphys.core.bounds import DEEPEST_LINK, LARGEST_EPISODE, MOST_LINKS
 from rtphys.core.errors import BadFile
 
 TEXT = h5py.string_dtype("utf-8")
+PLAIN = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.ENUM, h5py.h5t.STRING)  # what `put` writes
+SMALL = 2**20  # [bytes] of an array that is not compared with the file's size, which takes time
+# What numpy, json and HDF5 raise about a file that is not what it should be.
+DAMAGED = (KeyError, TypeError, ValueError, OverflowError, OSError, RecursionError)
 
 
 def build(fill: Callable[[h5py.File], None]) -> bytes:
@@ -37,36 +45,113 @@ def put(group: h5py.Group, key: str, value: object, notes: Mapping[str, str] | N
         dataset.attrs[name] = text
 
 
-def open_read(source: Path | bytes) -> h5py.File:
-    """Opens a file or its bytes. Raises `BadFile` when it is not HDF5."""
+@contextmanager
+def open_read(source: Path | bytes) -> Iterator[h5py.File]:
+    """Opens a file or its bytes: the one door through which every reader goes.
+
+    A file is a tree of groups and arrays that lie in the file itself. Nothing in it leads to
+    another file, back to a group above, or twice to the same place.
+
+    Raises:
+        BadFile: it is not HDF5, is too large, or is no such tree. What HDF5 itself raises while the
+            file is open becomes a `BadFile` too.
+    """
+    where = "<memory>" if isinstance(source, bytes) else source
+    if isinstance(source, Path):
+        _check_size(source)
     try:
-        return h5py.File(io.BytesIO(source) if isinstance(source, bytes) else source, "r")
-    except OSError as error:
-        where = "<memory>" if isinstance(source, bytes) else source
-        reason = "no such file" if isinstance(error, FileNotFoundError) else "not a whole HDF5 file"
-        raise BadFile(where, reason) from error
+        with h5py.File(io.BytesIO(source) if isinstance(source, bytes) else source, "r") as file:
+            if reason := _stray_link(file):
+                raise BadFile(where, reason)
+            yield file
+    except FileNotFoundError as error:
+        raise BadFile(where, "no such file") from error
+    except (*DAMAGED, RuntimeError, MemoryError) as error:
+        raise BadFile(where, f"not a whole HDF5 file ({error})") from error
+
+
+def _check_size(path: Path) -> None:
+    try:
+        facts = path.stat()
+    except (OSError, ValueError) as error:
+        missing = isinstance(error, FileNotFoundError)
+        raise BadFile(path, "no such file" if missing else "not a whole HDF5 file") from error
+    if not stat.S_ISREG(facts.st_mode):
+        raise BadFile(path, "is no ordinary file")
+    if facts.st_size > LARGEST_EPISODE:
+        raise BadFile(path, f"has {facts.st_size} bytes; at most {LARGEST_EPISODE} are read")
+
+
+def _stray_link(file: h5py.File) -> str:
+    """Why the links are no tree within the file; empty when they are."""
+    seen = {h5py.h5o.get_info(file.id).addr}
+
+    def reason(name: bytes, link: h5py.h5l.LinkInfo) -> str | None:
+        if link.type != h5py.h5l.TYPE_HARD:
+            kind = {h5py.h5l.TYPE_SOFT: "a soft link", h5py.h5l.TYPE_EXTERNAL: "an external link"}
+            return f"{_shown(name)} is {kind.get(link.type, 'a link of a foreign kind')}"
+        if link.u in seen:
+            return f"{_shown(name)} leads to what another name leads to"
+        seen.add(link.u)
+        if len(seen) > MOST_LINKS:
+            return f"holds more than {MOST_LINKS} names"
+        deep = name.count(b"/") >= DEEPEST_LINK
+        return f"{_shown(name[:80])} lies more than {DEEPEST_LINK} groups deep" if deep else None
+
+    return file.id.links.visit(reason, info=True) or ""
+
+
+def _shown(name: bytes) -> str:
+    return name.decode(errors="backslashreplace")
+
+
+def dataset(node: h5py.Group, key: str) -> h5py.h5d.DatasetID:
+    """A dataset whose values lie in the file in one piece, as `put` writes them.
+
+    External raw storage, virtual datasets, filters and values that were never written are refused.
+
+    Raises:
+        KeyError: the key is absent or no dataset.
+        ValueError: its values lie elsewhere, or are neither numbers nor text.
+    """
+    try:
+        found = h5py.h5d.open(node.id, key.encode())
+    except (TypeError, ValueError) as error:
+        raise KeyError(f"{key} is no dataset") from error
+    shape, (dtype, _) = found.shape, _types(found.get_type().encode())
+    if shape is None:
+        raise ValueError(f"{key} holds nothing")
+    size = math.prod(shape) * dtype.itemsize
+    if dtype.kind == "O" and shape:  # a few bytes of the file could be the text of each
+        raise ValueError(f"{key} holds many texts of any length")
+    if size == 0:
+        return found
+    # Undefined for external, virtual, chunked and compact storage, and where nothing was written.
+    if found.get_offset() is None:
+        raise ValueError(f"the values of {key} do not lie in the file in one piece")
+    if size > SMALL and size > h5py.h5i.get_file_id(found).get_filesize():
+        raise ValueError(f"{key} would have {size} bytes, more than its file")
+    return found
 
 
 def array(node: h5py.Group, key: str) -> np.ndarray:
-    """The values of a dataset. Raises `KeyError` when the key is absent or no dataset."""
+    """The values of a dataset. Raises what `dataset` does."""
     # Low-level calls: `node[key][()]` takes six times as long, and a file has dozens.
-    try:
-        dataset = h5py.h5d.open(node.id, key.encode())
-    except (TypeError, ValueError) as error:
-        raise KeyError(f"{key} is no dataset") from error
-    shape, (dtype, memory) = dataset.shape, _types(dataset.get_type().encode())
-    if shape is None:  # an empty dataset
-        return np.asarray(h5py.Dataset(dataset)[()])
-    data = np.empty(shape, dtype)
+    found = dataset(node, key)
+    dtype, memory = _types(found.get_type().encode())
+    data = np.empty(found.shape, dtype)
     if data.size:
-        dataset.read(h5py.h5s.ALL, h5py.h5s.ALL, data, memory)
+        found.read(h5py.h5s.ALL, h5py.h5s.ALL, data, memory)
     return data
 
 
 @lru_cache(maxsize=256)
 def _types(encoded: bytes) -> tuple[np.dtype, h5py.h5t.TypeID]:
     """The numpy type of an HDF5 type, and its HDF5 type in memory; both are slow to derive."""
-    dtype = h5py.h5t.decode(encoded).dtype
+    stored = h5py.h5t.decode(encoded)
+    if stored.get_class() not in PLAIN:
+        raise ValueError("holds neither numbers nor text")
+    dtype = stored.dtype
     return dtype, h5py.h5t.py_create(dtype)
 
 
@@ -95,7 +180,10 @@ def arrays(node: h5py.Group, key: str) -> dict[str, np.ndarray]:
 
 
 def note(node: h5py.Group, key: str) -> str:
-    """A text attribute. Raises `KeyError`."""
+    """A text attribute. Raises `KeyError`, or `ValueError` when it is not one text."""
+    found = node.attrs.get_id(key)
+    if found.shape != () or found.get_type().get_class() != h5py.h5t.STRING:
+        raise ValueError(f"@{key} is not one text")
     return str(node.attrs[key])
 
 
@@ -112,7 +200,7 @@ def content_digest(source: Path | bytes) -> str:
         for key in sorted(node.attrs):
             _feed(digest.update, f"@{key}", node.attrs[key])
         if isinstance(node, h5py.Dataset):
-            _feed(digest.update, "=", node[()])
+            _feed(digest.update, "=", array(file, name))
 
     with open_read(source) as file:
         visit("/", file)

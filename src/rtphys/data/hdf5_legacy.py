@@ -11,7 +11,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import ARMS, Frames
-from rtphys.data.hdf5_file import build, put
+from rtphys.data.hdf5_file import DAMAGED, build, put
 from rtphys.data.hdf5_record import CALIBRATION, read_record, write_record
 from rtphys.data.streams import Streams, stream_rows
 
@@ -62,6 +62,6 @@ def legacy_streams(file: h5py.File, name: str) -> Streams:
     try:
         rows = stream_rows(file, f"observation/{name}/rgb")
         height, width, depth = jpeg.decode(rows.item(0)).shape
-    except (KeyError, IndexError, ValueError, TypeError, OSError, jpeg.BadImage) as error:
+    except (*DAMAGED, IndexError, jpeg.BadImage) as error:
         raise BadFile(file.filename, f"not a whole legacy file ({error})") from error
     return Streams(rows, None, (height, width, depth))

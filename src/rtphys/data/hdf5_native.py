@@ -15,7 +15,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import ARMS, FRAME_STEPS, Frames
-from rtphys.data.hdf5_file import array, build, group, put, text
+from rtphys.data.hdf5_file import DAMAGED, array, build, group, put, text
 from rtphys.data.hdf5_record import GROUP, read_record, write_record
 from rtphys.data.streams import Streams, stream_rows
 
@@ -89,17 +89,27 @@ def native_streams(file: h5py.File, name: str) -> Streams:
     """The pictures of a camera, by its official name. Raises `BadFile`."""
     try:
         vision = group(file, f"vision/{CAMERA_KEYS[name]}")
-        rows, last = stream_rows(vision, "colors"), array(file, f"{GROUP}/last/{name}").item()
+        rows, last = stream_rows(vision, "colors"), last_stream(file, name)
         height, width, depth = (int(n) for n in array(vision, "shape"))
-    except (KeyError, ValueError, TypeError, OSError) as error:
+    except DAMAGED as error:
         raise BadFile(file.filename, f"not a whole native file ({error})") from error
     return Streams(rows, last, (height, width, depth))
+
+
+def last_stream(file: h5py.File, name: str) -> bytes:
+    """The picture that the shifted layout drops. Raises `KeyError`, `ValueError`."""
+    last = array(file, f"{GROUP}/last/{name}").item()
+    if not isinstance(last, bytes):
+        raise ValueError(f"{GROUP}/last/{name} holds no picture stream")
+    return last
 
 
 def native_sentences(file: h5py.File) -> list[str]:
     """The seen instructions. Raises `BadFile`."""
     try:
         seen = json.loads(text(file, "instructions"))
-    except (KeyError, ValueError, TypeError, OSError) as error:
+        if not isinstance(seen, list) or not seen:
+            raise ValueError("instructions are no list of sentences")
+    except DAMAGED as error:
         raise BadFile(file.filename, f"not a whole native file ({error})") from error
     return [str(sentence) for sentence in seen]

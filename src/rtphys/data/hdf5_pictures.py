@@ -7,9 +7,10 @@ import h5py
 
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data.episode import Frames
-from rtphys.data.hdf5_file import array, group, open_read
-from rtphys.data.hdf5_native import CAMERA_KEYS
+from rtphys.data.hdf5_file import DAMAGED, dataset, group, open_read
+from rtphys.data.hdf5_native import CAMERA_KEYS, last_stream
 from rtphys.data.hdf5_record import GROUP, read_record
+from rtphys.data.streams import stream_rows
 
 
 @dataclass(frozen=True)
@@ -30,10 +31,10 @@ class EpisodeFile:
             self._check(file, camera)
             try:
                 if self.layout == "legacy":
-                    return array(file, f"observation/{camera}/rgb").tolist()
-                shifted = array(file, f"vision/{CAMERA_KEYS[camera]}/colors").tolist()
-                return [*shifted, array(file, f"{GROUP}/last/{camera}").item()]
-            except (KeyError, OSError) as error:
+                    return stream_rows(file, f"observation/{camera}/rgb").tolist()
+                shifted = stream_rows(file, f"vision/{CAMERA_KEYS[camera]}/colors").tolist()
+                return [*shifted, last_stream(file, camera)]
+            except DAMAGED as error:
                 raise BadFile(self.path, f"has no pictures of {camera} ({error})") from error
 
     def stream(self, camera: str, frame: int) -> bytes:
@@ -42,15 +43,15 @@ class EpisodeFile:
             self._check(file, camera)
             legacy = self.layout == "legacy"
             key = f"observation/{camera}/rgb" if legacy else f"vision/{CAMERA_KEYS[camera]}/colors"
-            rows = file[key]
-            if not isinstance(rows, h5py.Dataset):
-                raise BadFile(self.path, f"{key} is no dataset")
+            rows = h5py.Dataset(dataset(file, key))
+            if rows.ndim != 1 or rows.dtype.kind != "S":
+                raise BadFile(self.path, f"{key} holds no picture streams")
             count = len(rows) + (not legacy)
             index = frame + count if frame < 0 else frame
             if not 0 <= index < count:
                 raise IndexError(f"frame {frame} of {count}")
             if index == len(rows):  # the picture that the shifted layout drops
-                return array(file, f"{GROUP}/last/{camera}").item()
+                return last_stream(file, camera)
             return bytes(rows[index])
 
     def _check(self, file: h5py.File, camera: str) -> None:

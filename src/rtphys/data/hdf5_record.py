@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 
 from rtphys.core.errors import BadFile
-from rtphys.data.episode import ARMS, CameraFrames, Frames
-from rtphys.data.hdf5_file import array, arrays, group, note, put
+from rtphys.data.episode import ARMS, CAMERAS, CameraFrames, Frames
+from rtphys.data.hdf5_file import DAMAGED, array, arrays, group, note, put
 
 GROUP = "rtphys"
 RECORD_VERSION = "1.0"
@@ -67,7 +67,7 @@ def read_record(file: h5py.File) -> Frames:
     where = file.filename
     try:
         frames = _frames(group(file, GROUP))
-    except (KeyError, TypeError, ValueError, OSError) as error:
+    except DAMAGED as error:
         raise BadFile(where, f"the group {GROUP}/ is missing or damaged ({error})") from error
     if problems := frames.problems():
         raise BadFile(where, f"{GROUP}/: {'; '.join(problems)}")
@@ -77,6 +77,8 @@ def read_record(file: h5py.File) -> Frames:
 def _frames(record: h5py.Group) -> Frames:
     arms: dict[str, np.ndarray] = {}
     cameras = group(record, "cameras")
+    if strange := set(cameras) - set(CAMERAS):
+        raise KeyError(f"cameras/{min(strange)} is no camera")
     for arm in ARMS:
         for part in ("arm", "gripper"):
             arms[f"{arm}_{part}"] = array(record, f"command/{arm}_{part}")

@@ -7,11 +7,13 @@ import numpy as np
 import simplejpeg
 from numpy.typing import NDArray
 
+from rtphys.core.bounds import MOST_PIXELS, MOST_SCANS
 from rtphys.core.errors import RtphysError
 
 QUALITY = 95
 # The official writer hands RGB to an encoder that takes BGR, and every official reader depends on
 # it: cv2.imdecode returns RGB from these streams, while PIL and browsers see red as blue.
+SCAN = b"\xff\xda"  # begins a scan; the bytes within one cannot say this
 CHANNEL_ORDER = "red and blue exchanged: cv2.imdecode of this stream returns RGB, not BGR"
 
 cv2.setNumThreads(0)  # its pool would fight the workers, and a picture is one thread's work
@@ -31,11 +33,25 @@ def encode(rgb: NDArray[np.uint8]) -> bytes:
 
 def decode(stream: bytes) -> NDArray[np.uint8]:
     """RGB picture (H, W, 3) of a stored stream. Raises `BadImage`."""
+    height, width, _ = shape_of(stream)
+    if height * width > MOST_PIXELS:
+        raise BadImage(f"a picture of {width}x{height} pixels; at most {MOST_PIXELS} are decoded")
+    if stream.count(SCAN) > MOST_SCANS:  # each goes through the whole picture
+        raise BadImage(f"a picture of more than {MOST_SCANS} scans")
     # The pixels of cv2.imdecode in half its time, and a damaged stream is an error.
     try:
         return simplejpeg.decode_jpeg(stream, "BGR")  # already RGB, see CHANNEL_ORDER
-    except ValueError as problem:
+    except (ValueError, KeyError) as problem:
         raise BadImage(f"{len(stream)} bytes are no JPEG picture: {problem}") from problem
+
+
+def shape_of(stream: bytes) -> tuple[int, int, int]:
+    """(H, W, 3) of a stored stream, by its header alone. Raises `BadImage`."""
+    try:
+        height, width, _, _ = simplejpeg.decode_jpeg_header(stream)
+    except (ValueError, KeyError) as problem:  # a key: an unknown kind of colours
+        raise BadImage(f"{len(stream)} bytes are no JPEG picture: {problem}") from problem
+    return height, width, 3
 
 
 def true_colour(rgb: NDArray[np.uint8]) -> bytes:

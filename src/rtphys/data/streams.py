@@ -53,6 +53,6 @@ def _whole(stream: bytes) -> bool:
 def stream_rows(node: h5py.Group, key: str) -> NDArray[np.bytes_]:
     """The rows of a dataset of streams. Raises `KeyError`, or `ValueError` for another kind."""
     rows = array(node, key)
-    if rows.ndim != 1 or rows.dtype.kind not in "SO":
+    if rows.ndim != 1 or rows.dtype.kind != "S":
         raise ValueError(f"{key} holds {rows.dtype} {rows.shape}, no picture streams")
     return rows

@@ -3,16 +3,20 @@
 import io
 import struct
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice
 
 import av
 import cv2
 import numpy as np
+from av.container import InputContainer
 from av.error import FFmpegError
 from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
+from rtphys.core.bounds import LARGEST_VIDEO, MOST_BOXES, MOST_FRAMES, MOST_PIXELS
 from rtphys.core.errors import RtphysError
 
 FPS = 30  # official: plays 1.8 times faster than the 16.67 Hz of the frames
@@ -124,22 +128,33 @@ class VideoFacts:
     frames: int  # decoded, not the number in the header
 
 
-def probe(data: bytes) -> VideoFacts:
-    """Decodes a whole MP4 and says what is in it. Raises `BadVideo`."""
+@contextmanager
+def _opened(data: bytes) -> Iterator[tuple[InputContainer, VideoStream]]:
+    """The first video in an MP4 in memory. Raises `BadVideo`, for errors while it is open too."""
+    if len(data) > LARGEST_VIDEO:
+        raise BadVideo(f"has {len(data)} bytes; at most {LARGEST_VIDEO} are read")
     try:
-        with av.open(io.BytesIO(data), "r") as container:
+        # Named, because FFmpeg would take a list of other files for a video too, and open them.
+        with av.open(io.BytesIO(data), "r", format="mp4") as container:
             stream = container.streams.video[0]
-            stream.codec_context.thread_count = 1
-            count = sum(1 for _ in container.decode(stream))
-            return VideoFacts(
-                codec=stream.codec_context.name,
-                width=stream.codec_context.width,
-                height=stream.codec_context.height,
-                fps=float(stream.average_rate or 0),
-                frames=count,
-            )
-    except (FFmpegError, IndexError, ValueError) as error:
+            stream.codec_context.options = {"max_pixels": str(MOST_PIXELS)}
+            yield container, stream
+    except (FFmpegError, IndexError, ValueError, MemoryError) as error:
         raise BadVideo(f"no readable video ({error})") from error
+
+
+def probe(data: bytes, most: int = MOST_FRAMES) -> VideoFacts:
+    """Decodes an MP4, at most so many frames, and says what is in it. Raises `BadVideo`."""
+    with _opened(data) as (container, stream):
+        stream.codec_context.thread_count = 1
+        count = sum(1 for _ in islice(container.decode(stream), most))
+        return VideoFacts(
+            codec=stream.codec_context.name,
+            width=stream.codec_context.width,
+            height=stream.codec_context.height,
+            fps=float(stream.average_rate or 0),
+            frames=count,
+        )
 
 
 def frame_count(data: bytes) -> int:
@@ -148,7 +163,8 @@ def frame_count(data: bytes) -> int:
     start, end = 0, len(data)
     try:
         for name in (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz"):
-            inside = {kind: (first + 8, last) for kind, first, last in boxes(data, start, end)}
+            found = islice(boxes(data, start, end), MOST_BOXES)
+            inside = {kind: (first + 8, last) for kind, first, last in found}
             if max((last for _, last in inside.values()), default=0) > end:
                 raise ValueError("it is cut short")
             start, end = inside[name]
@@ -159,7 +175,7 @@ def frame_count(data: bytes) -> int:
 
 
 def decode(data: bytes) -> Iterator[NDArray[np.uint8]]:
-    """The pictures of an MP4, (H, W, 3) RGB."""
-    with av.open(io.BytesIO(data), "r") as container:
-        for frame in container.decode(video=0):
+    """The pictures of an MP4, (H, W, 3) RGB. Raises `BadVideo`."""
+    with _opened(data) as (container, stream):
+        for frame in islice(container.decode(stream), MOST_FRAMES):
             yield np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)

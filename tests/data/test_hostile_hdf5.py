@@ -1,0 +1,107 @@
+"""An HDF5 file from a stranger: one sentence, within seconds, in little memory, nothing outside."""
+
+import os
+import resource
+import time
+from pathlib import Path
+
+import h5py
+import pytest
+import synthetic
+from hostile_hdf5 import Forgery, forgeries, jpeg_bomb
+
+from rtphys.core.errors import BadFile, RtphysError
+from rtphys.data.check_hdf5 import check_hdf5
+from rtphys.data.convert import read_episode
+from rtphys.data.encode import encode_images
+from rtphys.data.hdf5_legacy import legacy_bytes
+from rtphys.data.hdf5_native import native_bytes
+from rtphys.data.hdf5_pictures import EpisodeFile
+
+SECONDS = 5.0  # [s] of CPU; the slowest takes a tenth of it
+MEMORY = 2**28  # [bytes] more than before
+
+
+@pytest.fixture(scope="module")
+def sound() -> bytes:
+    images = encode_images(synthetic.pictures(3))
+    return native_bytes(synthetic.frames_of(3), images, ["ring the bell"], "x")
+
+
+@pytest.fixture
+def outside(tmp_path: Path, sound: bytes) -> Path:
+    """A sound file elsewhere, which would do for every part of the forged one."""
+    path = tmp_path / "elsewhere" / "secret.hdf5"
+    path.parent.mkdir()
+    path.write_bytes(sound)
+    return path
+
+
+def refused(path: Path) -> str:
+    """What every reader together says; each either answers or raises an `RtphysError`."""
+    peak, began = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
+    said = [*check_hdf5(path, "native", decode=True).problems]
+    file = EpisodeFile(path, "native")
+    readers = [lambda: read_episode(path, "native"), file.frames]
+    readers += [lambda: file.streams("head_camera"), lambda: file.stream("head_camera", 0)]
+    for reader in readers:
+        try:
+            reader()
+        except RtphysError as error:
+            said.append(str(error))
+    assert time.process_time() - began < SECONDS
+    assert (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - peak) * 1024 < MEMORY
+    assert all("\n" not in text for text in said)
+    return "; ".join(said)
+
+
+@pytest.mark.parametrize("forgery", [*forgeries()], ids=str)
+def test_every_reader_refuses(
+    forgery: Forgery, sound: bytes, outside: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "forged.hdf5"
+    path.write_bytes(sound)
+    with h5py.File(path, "r+") as file:
+        forgery.forge(file, outside)
+    before = path.read_bytes(), outside.read_bytes()
+    assert refused(path)
+    assert (path.read_bytes(), outside.read_bytes()) == before
+
+
+def test_the_sound_file_is_refused_by_nobody(sound: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "sound.hdf5"
+    path.write_bytes(sound)
+    assert refused(path) == ""
+
+
+@pytest.mark.parametrize("layout", ["native", "legacy"])
+@pytest.mark.parametrize("size", [(65000, 65000), (65000, 1), (3000, 3000), (0, 0)])
+def test_a_picture_that_claims_another_size(
+    layout: str, size: tuple[int, int], tmp_path: Path
+) -> None:
+    images, frames = encode_images(synthetic.pictures(3)), synthetic.frames_of(3)
+    images.jpegs["head_camera"] = [jpeg_bomb(*size)] * len(frames)
+    path = tmp_path / "bomb.hdf5"
+    native = layout == "native"
+    path.write_bytes(
+        native_bytes(frames, images, ["x"], "x") if native else legacy_bytes(frames, images)
+    )
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    assert check_hdf5(path, layout, decode=True).problems
+    assert (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - peak) * 1024 < MEMORY
+
+
+def test_a_path_that_is_no_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", tmp_path, Path("/dev/zero"), Path("no\0file"), Path("no")):
+        with pytest.raises(BadFile):
+            EpisodeFile(path, "native").frames()
+
+
+def test_a_sparse_file_of_terabytes(tmp_path: Path, sound: bytes) -> None:
+    path = tmp_path / "sparse.hdf5"
+    path.write_bytes(sound)
+    with path.open("r+b") as file:
+        file.truncate(2**40)
+    with pytest.raises(BadFile, match="at most"):
+        EpisodeFile(path, "native").frames()
