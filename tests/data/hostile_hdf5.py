@@ -20,7 +20,7 @@ class Forgery:
     """A change to an open file. `outside`: a file with a secret that no reader may reach."""
 
     name: str
-    forge: Callable[[h5py.File, Path], None]
+    forge: Callable[[h5py.File, Path], object]
 
     def __str__(self) -> str:
         return self.name
@@ -66,7 +66,7 @@ def _external(key: str, outside: Path) -> h5py.ExternalLink:
     return h5py.ExternalLink(str(outside), key)
 
 
-def _linked(key: str, link: Callable[[str, Path], object]) -> Callable[[h5py.File, Path], None]:
+def _linked(key: str, link: Callable[[str, Path], object]) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, outside: Path) -> None:
         del file[key]
         file[key] = link(f"/{key}", outside)
@@ -74,11 +74,11 @@ def _linked(key: str, link: Callable[[str, Path], object]) -> Callable[[h5py.Fil
     return forge
 
 
-def _reference(key: str) -> Callable[[h5py.File, Path], None]:
+def _reference(key: str) -> Callable[[h5py.File, Path], object]:
     return lambda file, _: _put(file, key, np.array([file.ref] * 8, h5py.ref_dtype))
 
 
-def _with(key: str, value: object) -> Callable[[h5py.File, Path], None]:
+def _with(key: str, value: object) -> Callable[[h5py.File, Path], object]:
     return lambda file, _: _put(file, key, value)
 
 
@@ -87,16 +87,22 @@ def _put(file: h5py.File, key: str, value: object) -> None:
     file[key] = value
 
 
-def _cycle(key: str) -> Callable[[h5py.File, Path], None]:
+def _dataset(file: h5py.File, key: str) -> h5py.Dataset:
+    found = file[key]
+    assert isinstance(found, h5py.Dataset)
+    return found
+
+
+def _cycle(key: str) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, _: Path) -> None:
         file[f"{key}/again"] = file[key]
 
     return forge
 
 
-def _external_storage(key: str) -> Callable[[h5py.File, Path], None]:
+def _external_storage(key: str) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, outside: Path) -> None:
-        shape, dtype = file[key].shape, file[key].dtype
+        shape, dtype = _dataset(file, key).shape, _dataset(file, key).dtype
         del file[key]
         size = max(int(np.prod(shape)), 1) * dtype.itemsize
         file.create_dataset(key, shape or (1,), dtype, external=[(str(outside), 0, size)])
@@ -104,9 +110,9 @@ def _external_storage(key: str) -> Callable[[h5py.File, Path], None]:
     return forge
 
 
-def _virtual(key: str) -> Callable[[h5py.File, Path], None]:
+def _virtual(key: str) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, outside: Path) -> None:
-        shape, dtype = file[key].shape or (1,), file[key].dtype
+        shape, dtype = _dataset(file, key).shape or (1,), _dataset(file, key).dtype
         del file[key]
         layout = h5py.VirtualLayout(shape, dtype)
         layout[...] = h5py.VirtualSource(str(outside), key, shape)
@@ -115,34 +121,34 @@ def _virtual(key: str) -> Callable[[h5py.File, Path], None]:
     return forge
 
 
-def _compressed(key: str) -> Callable[[h5py.File, Path], None]:
+def _compressed(key: str) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, _: Path) -> None:
-        dtype = file[key].dtype
+        dtype = _dataset(file, key).dtype
         del file[key]
         file.create_dataset(key, (2**24,), dtype, chunks=(2**12,), compression="gzip")
 
     return forge
 
 
-def _declared(key: str, rows: int) -> Callable[[h5py.File, Path], None]:
+def _declared(key: str, rows: int) -> Callable[[h5py.File, Path], object]:
     """Contiguous, and never written: a few bytes of the file."""
 
     def forge(file: h5py.File, _: Path) -> None:
-        columns = file[key].shape[1:]
+        columns = _dataset(file, key).shape[1:]
         del file[key]
         file.create_dataset(key, (rows, *columns), "S1")
 
     return forge
 
 
-def _twice(key: str) -> Callable[[h5py.File, Path], None]:
+def _twice(key: str) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, _: Path) -> None:
         file["again"] = file[key]
 
     return forge
 
 
-def _texts(key: str) -> Callable[[h5py.File, Path], None]:
+def _texts(key: str) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, _: Path) -> None:
         del file[key]
         file.create_dataset(key, data=["x"] * 8, dtype=h5py.string_dtype())
@@ -150,7 +156,7 @@ def _texts(key: str) -> Callable[[h5py.File, Path], None]:
     return forge
 
 
-def _note(name: str, value: object) -> Callable[[h5py.File, Path], None]:
+def _note(name: str, value: object) -> Callable[[h5py.File, Path], object]:
     def forge(file: h5py.File, _: Path) -> None:
         file["rtphys"].attrs[name] = value
 

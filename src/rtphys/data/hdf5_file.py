@@ -11,12 +11,13 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from h5py import h5d, h5i, h5l, h5o, h5s, h5t  # pyright: ignore[reportAttributeAccessIssue]
 
 from rtphys.core.bounds import DEEPEST_LINK, LARGEST_EPISODE, MOST_LINKS
 from rtphys.core.errors import BadFile
 
 TEXT = h5py.string_dtype("utf-8")
-PLAIN = (h5py.h5t.INTEGER, h5py.h5t.FLOAT, h5py.h5t.ENUM, h5py.h5t.STRING)  # what `put` writes
+PLAIN = (h5t.INTEGER, h5t.FLOAT, h5t.ENUM, h5t.STRING)  # what `put` writes
 SMALL = 2**20  # [bytes] of an array that is not compared with the file's size, which takes time
 # What numpy, json and HDF5 raise about a file that is not what it should be.
 DAMAGED = (KeyError, TypeError, ValueError, OverflowError, OSError, RecursionError)
@@ -84,11 +85,11 @@ def _check_size(path: Path) -> None:
 
 def _stray_link(file: h5py.File) -> str:
     """Why the links are no tree within the file; empty when they are."""
-    seen = {h5py.h5o.get_info(file.id).addr}
+    seen = {h5o.get_info(file.id).addr}
 
-    def reason(name: bytes, link: h5py.h5l.LinkInfo) -> str | None:
-        if link.type != h5py.h5l.TYPE_HARD:
-            kind = {h5py.h5l.TYPE_SOFT: "a soft link", h5py.h5l.TYPE_EXTERNAL: "an external link"}
+    def reason(name: bytes, link: h5l.LinkInfo) -> str | None:
+        if link.type != h5l.TYPE_HARD:
+            kind = {h5l.TYPE_SOFT: "a soft link", h5l.TYPE_EXTERNAL: "an external link"}
             return f"{_shown(name)} is {kind.get(link.type, 'a link of a foreign kind')}"
         if link.u in seen:
             return f"{_shown(name)} leads to what another name leads to"
@@ -105,7 +106,7 @@ def _shown(name: bytes) -> str:
     return name.decode(errors="backslashreplace")
 
 
-def dataset(node: h5py.Group, key: str) -> h5py.h5d.DatasetID:
+def dataset(node: h5py.Group, key: str) -> h5d.DatasetID:
     """A dataset whose values lie in the file in one piece, as `put` writes them.
 
     External raw storage, virtual datasets, filters and values that were never written are refused.
@@ -115,7 +116,7 @@ def dataset(node: h5py.Group, key: str) -> h5py.h5d.DatasetID:
         ValueError: its values lie elsewhere, or are neither numbers nor text.
     """
     try:
-        found = h5py.h5d.open(node.id, key.encode())
+        found = h5d.open(node.id, key.encode())
     except (TypeError, ValueError) as error:
         raise KeyError(f"{key} is no dataset") from error
     shape, (dtype, _) = found.shape, _types(found.get_type().encode())
@@ -129,7 +130,7 @@ def dataset(node: h5py.Group, key: str) -> h5py.h5d.DatasetID:
     # Undefined for external, virtual, chunked and compact storage, and where nothing was written.
     if found.get_offset() is None:
         raise ValueError(f"the values of {key} do not lie in the file in one piece")
-    if size > SMALL and size > h5py.h5i.get_file_id(found).get_filesize():
+    if size > SMALL and size > h5i.get_file_id(found).get_filesize():
         raise ValueError(f"{key} would have {size} bytes, more than its file")
     return found
 
@@ -141,18 +142,18 @@ def array(node: h5py.Group, key: str) -> np.ndarray:
     dtype, memory = _types(found.get_type().encode())
     data = np.empty(found.shape, dtype)
     if data.size:
-        found.read(h5py.h5s.ALL, h5py.h5s.ALL, data, memory)
+        found.read(h5s.ALL, h5s.ALL, data, memory)
     return data
 
 
 @lru_cache(maxsize=256)
-def _types(encoded: bytes) -> tuple[np.dtype, h5py.h5t.TypeID]:
+def _types(encoded: bytes) -> tuple[np.dtype, h5t.TypeID]:
     """The numpy type of an HDF5 type, and its HDF5 type in memory; both are slow to derive."""
-    stored = h5py.h5t.decode(encoded)
+    stored = h5t.decode(encoded)
     if stored.get_class() not in PLAIN:
         raise ValueError("holds neither numbers nor text")
     dtype = stored.dtype
-    return dtype, h5py.h5t.py_create(dtype)
+    return dtype, h5t.py_create(dtype)
 
 
 def text(node: h5py.Group, key: str) -> str:
@@ -182,7 +183,7 @@ def arrays(node: h5py.Group, key: str) -> dict[str, np.ndarray]:
 def note(node: h5py.Group, key: str) -> str:
     """A text attribute. Raises `KeyError`, or `ValueError` when it is not one text."""
     found = node.attrs.get_id(key)
-    if found.shape != () or found.get_type().get_class() != h5py.h5t.STRING:
+    if found.shape != () or found.get_type().get_class() != h5t.STRING:
         raise ValueError(f"@{key} is not one text")
     return str(node.attrs[key])
 

@@ -51,7 +51,7 @@ def shape_of(stream: bytes) -> tuple[int, int, int]:
         height, width, _, _ = simplejpeg.decode_jpeg_header(stream)
     except (ValueError, KeyError) as problem:  # a key: an unknown kind of colours
         raise BadImage(f"{len(stream)} bytes are no JPEG picture: {problem}") from problem
-    return height, width, 3
+    return int(height), int(width), 3
 
 
 def true_colour(rgb: NDArray[np.uint8]) -> bytes:

@@ -1,12 +1,15 @@
 """Interface of policies: an object that plays one episode to its end."""
 
+import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
+from rtphys.core.bounds import LONGEST_REPORT
 from rtphys.core.errors import RtphysError
 from rtphys.core.poses import Array
 from rtphys.episode import Observation, PolicyEpisode
@@ -23,6 +26,23 @@ class PolicyGone(RtphysError):
 
     def __init__(self, policy: str, problem: str) -> None:
         super().__init__(f"policy {policy}: {problem}")
+
+
+class PolicyBroken(RtphysError):
+    """A policy raises where it is opened or closed, which stops an evaluation as `PolicyGone` does.
+
+    Args:
+        policy: its specification.
+        doing: "opened" or "closed".
+    """
+
+    exit_code = 5
+
+    def __init__(self, policy: str, doing: str, error: BaseException) -> None:
+        frames = traceback.extract_tb(error.__traceback__)
+        place = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
+        what = " ".join("".join(traceback.format_exception_only(error)).split())[:LONGEST_REPORT]
+        super().__init__(f"policy {policy} cannot be {doing}: {what}{place}")
 
 
 @dataclass(frozen=True)

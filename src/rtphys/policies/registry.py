@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from importlib import import_module
 
-from rtphys.core.errors import UnknownName
-from rtphys.policies.policy import Policy, PolicyGone, PolicySetup
+from rtphys.core.errors import RtphysError, UnknownName
+from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
 
 Opener = Callable[[str, PolicySetup], Policy]
 
@@ -41,6 +41,7 @@ def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
     Raises:
         UnknownName: no such policy.
         PolicyGone: an optional dependency of rtphys is not installed.
+        PolicyBroken: the policy raises, or lacks `needs_images`.
         RtphysError: the policy refuses its argument.
     """
     name, argument = parse_spec(spec)
@@ -50,4 +51,11 @@ def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
     except ModuleNotFoundError as error:
         cure = "pip install 'rtphys[serve]'"  # the only extra that a built-in policy needs
         raise PolicyGone(name, f"Python finds no module {error.name!r}; {cure}") from error
-    return opener(argument, setup or PolicySetup())
+    try:
+        policy = opener(argument, setup or PolicySetup())
+        bool(policy.needs_images)
+    except (RtphysError, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # a library may end the process, or panic
+        raise PolicyBroken(spec, "opened", error) from error
+    return policy

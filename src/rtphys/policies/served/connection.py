@@ -5,13 +5,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
+from websockets.frames import CloseCode
 from websockets.sync.client import ClientConnection, connect
 
+from rtphys.core.bounds import LARGEST_MESSAGE, LONGEST_REPORT
 from rtphys.core.errors import BadValue, RtphysError
 from rtphys.policies.options import Options, number
 from rtphys.policies.policy import PolicyGone
 from rtphys.policies.served.wire import BadFrame, Encoding
 
+FAREWELL = 1.0  # [s] that a server has to agree that the connection ends
 RETRY = 1.0  # [s] between attempts to reach a server that is still loading its weights
 
 
@@ -81,7 +84,8 @@ class Connection:
         """Wait for the next message.
 
         Raises:
-            PolicyGone: the server closed the connection, or sent nothing for `reply_s`.
+            PolicyGone: the server closed the connection, sent nothing for `reply_s`, or more than
+                `LARGEST_MESSAGE`.
             ServerFailed: the server sent text, which is its traceback.
             BadFrame: the server sent bytes that are no message.
         """
@@ -93,7 +97,7 @@ class Connection:
         except (ConnectionClosed, OSError) as error:
             raise self._lost(error) from error
         if isinstance(raw, str):
-            raise ServerFailed(f"{self.endpoint.url} failed:\n{raw}")
+            raise ServerFailed(f"{self.endpoint.url} failed:\n{raw[-LONGEST_REPORT:]}")
         try:
             return self.endpoint.encoding.unpack(raw)
         except BadFrame as error:
@@ -103,7 +107,12 @@ class Connection:
         self._socket.close()
 
     def _lost(self, error: Exception) -> PolicyGone:
-        return PolicyGone(self.endpoint.url, f"the server is gone: {error}")
+        sent = getattr(error, "sent", None)  # why we closed the connection
+        if sent is not None and sent.code == CloseCode.MESSAGE_TOO_BIG:
+            problem = f"sent a message of more than {LARGEST_MESSAGE} bytes"
+        else:
+            problem = f"the server is gone: {error}"
+        return PolicyGone(self.endpoint.url, problem[:LONGEST_REPORT])
 
 
 def _open(endpoint: Endpoint) -> ClientConnection:
@@ -115,7 +124,8 @@ def _open(endpoint: Endpoint) -> ClientConnection:
                 endpoint.url,
                 additional_headers=dict(endpoint.headers),
                 compression=None,
-                max_size=None,
+                max_size=LARGEST_MESSAGE,
+                close_timeout=FAREWELL,
                 # A model that computes for a minute answers no ping and would be disconnected.
                 ping_interval=None,
                 open_timeout=max(endpoint.connect_s, 1.0),

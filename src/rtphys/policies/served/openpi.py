@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from rtphys.core.errors import RtphysError
 from rtphys.core.poses import Array
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies import options
@@ -48,7 +49,11 @@ class OpenPi:
 
     def _open(self) -> Connection:
         connection = Connection(self._at)
-        greeting = connection.receive()
+        try:
+            greeting = connection.receive()
+        except RtphysError:
+            connection.close()
+            raise
         self.metadata = dict(greeting) if isinstance(greeting, Mapping) else {}
         return connection
 

@@ -6,10 +6,17 @@ from dataclasses import dataclass
 import msgpack
 import numpy as np
 
+from rtphys.core.bounds import LONGEST_REPORT
 from rtphys.core.errors import RtphysError
 
 # Kinds void, object, complex: openpi refuses all, XPolicyLab objects; no policy needs any.
 REFUSED = "VOc"
+LONGEST_TYPE = 32  # characters of an array's type; ours have 3
+# What msgpack and numpy raise about bytes that are no message.
+UNREADABLE = (
+    *(TypeError, ValueError, OverflowError, SyntaxError, IndexError),
+    *(MemoryError, RecursionError, msgpack.UnpackException),
+)
 
 
 class BadFrame(RtphysError):
@@ -45,8 +52,8 @@ class Encoding:
         """
         try:
             return msgpack.unpackb(data, object_hook=self._hook)
-        except (TypeError, ValueError, msgpack.UnpackException) as error:
-            why = str(error) or type(error).__name__
+        except UNREADABLE as error:
+            why = str(error)[:LONGEST_REPORT] or type(error).__name__
             raise BadFrame(f"{self.name}: cannot be unpacked: {why}") from error
 
     def _default(self, value: object) -> dict[bytes, object]:
@@ -60,10 +67,17 @@ class Encoding:
         return self._decode(mapping)
 
 
-def _array(data: object, dtype: object, shape: object) -> np.ndarray:
-    kind = np.dtype(str(dtype))
+def _type(name: object) -> np.dtype:
+    if not isinstance(name, str | bytes) or len(name) > LONGEST_TYPE:
+        raise ValueError("the type of an array is a short text")
+    kind = np.dtype(name.decode() if isinstance(name, bytes) else name)
     if kind.kind in REFUSED:
         raise ValueError(f"arrays of {kind} are refused")
+    return kind
+
+
+def _array(data: object, dtype: object, shape: object) -> np.ndarray:
+    kind = _type(dtype)
     if not isinstance(data, bytes) or not isinstance(shape, list | tuple):
         raise ValueError("an array needs bytes and a shape")
     return np.frombuffer(data, kind).reshape(shape).copy()
@@ -84,10 +98,11 @@ def _openpi_decode(mapping: Mapping[object, object]) -> object:
     if b"__ndarray__" in mapping:
         return _array(mapping.get(b"data"), mapping.get(b"dtype"), mapping.get(b"shape"))
     if b"__npgeneric__" in mapping:
-        kind = np.dtype(str(mapping.get(b"dtype")))
-        if kind.kind in REFUSED:
-            raise ValueError(f"scalars of {kind} are refused")
-        return kind.type(mapping.get(b"data"))
+        kind, data = _type(mapping.get(b"dtype")), mapping.get(b"data")
+        # numpy makes an array of a list, and as many bytes as a number says.
+        if not isinstance(data, str | bytes if kind.kind in "SU" else bool | int | float | str):
+            raise ValueError(f"no scalar of {kind}")
+        return kind.type(data)
     return mapping
 
 

@@ -9,7 +9,8 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from itertools import count
 
-from rtphys.core.errors import BadValue
+from rtphys.core.bounds import LONGEST_REPORT, MOST_STALE
+from rtphys.core.errors import BadValue, RtphysError
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies import options
 from rtphys.policies.policy import PolicySetup
@@ -54,7 +55,11 @@ class XPolicyLab:
         self._numbers = count(1)
         self._trial: dict[str, object] = {"action_case_id": None, "trial_id": None}
         self._connection = Connection(at)
-        self._request("hello", {})
+        try:
+            self._request("hello", {})
+        except RtphysError:
+            self.close()
+            raise
 
     def play(self, episode: PolicyEpisode) -> None:
         """Play one episode. Raises `PolicyGone`, `ServerFailed`."""
@@ -107,19 +112,21 @@ class XPolicyLab:
                 "payload": payload,
             }
         )
-        while True:  # skip answers to requests that an earlier error has abandoned
+        for _ in range(MOST_STALE):  # answers to requests that an earlier error has abandoned
             frame = self._connection.receive()
             if not isinstance(frame, Mapping):
                 raise ServerFailed(f"{self._at.url}: sent a {type(frame).__name__}, not a frame")
             if frame.get("message_id") == number:
                 return self._payload(frame, kind)
+        raise ServerFailed(f"{self._at.url}: {MOST_STALE} messages, none of them the answer")
 
     def _payload(self, frame: Mapping[object, object], request: str) -> Mapping[str, object]:
         kind, payload = frame.get("message_type"), frame.get("payload") or {}
-        assert isinstance(payload, Mapping)
+        if not isinstance(payload, Mapping):
+            raise ServerFailed(f"{self._at.url}: sent a {type(payload).__name__} as payload")
         if kind == "error":
             problem = f"{payload.get('code', 'internal')}: {payload.get('message', '')}"
-            raise ServerFailed(f"{self._at.url}: {request} failed: {problem}")
+            raise ServerFailed(f"{self._at.url}: {request} failed: {problem[:LONGEST_REPORT]}")
         if kind != ANSWERS[request]:
             raise ServerFailed(f"{self._at.url}: answered {request} with {kind!r}")
         return payload

@@ -9,7 +9,7 @@ from rtphys.data.json_text import plain
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.film import film
 from rtphys.physics import acting, attributes
-from rtphys.policies import Policy, PolicyGone, PolicySetup, open_policy
+from rtphys.policies import Policy, PolicyBroken, PolicyGone, PolicySetup, open_policy
 from rtphys.results import EpisodeRecord
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
@@ -37,7 +37,8 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         """Plays one episode.
 
         Raises:
-            RtphysError: the policy cannot be opened, or is gone: no result of anybody's.
+            RtphysError: the policy cannot be opened, cannot be closed after its last episode, or is
+                gone: no result of anybody's.
             NoRenderer: it needs pictures, and there is no device.
         """
         recipe = job.recipe
@@ -49,11 +50,14 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         trace = ""
         try:
             policy.play(episode)
-        except PolicyGone:
+        except (PolicyGone, KeyboardInterrupt):
             raise
-        except (Exception, SystemExit):  # a policy's crash is its failure, not ours
-            self._close()  # whatever it remembers now, the next episode must not depend on it
+        except BaseException:  # a policy's crash is its failure, not ours
             trace = traceback.format_exc()
+            try:
+                self._close()  # whatever it remembers now, the next episode must not depend on it
+            except PolicyBroken as error:
+                trace += f"{error}\n"
         record = _judged(episode, trace)
         if job.video is not None:
             film(episode, self.pack, job.video)
@@ -69,9 +73,15 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         return self._open[1]
 
     def _close(self) -> None:
-        if self._open is not None:
-            self._open[1].close()
-        self._open = None
+        opened, self._open = self._open, None
+        if opened is None:
+            return
+        try:
+            opened[1].close()
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            raise PolicyBroken(self.policy, "closed", error) from error
 
 
 def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:

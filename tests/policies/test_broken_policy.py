@@ -1,0 +1,103 @@
+"""A policy that raises where it is opened or closed: its failure, in one line that names it."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rtphys.core.errors import Infeasible, RtphysError
+from rtphys.policies import PolicyBroken, PolicySetup, open_policy
+from rtphys.setting.setting import Setting
+from rtphys.studies.evaluate import work
+from rtphys.studies.evaluate.work import EvaluateWorker, Job
+
+RAISED = (
+    *("raise ValueError('no weights')", "raise ValueError('two\\nlines')", "1 / 0", "[][1]"),
+    *("raise SystemExit(3)", "import sys; sys.exit()", "raise GeneratorExit", "raise MemoryError"),
+    *("raise BaseException", "import asyncio; raise asyncio.CancelledError", "raise StopIteration"),
+    *(
+        "import no_such_module",
+        "raise OSError(28, 'full', 'x')",
+        "def f(): f()\n    f()",
+        "assert 0",
+    ),
+)
+PLAYS = "class Mine:\n  needs_images = False\n  def play(self, episode): {play}\n"
+
+
+def own(tmp_path: Path, text: str) -> str:
+    (tmp_path / "mine.py").write_text(text)
+    return f"python:{tmp_path / 'mine.py'}:make"
+
+
+@pytest.mark.parametrize("raised", RAISED)
+def test_a_constructor_that_raises(raised: str, tmp_path: Path) -> None:
+    spec = own(tmp_path, f"def make(setup):\n    {raised}\n")
+    with pytest.raises(PolicyBroken) as told:
+        open_policy(spec)
+    text = str(told.value)
+    assert text.startswith(f"policy {spec} cannot be opened: ") and "\n" not in text
+    assert "(mine.py, line " in text and told.value.exit_code == 5
+
+
+@pytest.mark.parametrize("raised", RAISED)
+def test_a_module_that_raises(raised: str, tmp_path: Path) -> None:
+    with pytest.raises(RtphysError) as told:
+        open_policy(own(tmp_path, f"if True:\n    {raised}\n"))
+    assert "mine.py" in str(told.value) and "\n" not in str(told.value).replace("two\nlines", "")
+
+
+def test_a_policy_that_does_not_say_whether_it_needs_pictures(tmp_path: Path) -> None:
+    spec = own(tmp_path, "class make:\n  def __init__(self, setup): ...\n  def play(self, e): ...")
+    with pytest.raises(PolicyBroken, match="no attribute 'needs_images'"):
+        open_policy(spec)
+
+
+@pytest.fixture
+def job(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], Job]:
+    """Jobs whose episode is made of nothing; its record is its trace."""
+    monkeypatch.setattr(work, "_judged", lambda episode, trace: trace)
+    monkeypatch.setattr(work, "begin", lambda *_: None)
+    setting = Setting("click_bell", "clean")
+    return lambda number: Job(setting.at(0), PolicySetup("click_bell", seed=number))
+
+
+def worker_of(spec: str) -> EvaluateWorker:
+    worker = object.__new__(EvaluateWorker)  # without an asset pack, which these episodes lack too
+    worker.policy, worker._open, worker.pack = spec, None, None  # type: ignore[assignment]
+    vars(worker)["tasks"] = {"click_bell": None}
+    return worker
+
+
+@pytest.mark.parametrize("raised", ["raise ValueError('x')", "raise SystemExit", "[][1]"])
+def test_a_policy_that_cannot_be_closed(
+    raised: str, tmp_path: Path, job: Callable[[int], Job], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = PLAYS.format(play="pass") + f"  def close(self):\n    {raised}\n"
+    spec = own(tmp_path, f"{text}def make(setup): return Mine()\n")
+    worker = worker_of(spec)
+    assert str(worker.do(job(0))) == ""
+    with pytest.raises(PolicyBroken, match="cannot be closed"):
+        worker.do(job(1))
+    assert str(worker.do(job(1))) == "", "it goes on with a new one"
+    monkeypatch.setattr(work, "begin", _infeasible)
+    assert worker.do(job(1)).reason == "infeasible"
+
+
+def _infeasible(*_: object) -> None:
+    raise Infeasible("unreachable")
+
+
+@pytest.mark.parametrize("raised", ["raise ValueError('x')", "raise BaseException('x')"])
+def test_a_crash_of_a_policy_that_cannot_be_closed_either(
+    raised: str, tmp_path: Path, job: Callable[[int], Job]
+) -> None:
+    text = PLAYS.format(play=f"\n    {raised}") + "  def close(self): 1 / 0\n"
+    spec = own(tmp_path, f"{text}def make(setup): return Mine()\n")
+    worker = worker_of(spec)
+    for _ in range(2):
+        trace = str(worker.do(job(0)))
+        assert "mine.py" in trace and "x" in trace
+        assert trace.endswith(
+            "cannot be closed: ZeroDivisionError: division by zero (mine.py, line 5)\n"
+        )
