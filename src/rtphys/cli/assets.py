@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from rtphys.assets.pack import STAMP, Pack, builtin_pack, cache_folder, default_pack
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import load_task, task_names
@@ -37,7 +38,7 @@ def build(
     else:
         with BuildBar() as bar:
             pack = Pack(build_pack(root, bar, workers=workers))
-    typer.echo(f"{pack.root}\n{len(pack.names)} objects, digest {pack.digest}")
+    say(f"{pack.root}\n{len(pack.names)} objects, digest {pack.digest}")
 
 
 @app.command()
@@ -59,7 +60,7 @@ def show(
             pack, models, size, tell=lambda name: bar(next(done), len(models), name)
         )
     picture.save(out)
-    typer.echo(f"{out}: {len(models)} models")
+    say(f"{out}: {len(models)} models")
 
 
 @app.command()
@@ -74,13 +75,13 @@ def check(
 
     pack = _pack() if folder is None else Pack(folder, _fallback(fallback))
     report = check_pack(pack)
-    out = Console(highlight=False)
+    out = Screen()
     out.print(f"{pack.root}", soft_wrap=True)
     for name, count in report.loaded.items():
         out.print(f"  {name}: {count}")
     out.print(f"  textures: {report.textures['seen']} seen, {report.textures['unseen']} unseen")
     for problem in report.problems:
-        out.print(f"[red]{problem}[/red]", soft_wrap=True)
+        out.print(str(problem), style="red", soft_wrap=True)
     able = {name: lacking(pack, name) for name in task_names()}
     out.print("tasks that can run: " + (", ".join(n for n, no in able.items() if not no) or "none"))
     for name, no in able.items():
@@ -104,7 +105,7 @@ def link(
     path = cache_folder() / "link.json"
     if remove:
         path.unlink(missing_ok=True)
-        typer.echo("using the builtin pack")
+        say("using the builtin pack")
         return
     if folder is None:
         raise BadValue("folder", None, "name the folder to link, or give `remove`")
@@ -112,7 +113,7 @@ def link(
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"root": str(pack.root), "fallback": pack.fallback is not None})
     path.write_text(text + "\n")
-    typer.echo(f"using {pack.root}" + (", then the builtin pack" if pack.fallback else ""))
+    say(f"using {pack.root}" + (", then the builtin pack" if pack.fallback else ""))
 
 
 class BuildBar:
@@ -125,7 +126,7 @@ class BuildBar:
             MofNCompleteColumn(),
             TimeElapsedColumn(),
             TextColumn("{task.fields[name]}"),
-            console=Console(stderr=True),
+            console=Screen(stderr=True),
         )
         self._task = self._bar.add_task(verb, total=None, name="")
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-from rich.console import Console
 from rich.table import Table
 
 from rtphys.cli.assets import BuildBar
 from rtphys.cli.derived import takes
 from rtphys.cli.fitting import fitting_table, wide_console
+from rtphys.cli.screen import Screen
 from rtphys.core.errors import BadFile
 from rtphys.setting.option import Option
 from rtphys.studies.cost import ATTEMPT, PICTURES, BenchPlan, Cost, means
@@ -40,7 +40,7 @@ def bench(plan: BenchPlan, output: Output) -> None:
 
     with BuildBar() as building:
         pack = default_pack(building)
-    console = Console(stderr=True)
+    console = Screen(stderr=True)
     costs = measure(plan, pack, lambda cost: console.print(_line(cost), highlight=False))
     wide_console().print(_attempts(costs))
     if plan.pictures:

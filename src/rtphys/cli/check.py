@@ -11,6 +11,7 @@ import typer
 
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.cli.derived import takes
+from rtphys.cli.terminal import say
 from rtphys.core.errors import BadFile, NoRenderer
 from rtphys.setting.option import Option
 from rtphys.studies.check import BLIND, CheckPlan, Score, sheet
@@ -60,7 +61,7 @@ def check(plan: CheckPlan, output: Output) -> None:
     if output.sheet is not None:
         _draw(pack, scores, output.sheet)
     if wrong := complaints(scores):
-        typer.echo("\n".join(wrong), err=True)
+        say("\n".join(wrong), err=True)
         raise typer.Exit(1)
 
 
@@ -101,9 +102,9 @@ def _show(scores: Sequence[Score]) -> None:
     wide_console().print(table)
     for score in scores:
         for seed, reason, detail in score.failures[:MOST_FAILURES]:
-            typer.echo(f"{_name(score)}, seed {seed}: {reason}: {detail}")
+            say(f"{_name(score)}, seed {seed}: {reason}: {detail}")
         if (rest := len(score.failures) - MOST_FAILURES) > 0:
-            typer.echo(f"{_name(score)}: and {rest} more")
+            say(f"{_name(score)}: and {rest} more")
 
 
 def _percent(rate: float | None) -> str:
@@ -119,4 +120,4 @@ def _draw(pack: Pack, scores: Sequence[Score], out: Path) -> None:
         path = out if single else out / f"{score.setting.task}_{score.setting.protocol}.png"
         seed, picture = sheet(pack, score)
         replace_file(path, picture)
-        typer.echo(f"{path}: seed {seed}")
+        say(f"{path}: seed {seed}")

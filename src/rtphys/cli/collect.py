@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-import typer
-
 from rtphys.cli.derived import changed, takes
 from rtphys.cli.stopping import Incomplete, resumable
+from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import BadValue
 from rtphys.setting.option import Option
@@ -46,9 +45,9 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     own = own_plans(plans, run)
     if not request.manifest:  # which says it itself
         chosen = load_protocol(template.setting.protocol)
-        typer.echo(f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)")
+        say(f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)")
     for sentence in without_effect(plans):
-        typer.echo(sentence, err=True)
+        say(sentence, err=True)
     if request.dry_run:
         from rtphys.cli.collect_forecast import show_plans
 
@@ -91,7 +90,7 @@ def _collect(plans: Sequence[TaskPlan], run: Run) -> None:
         summary = run_collection(plans, run, listener)
     wide_console().print(summary_table(summary.tallies))
     new = sum(tally.new_accepted for tally in summary.tallies)
-    typer.echo(f"{new} new episodes in {summary.seconds / 60:.1f} min, in {summary.out}")
+    say(f"{new} new episodes in {summary.seconds / 60:.1f} min, in {summary.out}")
     if given_up := [f"{t.name}: {t.stopped}" for t in summary.tallies if t.stopped]:
         raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
-    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(run.out))}")
+    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(run.out))}")

@@ -5,10 +5,9 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import typer
-
 from rtphys.cli.fitting import fitting_table, wide_console
 from rtphys.cli.progress import Lines
+from rtphys.cli.terminal import say
 from rtphys.studies.collect.estimate import (
     Estimate,
     Expected,
@@ -36,7 +35,7 @@ def show_plans(plans: Sequence[TaskPlan], run: Run) -> None:
     wide_console().print(table)
     episodes = sum(plan.episodes * len(plan.sides) for plan in plans)
     size = run.room_needed(plans) / 1e9
-    typer.echo(
+    say(
         f"{episodes} episodes in {run.out}, at most {size:.1f} GB, with {run.size()} workers; "
         "nothing was collected. --estimate also says how long"
     )
@@ -62,13 +61,13 @@ def forecast(plans: Sequence[TaskPlan], run: Run) -> Forecast:
         RtphysError: what `collect` would refuse.
     """
     began = time.monotonic()
-    typer.echo("probing what it will take", err=True)
+    say("probing what it will take", err=True)
     with Lines("tasks") as listener:
         measured = probe(plans, run, listener)
     expected = estimate(plans, measured, run)
     _show(expected)
     total, wall = expected.total, expected.wall
-    typer.echo(
+    say(
         f"estimate: {total.episodes} episodes, {_hours(total.cpu)} of CPU, {_hours(wall)} with "
         f"{expected.workers} workers, {total.bytes / 1e9:.2f} GB "
         f"(probed for {_hours(time.monotonic() - began)})"
@@ -86,7 +85,7 @@ def confirm(before: Forecast) -> None:
     if before.run.runner == "local":
         parts.insert(0, f"{_hours(cpu)} of CPU ({_off(cpu, before.cpu)})")
     parts.append(f"{size / 1e9:.2f} GB ({_off(size, before.bytes)})")
-    typer.echo(f"it took {', '.join(parts)}; in brackets, against the estimate")
+    say(f"it took {', '.join(parts)}; in brackets, against the estimate")
 
 
 def children_cpu() -> float:

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.report.figures.rates import draw_rates
 from rtphys.results import read_results
 from rtphys.results.comparison import (
@@ -48,7 +49,7 @@ def compare(
     if as_json:
         typer.echo(json.dumps(_json(columns, tasks, pairs), indent=2))
     else:
-        console = Console()
+        console = Screen()
         console.print(_rates(columns, tasks))
         if paper:
             console.print(_settings())
@@ -57,7 +58,7 @@ def compare(
     if figure is not None:
         rates = [(f"{c.label}, {c.protocol}", c.rates) for c in columns]
         draw_rates(rates, tasks, "success among feasible seeds, 95 % intervals", figure)
-        typer.echo(str(figure), err=True)
+        say(str(figure), err=True)
 
 
 def _rates(columns: Sequence[Column], tasks: Sequence[str]) -> Table:

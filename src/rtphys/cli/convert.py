@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import Progress
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.data.convert import convert as convert_dataset
 
 
@@ -16,10 +17,10 @@ def convert(
     to: Annotated[str, typer.Option(help="Layout to write: legacy or native.")] = "legacy",
 ) -> None:
     """Write a dataset again in the other official layout; nothing is lost or re-encoded."""
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with Progress(console=Screen(stderr=True), transient=True) as bar:
         row = bar.add_task("converting", total=None)
         written = convert_dataset(
             source, out, to, lambda done, total: bar.update(row, completed=done, total=total)
         )
     for name in written:
-        typer.echo(f"{out}/{name}")
+        say(f"{out}/{name}")

@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.doctor import CAUSES, Finding, examine, exit_code, to_json
 
 STYLE = {"ok": "green", "note": "yellow", "fail": "red"}
@@ -35,9 +36,7 @@ def _show(findings: list[Finding]) -> None:
     for finding in findings:
         style = STYLE[finding.status]
         table.add_row(f"[{style}]{finding.status}[/]", finding.check, finding.detail)
-    Console().print(table)
+    Screen().print(table)
     for finding in findings:
         if finding.status == "fail":
-            typer.echo(
-                f"\n{finding.check}: {CAUSES[finding.cause].meaning}\n  cure: {finding.cure}"
-            )
+            say(f"\n{finding.check}: {CAUSES[finding.cause].meaning}\n  cure: {finding.cure}")

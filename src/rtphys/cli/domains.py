@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import UnknownName
 from rtphys.physics import Domain, attributes, domain_for_task, load_domain
@@ -28,23 +29,23 @@ def show(
     if as_json:
         typer.echo(json.dumps(domain.to_json(), indent=2, ensure_ascii=False))
     else:
-        Console().print(_table(domain))
+        Screen().print(_table(domain))
 
 
 @app.command()
 def check(file: Annotated[Path, typer.Argument(help="A domain file (YAML).")]) -> None:
     """Read a domain file, or say what is wrong with it."""
     domain = load_domain(file)
-    Console().print(_table(domain))
+    Screen().print(_table(domain))
     own = [key for key, source in domain.sources.items() if source == file.stem]
-    typer.echo(f"{file}: good; it sets {', '.join(own) or 'nothing'}. digest {domain.digest[:12]}")
+    say(f"{file}: good; it sets {', '.join(own) or 'nothing'}. digest {domain.digest[:12]}")
 
 
 @app.command("list")
 def list_() -> None:
     """Names of all domains."""
     for name in library.names("domains"):
-        typer.echo(name)
+        say(name)
 
 
 def domain_named(name: str) -> Domain:

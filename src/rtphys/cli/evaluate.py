@@ -1,9 +1,8 @@
 """`rtphys evaluate`: a policy on certified instances."""
 
-import typer
-
 from rtphys.cli.derived import takes
 from rtphys.cli.stopping import resumable
+from rtphys.cli.terminal import say
 from rtphys.studies.evaluate.plan import EvaluatePlan
 
 
@@ -24,4 +23,4 @@ def evaluate(plan: EvaluatePlan) -> None:
     with resumable(), campaign_progress("episodes") as listener:
         summary = run_evaluation(plan, default_pack(listener.building), listener)
     show(summary)
-    typer.echo(f"records, summary and figures are in {plan.folder}")
+    say(f"records, summary and figures are in {plan.folder}")

@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import Progress
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.data.dataset import Dataset
 
 app = typer.Typer(no_args_is_help=True, help="Write a dataset in the format of another tool.")
@@ -33,7 +34,7 @@ def lerobot(
     from rtphys.export.lerobot import export_lerobot
 
     chosen = Dataset(dataset).where(task, protocol)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with Progress(console=Screen(stderr=True), transient=True) as bar:
         row = bar.add_task("exporting", total=len(chosen))
         export_lerobot(
             chosen,
@@ -42,7 +43,7 @@ def lerobot(
             camera_names=camera_names,
             progress=lambda done, _: bar.update(row, completed=done),
         )
-    typer.echo(f"{out}: {len(chosen)} episodes, LeRobot {version}")
+    say(f"{out}: {len(chosen)} episodes, LeRobot {version}")
 
 
 @app.command()
@@ -57,4 +58,4 @@ def card(
     from rtphys.export.card import CardText, write_card
 
     for path in write_card(Dataset(dataset), CardText(name, licence, url, published)):
-        typer.echo(str(path))
+        say(str(path))

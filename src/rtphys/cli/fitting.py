@@ -3,8 +3,10 @@
 import sys
 from collections.abc import Sequence
 
-from rich.console import Console, JustifyMethod
+from rich.console import JustifyMethod
 from rich.table import Table
+
+from rtphys.cli.screen import Screen
 
 
 def fitting_table(
@@ -26,6 +28,7 @@ def fitting_table(
     return table
 
 
-def wide_console() -> Console:
+def wide_console() -> Screen:
     """For tables on standard output; a file or a pipe has no width of its own."""
-    return Console() if sys.stdout.isatty() else Console(width=200)
+    seen = sys.stdout is not None and sys.stdout.isatty()  # None: closed from the beginning
+    return Screen() if seen else Screen(width=200)

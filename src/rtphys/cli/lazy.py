@@ -3,12 +3,14 @@
 import errno
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 
 import typer
 from typer.core import TyperGroup
 
+from rtphys.cli.terminal import say
 from rtphys.core.errors import BadValue, RtphysError
 
 # Package -> the optional part of rtphys that brings it.
@@ -38,11 +40,16 @@ class LazyGroup(TyperGroup):
         ctx.meta[RUNNING] = (command, rest)
         return name, command, rest
 
+    def parse_args(self, ctx, args):
+        with _told():  # --help and --version write before any command runs
+            return super().parse_args(ctx, args)
+
     def invoke(self, ctx):
         if ctx.params.get("debug"):
             return super().invoke(ctx)
         try:
-            return super().invoke(ctx)
+            with _told():
+                return super().invoke(ctx)
         except RtphysError as error:
             running = _parameters(*ctx.meta.get(RUNNING, (None, ())))
             _stop(with_flags(error, _flags([*self.params, *running])), error.exit_code)
@@ -55,11 +62,18 @@ class LazyGroup(TyperGroup):
             extra = EXTRAS.get(package)
             cure = f"`pip install 'rtphys[{extra}]'`" if extra else "`rtphys doctor` names the cure"
             _stop(f"{error}; {cure}", 3)
-        except BrokenPipeError:
-            sys.stdout = None  # whoever read our output has left; the exit flush would complain
-            raise typer.Exit(1) from None
-        except OSError as error:
-            _stop(_sentence(error), 2)
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Turns what the operating system refuses into a line and an exit code."""
+    try:
+        yield
+    except BrokenPipeError:
+        sys.stdout = None  # whoever read our output has left; the exit flush would complain
+        raise typer.Exit(1) from None
+    except OSError as error:
+        _stop(_sentence(error), 2)
 
 
 def add_stubs(app: typer.Typer, commands: Mapping[str, str]) -> None:
@@ -120,7 +134,7 @@ def _flags(parameters: Sequence) -> dict[str, str]:
 
 
 def _stop(message: str, code: int) -> None:
-    typer.echo(f"rtphys: {message}", err=True)
+    say(f"rtphys: {message}", err=True)
     raise typer.Exit(code)
 
 

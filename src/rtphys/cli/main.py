@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from rtphys.cli.lazy import LazyGroup, add_stubs
+from rtphys.cli.terminal import say
 
 COMMANDS = {
     "collect": "Collect verified episodes of one or more tasks.",
@@ -57,7 +58,7 @@ add_stubs(app, COMMANDS)
 
 def _version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"rtphys {version('rtphys')}")
+        say(f"rtphys {version('rtphys')}")
         raise typer.Exit()
 
 

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from rtphys.cli.stopping import Incomplete, resumable
+from rtphys.cli.terminal import say
 from rtphys.core.errors import BadValue
 
 
@@ -29,7 +30,7 @@ def merge(
         tallies = merge_shards(parts, out, workers, listener)
     made = sum(tally.new_attempts for tally in tallies)
     episodes = sum(tally.accepted for tally in tallies)
-    typer.echo(f"{episodes} episodes of {len(tallies)} tasks in {out}; {made} attempts made here")
+    say(f"{episodes} episodes of {len(tallies)} tasks in {out}; {made} attempts made here")
     if given_up := [f"{t.name}: {t.stopped}" for t in tallies if not t.done]:
         raise Incomplete("; ".join(given_up))
-    typer.echo(f"to check every file: rtphys verify-manifest {shlex.quote(str(out))}")
+    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(out))}")

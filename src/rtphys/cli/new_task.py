@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue
 
@@ -90,4 +91,4 @@ def new_task(
         path.write_text(TEMPLATE)
     except OSError as error:
         raise BadFile(path, error.strerror or "cannot be written") from error
-    typer.echo(f"{path}\ntry it: rtphys --library {folder} check {name} --seeds 20")
+    say(f"{path}\ntry it: rtphys --library {folder} check {name} --seeds 20")

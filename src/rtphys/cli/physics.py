@@ -5,12 +5,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from rtphys.cli.domains import AsJson, domain_named
 from rtphys.cli.options import split
 from rtphys.cli.physics_audit import audit
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
 from rtphys.physics import Physics, Value, attributes, parse_overrides
@@ -52,7 +53,7 @@ def sample(
         rows = [{"seed": s, "domain": domain.name, **p.to_json()} for s, p in drawn.items()]
         typer.echo(json.dumps(rows, ensure_ascii=False))
     else:
-        Console().print(_table(domain.name, drawn))
+        Screen().print(_table(domain.name, drawn))
 
 
 @app.command()
@@ -82,7 +83,7 @@ def prove(
 
             out.mkdir(parents=True, exist_ok=True)
             draw_law(law, trials, out / f"{law.key}.png")
-    typer.echo(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
+    say(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
     if failed:
         raise typer.Exit(1)
 
@@ -99,12 +100,12 @@ def worst(trials: "list[Trial]") -> "list[Trial]":
 
 def _tell(key: str, law: str, trials: "list[Trial]") -> None:
     """One line a trial; not a table, whose cells would wrap on a narrow terminal."""
-    typer.echo(f"\n{key}:  {law}")
-    typer.echo(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
+    say(f"\n{key}:  {law}")
+    say(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
     for t in trials:
         numbers = f"{t.expected:10.4g} {t.measured:10.4g} {t.unit:6} {100 * t.error:7.2g}%"
         setting = t.setting.removeprefix(f"{key} = ")
-        typer.echo(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
+        say(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
 
 
 def _inside_bodies(recipe: Recipe) -> Physics:
@@ -119,7 +120,7 @@ def _inside_bodies(recipe: Recipe) -> Physics:
     try:
         return prepare(recipe, load_task(recipe.task), default_pack()).physics
     except Infeasible as problem:
-        typer.echo(f"seed {recipe.seed} gives no episode: {problem}", err=True)
+        say(f"seed {recipe.seed} gives no episode: {problem}", err=True)
         return first
 
 

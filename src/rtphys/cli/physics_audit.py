@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtphys.cli.domains import AsJson
+from rtphys.cli.terminal import say
 from rtphys.physics import attributes
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def _labels(data: "Dataset", as_json: bool) -> tuple[Json, bool]:
             _tell(one)
         if time.monotonic() - shown > LINE_EVERY:
             shown = time.monotonic()
-            typer.echo(f"{totals.episodes} of {len(data)} episodes measured", err=True)
+            say(f"{totals.episodes} of {len(data)} episodes measured", err=True)
     if not as_json:
         _tell_totals(totals)
     return {**_totals_json(totals), "labels": rows}, totals.sound == totals.episodes
@@ -76,35 +77,35 @@ def _labels(data: "Dataset", as_json: bool) -> tuple[Json, bool]:
 def _tell(one: "Audit") -> None:
     """One line for each problem, deviation and note."""
     for problem in one.problems:
-        typer.echo(f"{one.path}: {problem}")
+        say(f"{one.path}: {problem}")
     for m in one.deviations:
         unit = attributes()[m.key].unit
         values = f"label {_text(m.label)}, measured {_text(m.measured)} {unit}"
-        typer.echo(f"{one.path}: {m.key} at {m.place}: {values}, tolerance {m.tolerance:.3g}")
+        say(f"{one.path}: {m.key} at {m.place}: {values}, tolerance {m.tolerance:.3g}")
     for note in one.notes:
-        typer.echo(f"{one.path}: note: {note}")
+        say(f"{one.path}: note: {note}")
 
 
 def _tell_totals(totals: "Totals") -> None:
     said = "the rebuilt world does what the label says"
-    typer.echo(f"{totals.sound} of {totals.episodes} episodes: {said}")
+    say(f"{totals.sound} of {totals.episodes} episodes: {said}")
     if totals.worst:
-        typer.echo(f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'of':>9}  unit")
+        say(f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'of':>9}  unit")
     for key, m in sorted(totals.worst.items()):
         unit = attributes()[key].unit
         deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}"
-        typer.echo(f"  {key:24} {totals.measured[key]:7} {deviation}  {unit}")
+        say(f"  {key:24} {totals.measured[key]:7} {deviation}  {unit}")
     for (key, why), count in sorted(totals.unmeasured.items()):
-        typer.echo(f"  {key:24} {count:7} not measured: {why}")
+        say(f"  {key:24} {count:7} not measured: {why}")
 
 
 def _tell_selection(name: str, selections: "list[Selection]") -> None:
-    typer.echo(f"\n{name}")
-    typer.echo(f"  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
+    say(f"\n{name}")
+    say(f"  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
     for selection in selections:
         counts = f"{selection.accepted.sum()} of {len(selection.accepted)}"
         shift = f"{selection.distance:6.3f} {selection.p:8.2g}"
-        typer.echo(f"  {selection.key:24} {counts:>12} {shift}  {selection.sentence}")
+        say(f"  {selection.key:24} {counts:>12} {shift}  {selection.sentence}")
 
 
 def _text(value: "Number") -> str:

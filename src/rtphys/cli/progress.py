@@ -5,8 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 
-import typer
-from rich.console import Console, Group
+from rich.console import Group
 from rich.live import Live as RichLive
 from rich.progress_bar import ProgressBar
 from rich.table import Table
@@ -15,6 +14,8 @@ from rich.text import Text
 from rtphys.campaign.engine import Listener
 from rtphys.campaign.series import Tally
 from rtphys.cli.fitting import fitting_table
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 
 LINE_EVERY = 10.0  # [s] between plain lines
 REFRESH = 0.5  # [s] between redraws
@@ -24,7 +25,8 @@ MOST_REASONS = 4
 
 def campaign_progress(noun: str) -> "Live | Lines":
     """The listener that fits where standard error goes. `noun`: what is counted, in the plural."""
-    return Live(noun) if sys.stderr.isatty() else Lines(noun)
+    seen = sys.stderr is not None and sys.stderr.isatty()  # None: closed from the beginning
+    return Live(noun) if seen else Lines(noun)
 
 
 class _Counts(Listener):
@@ -75,24 +77,24 @@ class Lines(_Counts):
 
     def __exit__(self, *_: object) -> None:
         if self.tallies:
-            typer.echo(self.sentence(), err=True)
+            say(self.sentence(), err=True)
 
     def building(self, done: int, total: int, name: str) -> None:
         if done == total or self.due(LINE_EVERY):
-            typer.echo(f"building assets: {done} of {total}, {name}", err=True)
+            say(f"building assets: {done} of {total}, {name}", err=True)
 
     def started(self, tallies: Sequence[Tally]) -> None:
         super().started(tallies)
         for tally in tallies if len(tallies) <= MOST_ROWS else ():
             there = f", {tally.accepted} there already" if tally.attempts else ""
-            typer.echo(f"{tally.name}: {tally.wanted} {self.noun} wanted{there}", err=True)
+            say(f"{tally.name}: {tally.wanted} {self.noun} wanted{there}", err=True)
 
     def ticked(self) -> None:
         if self.due(LINE_EVERY):
-            typer.echo(self.sentence(), err=True)
+            say(self.sentence(), err=True)
 
     def noticed(self, text: str) -> None:
-        typer.echo(text, err=True)
+        say(text, err=True)
 
 
 class Live(_Counts):
@@ -100,7 +102,7 @@ class Live(_Counts):
 
     def __init__(self, noun: str) -> None:
         super().__init__(noun)
-        self._console = Console(stderr=True)
+        self._console = Screen(stderr=True)
         self._live = RichLive(console=self._console, auto_refresh=False, transient=True)
 
     def __enter__(self) -> "Live":

@@ -4,9 +4,9 @@ import json
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from rtphys.cli.screen import Screen
 from rtphys.setting.protocol import Protocol, VisualRules
 from rtphys.setting.protocol import protocols as known
 
@@ -25,7 +25,7 @@ def protocols(
     for row in rows:
         physics = "the task's domain" if row.physics else "nominal"
         table.add_row(row.name, physics, _look(row.visual), row.what)
-    Console().print(table)
+    Screen().print(table)
 
 
 def _plain(row: Protocol) -> dict[str, object]:

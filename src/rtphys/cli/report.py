@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import Progress
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.data.dataset import Dataset
 from rtphys.report.write import write_report
 
@@ -21,7 +22,7 @@ def report(
     """Write one HTML page: counts, acceptance, histograms of the physics, every episode's video."""
     chosen = Dataset(dataset).where(task)
     page = out or chosen.path / "report.html"
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    with Progress(console=Screen(stderr=True), transient=True) as bar:
         row = bar.add_task("reading", total=None)
         write_report(chosen, page, lambda done, all_: bar.update(row, completed=done, total=all_))
-    typer.echo(str(page))
+    say(str(page))

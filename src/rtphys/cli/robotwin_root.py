@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from rtphys.assets.pack import default_pack
+from rtphys.cli.terminal import say
 from rtphys.robotwin_root.write import write_root
 
 
@@ -19,4 +20,4 @@ def robotwin_root(
     --task_name click_bell --task_config phys_random --policy_name NAME
     """
     written = write_root(folder, default_pack())
-    typer.echo(f"{folder}: {len(written)} files; link your policies into {folder / 'policy'}")
+    say(f"{folder}: {len(written)} files; link your policies into {folder / 'policy'}")

@@ -6,9 +6,11 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import say
 from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import jpeg
 from rtphys.data.dataset import Dataset, Episode, find_episode
@@ -26,13 +28,13 @@ def show(
 ) -> None:
     """What an episode holds: task, physics, stages, contacts; with --out its pictures too."""
     episode = _episode(path, number)
-    console = Console()
+    console = Screen()
     console.print(_summary(episode))
     console.print(_physics(episode))
     console.print(_stages(episode))
     if out is not None:
         for written in _pictures(episode, out):
-            typer.echo(str(written))
+            say(str(written))
 
 
 def _episode(path: Path, number: int) -> Episode:
@@ -62,7 +64,7 @@ def _summary(episode: Episode) -> Table:
     }
     table = Table(show_header=False, box=None)
     for key, text in rows.items():
-        table.add_row(f"[bold]{key}", text)
+        table.add_row(Text(key, style="bold"), text)
     return table
 
 

@@ -4,9 +4,9 @@ import json
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
+from rtphys.cli.screen import Screen
 from rtphys.core import library
 from rtphys.core.errors import RtphysError
 from rtphys.task.props import Articulated, Mesh, Prop
@@ -37,7 +37,7 @@ def tasks(
     table = Table("task", "arms", "mechanism", "objects", "limit", "domain", *PROTOCOLS)
     for row in rows:
         table.add_row(*(str(row.get(key, "")) for key in _KEYS))
-    Console().print(table)
+    Screen().print(table)
 
 
 _KEYS = ("task", "arms", "mechanism", "objects", "step_limit", "domain", *PROTOCOLS)

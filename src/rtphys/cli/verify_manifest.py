@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import printable, say
 from rtphys.core.errors import BadValue
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
@@ -46,24 +47,19 @@ def verify_manifest(
 
         report.problems += replayed(Dataset(out), replay)
     for problem in report.problems:
-        typer.echo(_printable(str(problem)))
+        say(printable(str(problem), one_line=True))
     for note in report.notes:
-        typer.echo(_printable(f"note: {note}"), err=True)
+        say(printable(f"note: {note}", one_line=True), err=True)
     again = f", {replay} simulated again" if replay else ""
     what = f"{report.episodes} episodes, {report.files} files, {report.bytes / 1e6:.1f} MB{again}"
     verdict = "sound" if report.sound else f"{len(report.problems)} problems"
-    typer.echo(_printable(f"{out}: {verdict} ({what})"), err=not report.sound)
+    say(f"{out}: {verdict} ({what})", err=not report.sound)
     raise typer.Exit(0 if report.sound else 1)
-
-
-def _printable(text: str) -> str:
-    """File names may hold bytes that are no UTF-8; a terminal refuses them."""
-    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _with_bar(out: Path, effort: Effort, memory: Path | None) -> Report:
     columns = (TextColumn("verifying"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
-    console = Console(stderr=True)
+    console = Screen(stderr=True)
     with Progress(*columns, TimeRemainingColumn(), console=console, transient=True) as bar:
         row = bar.add_task("", total=None)
         return verify(

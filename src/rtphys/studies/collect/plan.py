@@ -211,6 +211,7 @@ def without_effect(plans: Sequence[TaskPlan]) -> list[str]:
     for key, tasks in idle.items():
         named = list(dict.fromkeys(tasks))
         count = f"{len(named)} of {len(set(asked[key]))} tasks, among them {named[0]}"
-        place, what = named[0] if len(named) == 1 else count, _PARTS.get(str(known[key].acts_on), "effect")
+        place = named[0] if len(named) == 1 else count
+        what = _PARTS.get(str(known[key].acts_on), "effect")
         sentences.append(f"{key} acts on nothing in {place}: there is no {what}")
     return sentences

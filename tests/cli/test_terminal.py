@@ -1,0 +1,127 @@
+"""What files say is shown on a terminal, and never obeyed by it."""
+
+import io
+import json
+import os
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+from test_dataset_writer import collect
+from typer.testing import CliRunner
+
+from rtphys.cli.fitting import wide_console
+from rtphys.cli.main import app
+from rtphys.cli.progress import campaign_progress
+from rtphys.cli.screen import Screen
+from rtphys.cli.terminal import HARMFUL, printable, say
+from rtphys.core.errors import BadFile
+
+FOLDER = "phys_random/click_bell/aloha_agilex"
+TEXTS = (
+    *("[/]", "[bold", "[/bold]", "[red]x[/red]", "[link=file:///etc/passwd]x[/link]", "[@click=x]"),
+    *("\x1b[2J", "\x1b]0;title\x07", "\x1b[31m", "\x9b31m", "\x1bP+q\x1b\\", "\x1b]8;;x\x1b\\y"),
+    *("\x1b[6n", "\x1b]52;c;eA==\x07", "a\rb", "a\bb", "\x00", "\x7f", "\x85", "\u202egnp.exe"),
+    *("\u2066x", "\ud800", ":skull:", "\\[/]", "\\", "x" * 9000, "$\\frac$", "$", "</script>"),
+)
+
+
+@given(text=st.text() | st.text(st.characters(max_codepoint=0x2070)))
+def test_nothing_harmful_is_left_and_nothing_else_is_changed(text: str) -> None:
+    shown = printable(text)
+    assert not HARMFUL.search(shown)
+    assert shown == printable(shown)
+    assert HARMFUL.search(text) or shown == text
+    assert "\n" not in printable(text, one_line=True)
+    shown.encode()
+
+
+def test_it_is_spelled_as_in_python() -> None:
+    assert printable("a\x1b[31mb\x9b\u202e\ud800\tc\nd") == r"a\x1b[31mb\x9b\u202e\ud800" "\tc\nd"
+    assert printable("läute die Glocke, kg m², 按铃") == "läute die Glocke, kg m², 按铃"
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_whatever_is_drawn_is_shown_as_it_is(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdout", io.StringIO())
+    screen = Screen(width=20_000)
+    table = Table(text, title=text)
+    table.add_row(text)
+    table.add_row(Text(text))
+    for drawn in (text, Text(text), table):
+        screen.print(drawn)
+    with Live(Text(text), console=screen, auto_refresh=False, transient=True) as live:
+        live.update(table, refresh=True)
+    said = sys.stdout.getvalue()  # type: ignore[attr-defined]
+    # A `Text` in a table may be cut: its width was taken before.
+    assert said.count(printable(text)) >= 4
+    assert not HARMFUL.search(said)
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_what_is_said(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    say(text)
+    say(text, err=True)
+    assert capsys.readouterr() == (f"{printable(text)}\n",) * 2
+
+
+@pytest.fixture
+def dataset(tmp_path: Path) -> Iterator[Path]:
+    collect(tmp_path / "dataset", 1)
+    yield tmp_path / "dataset"
+
+
+def test_commands_show_what_a_dataset_says(dataset: Path) -> None:
+    words = dataset / FOLDER / "instruction/episode_0000000.json"
+    for text in TEXTS:
+        words.write_text(json.dumps({**json.loads(words.read_text()), "seen": [text]}))
+        for command in (["show", str(dataset)], ["verify-manifest", str(dataset), "--fresh"]):
+            result = CliRunner().invoke(app, command)
+            assert result.exit_code in (0, 1), result.output
+            assert result.exception is None or isinstance(result.exception, SystemExit)
+            assert not HARMFUL.search(result.output)
+
+
+def test_an_error_is_shown_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    def raising(*_: object) -> None:
+        raise BadFile("a\x1b[2Jb", "[/]\x07")
+
+    monkeypatch.setattr("rtphys.cli.show._episode", raising)
+    result = CliRunner().invoke(app, ["show", "x"])
+    assert (result.exit_code, result.stderr) == (2, "rtphys: a\\x1b[2Jb: [/]\\x07\n")
+
+
+def test_closed_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdout", None)
+    monkeypatch.setattr(sys, "stderr", None)
+    wide_console().print(Table("x", title="y"))
+    with campaign_progress("episodes") as listener:
+        listener.noticed("something")
+    say("nobody hears it")
+
+
+@pytest.mark.parametrize("arguments", ["--version", "--help", "domains --help", "domains list"])
+def test_an_output_that_takes_nothing(arguments: str) -> None:
+    """A full disk and a reader that has left: no traceback."""
+    command = [sys.executable, "-m", "rtphys.cli.main", *arguments.split()]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "No space left on device" in done.stderr
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (1, "")
+    done = subprocess.run(
+        ["sh", "-c", f"exec {shlex.join(command)} >&-"], stderr=subprocess.PIPE, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
