@@ -81,14 +81,14 @@ def _no_constant(name: str) -> float:
 def _number(text: str) -> float:
     number = float(text)
     if not math.isfinite(number):
-        raise ValueError(f"{text} is no finite number")
+        raise ValueError(f"{text[:30]} is no finite number")
     return number
 
 
 def _whole_number(text: str) -> int:
     number = int(text) if len(text) < 30 else math.inf
     if abs(number) > WHOLE_NUMBER:
-        raise ValueError(f"{text} has more than 64 bits")
+        raise ValueError(f"{text[:30]} has more than 64 bits")
     return int(number)
 
 
