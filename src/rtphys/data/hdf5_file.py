@@ -88,16 +88,18 @@ def _stray_link(file: h5py.File) -> str:
     seen = {h5o.get_info(file.id).addr}
 
     def reason(name: bytes, link: h5l.LinkInfo) -> str | None:
+        address = link.u
         if link.type != h5l.TYPE_HARD:
             kind = {h5l.TYPE_SOFT: "a soft link", h5l.TYPE_EXTERNAL: "an external link"}
             return f"{_shown(name)} is {kind.get(link.type, 'a link of a foreign kind')}"
-        if link.u in seen:
+        if address in seen:
             return f"{_shown(name)} leads to what another name leads to"
-        seen.add(link.u)
+        seen.add(address)
         if len(seen) > MOST_LINKS:
             return f"holds more than {MOST_LINKS} names"
-        deep = name.count(b"/") >= DEEPEST_LINK
-        return f"{_shown(name[:80])} lies more than {DEEPEST_LINK} groups deep" if deep else None
+        if name.count(b"/") >= DEEPEST_LINK:
+            return f"{_shown(name[:80])} lies more than {DEEPEST_LINK} groups deep"
+        return None
 
     return file.id.links.visit(reason, info=True) or ""
 
@@ -115,32 +117,42 @@ def dataset(node: h5py.Group, key: str) -> h5d.DatasetID:
         KeyError: the key is absent or no dataset.
         ValueError: its values lie elsewhere, or are neither numbers nor text.
     """
+    found = _open(node, key)
+    _check_place(found, key, found.shape, _types(found.get_type().encode())[0])
+    return found
+
+
+def _open(node: h5py.Group, key: str) -> h5d.DatasetID:
     try:
-        found = h5d.open(node.id, key.encode())
+        return h5d.open(node.id, key.encode())
     except (TypeError, ValueError) as error:
         raise KeyError(f"{key} is no dataset") from error
-    shape, (dtype, _) = found.shape, _types(found.get_type().encode())
+
+
+def _check_place(
+    found: h5d.DatasetID, key: str, shape: tuple[int, ...] | None, dtype: np.dtype
+) -> None:
     if shape is None:
         raise ValueError(f"{key} holds nothing")
     size = math.prod(shape) * dtype.itemsize
     if dtype.kind == "O" and shape:  # a few bytes of the file could be the text of each
         raise ValueError(f"{key} holds many texts of any length")
     if size == 0:
-        return found
+        return
     # Undefined for external, virtual, chunked and compact storage, and where nothing was written.
     if found.get_offset() is None:
         raise ValueError(f"the values of {key} do not lie in the file in one piece")
     if size > SMALL and size > h5i.get_file_id(found).get_filesize():
         raise ValueError(f"{key} would have {size} bytes, more than its file")
-    return found
 
 
 def array(node: h5py.Group, key: str) -> np.ndarray:
     """The values of a dataset. Raises what `dataset` does."""
     # Low-level calls: `node[key][()]` takes six times as long, and a file has dozens.
-    found = dataset(node, key)
-    dtype, memory = _types(found.get_type().encode())
-    data = np.empty(found.shape, dtype)
+    found = _open(node, key)
+    shape, (dtype, memory) = found.shape, _types(found.get_type().encode())
+    _check_place(found, key, shape, dtype)
+    data = np.empty(shape, dtype)
     if data.size:
         found.read(h5s.ALL, h5s.ALL, data, memory)
     return data
