@@ -68,10 +68,17 @@ class Episode:
 
     @property
     def physics(self) -> Physics:
-        """The 13 attributes and the auxiliary draws by key, each in its own unit."""
+        """The 13 attributes and the auxiliary draws by key, each in its own unit.
+
+        Raises:
+            SchemaError, BadFile: the label is no label.
+        """
         labels = self.meta.attributes
-        values = {key: plain_value(label.value) for key, label in labels.items()}
-        draws = {key: plain_value(raw) for key, raw in self.meta.draws.items()}
+        try:
+            values = {key: plain_value(label.value) for key, label in labels.items()}
+            draws = {key: plain_value(raw) for key, raw in self.meta.draws.items()}
+        except ValueError as error:
+            raise BadFile(self.paths.phys_meta, str(error)) from error
         return Physics(draws | values, [key for key, label in labels.items() if label.varied])
 
     @cached_property
