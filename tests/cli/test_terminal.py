@@ -85,7 +85,7 @@ def test_commands_show_what_a_dataset_says(dataset: Path) -> None:
         words.write_text(json.dumps({**json.loads(words.read_text()), "seen": [text]}))
         for command in (["show", str(dataset)], ["verify-manifest", str(dataset), "--fresh"]):
             result = CliRunner().invoke(app, command)
-            assert result.exit_code in (0, 1), result.output
+            assert result.exit_code in (0, 1, 2), result.output  # 2: half a character is no JSON
             assert result.exception is None or isinstance(result.exception, SystemExit)
             assert not HARMFUL.search(result.output)
 

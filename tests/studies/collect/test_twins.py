@@ -1,5 +1,6 @@
 """Twins: each seed under two protocols, recorded under both or under neither."""
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -87,9 +88,14 @@ def test_a_leaf_without_twins_is_not_continued_with_them(undisturbed: Path, tmp_
 def test_pairs_of_other_seeds_are_found(pairs: Path, tmp_path: Path) -> None:
     out = tmp_path / "data"
     shutil.copytree(pairs, out)
-    manifest = (out / "manifest.json").read_text()
-    (out / "manifest.json").write_text(manifest.replace('"seeds": [\n', '"seeds": [\n 7,', 1))
-    assert any("pair other seeds" in str(problem) for problem in verify(out).problems)
+    manifest = json.loads((out / "manifest.json").read_text())
+    forged = next(leaf for name, leaf in manifest["leaves"].items() if "twin=" in name)
+    last = forged["seeds"].pop()
+    forged["seeds"].append(99)
+    next(tried for tried in forged["attempts"] if tried["seed"] == last)["seed"] = 99
+    (out / "manifest.json").write_text(json.dumps(manifest))
+    problems = [str(problem) for problem in verify(out).problems]
+    assert any("pair other seeds" in problem for problem in problems), problems
 
 
 HARD = '''
