@@ -27,9 +27,9 @@ def test_the_whole_pack_built_again_has_the_same_digest(tmp_path):
 
 
 def test_progress_counts_to_the_end(tmp_path):
-    told = []
-    build(tmp_path / "pack", lambda *step: told.append(step), names=["050_bell"], workers=1)
-    assert [done for done, _, _ in told] == [1, 2] and {total for _, total, _ in told} == {2}
+    steps = []
+    build(tmp_path / "pack", lambda *step: steps.append(step), names=["050_bell"], workers=1)
+    assert [done for done, _, _ in steps] == [1, 2] and {total for _, total, _ in steps} == {2}
 
 
 def test_a_failed_build_leaves_the_old_pack_and_no_scraps(tmp_path, monkeypatch):

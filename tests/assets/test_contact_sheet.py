@@ -19,9 +19,9 @@ def test_a_tile_shows_the_object_and_its_points(builtin):
 
 
 def test_a_sheet_has_a_tile_a_model(builtin):
-    told = []
+    messages = []
     sheet = contact_sheet(
-        builtin, [("015_laptop", i) for i in range(3)], 48, columns=2, tell=told.append
+        builtin, [("015_laptop", i) for i in range(3)], 48, columns=2, tell=messages.append
     )
-    assert sheet.size == (96, 2 * 60) and len(told) == 3
+    assert sheet.size == (96, 2 * 60) and len(messages) == 3
     assert len(np.unique(np.asarray(sheet)[:48, :48].reshape(-1, 3), axis=0)) > 20

@@ -68,9 +68,9 @@ def test_a_name_is_a_picture_and_its_parameters() -> None:
     canvas = CANVAS["table"]
     assert first.shape == (canvas.rows, canvas.columns, 3) and first.dtype == np.uint8
     assert np.array_equal(first, again)
-    told = parameters("table", name)
-    assert told == parameters("table", name) and 0.0036 <= told["thread"] <= 0.006
-    assert told != parameters("table", "seen/linen_004") != parameters("wall", "seen/linen_004")
+    drawn = parameters("table", name)
+    assert drawn == parameters("table", name) and 0.0036 <= drawn["thread"] <= 0.006
+    assert drawn != parameters("table", "seen/linen_004") != parameters("wall", "seen/linen_004")
 
 
 def test_a_surface_is_sharp_in_a_small_picture() -> None:

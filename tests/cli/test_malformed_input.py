@@ -1,6 +1,5 @@
 """Three hundred and more malformed inputs through the real program: one sentence each, no file."""
 
-import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain
@@ -9,6 +8,7 @@ from pathlib import Path
 import pytest
 from malformed import Case, command_lines, generated, json_and_hdf5, yaml_files
 from test_dataset_writer import collect, content
+from time_limit import at_most
 from typer.testing import CliRunner, Result
 
 from rtphys.assets.pack import default_pack
@@ -16,10 +16,6 @@ from rtphys.cli.main import app
 
 SECONDS = 20  # a hang; the slowest answer takes a tenth of it
 GENERATED = 120
-
-
-class Hang(BaseException):
-    """No OSError as `TimeoutError` is, which the program would turn into a sentence."""
 
 
 TASK = """
@@ -41,20 +37,6 @@ def sandbox(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path.parent / f"{tmp_path.name}-cache"))
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-@contextmanager
-def at_most(seconds: int) -> Iterator[None]:
-    def stop(*_: object) -> None:
-        raise Hang(f"no answer after {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
 
 
 @contextmanager

@@ -19,7 +19,7 @@ LEAF = "phys_random/click_bell/aloha_agilex"
 Change = Callable[[Path, Path], None]  # the dataset, the folder outside
 
 NAMES = (
-    *("../outside", "..", ".", "", "/tmp/x", "a/../../outside", "a\0b", "x" * 300, ".hidden"),
+    *("../outside", "..", ".", "", "/elsewhere/x", "a/../../outside", "a\0b", "x" * 300, ".hidden"),
     *("a\nb", "\x1b[31m", "a\\b", " ", "\ud800", "//", "a/", "\u202egnp", "-" * 201),
 )
 PATHS = (

@@ -1,15 +1,14 @@
 """A corpus of hostile datasets through the readers: an error of ours, soon, and nothing outside."""
 
 import shutil
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 import synthetic
 from hostile import Hostile, corpus
 from test_dataset_writer import collect
+from time_limit import Hang, at_most
 
 from rtphys.core.errors import RtphysError
 from rtphys.data.convert import convert
@@ -22,10 +21,6 @@ from rtphys.report.facts import gather
 SECONDS = 10
 SECRET = "the secret of another folder"
 CASES = tuple(corpus())
-
-
-class Hang(BaseException):
-    """No `Exception`, which a reader might catch."""
 
 
 def _collect(dataset: Path, _: Path) -> None:
@@ -53,20 +48,6 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("sound")
     collect(out, 1)
     return out
-
-
-@contextmanager
-def at_most(seconds: int) -> Iterator[None]:
-    def stop(*_: object) -> None:
-        raise Hang(f"no answer after {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def state(folder: Path) -> dict[str, tuple[int, int]]:

@@ -33,12 +33,12 @@ class Reader:
 
     def part(self, episode: int, modality: str, key: str, rows: Sequence[int]) -> np.ndarray:
         """A slice of the state or action vector at some rows; rows beyond the end repeat it."""
-        told = self.modality[modality][key]
+        entry = self.modality[modality][key]
         usual = {"state": "observation.state", "action": "action"}[modality]
-        column = self._table(episode)[told.get("original_key", usual)]
+        column = self._table(episode)[entry.get("original_key", usual)]
         values = np.stack([np.asarray(row) for row in column.to_pylist()])
         at = np.clip(rows, 0, self.lengths[episode] - 1)
-        return values[at, told["start"] : told["end"]]
+        return values[at, entry["start"] : entry["end"]]
 
     def frames(self, episode: int, view: str, rows: Sequence[int]) -> np.ndarray:
         """Pictures of a view, found by the rows' time stamps as a video reader finds them."""

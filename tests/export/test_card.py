@@ -69,6 +69,6 @@ def test_mlcroissant_accepts_it(dataset: Dataset) -> None:
     result = subprocess.run(
         [program, "validate", "--jsonld", str(path)], capture_output=True, text=True
     )
-    told = result.stdout + result.stderr
-    assert result.returncode == 0 and "Done" in told, told
-    assert "WARNING" not in told and "Found the following" not in told
+    output = result.stdout + result.stderr
+    assert result.returncode == 0 and "Done" in output, output
+    assert "WARNING" not in output and "Found the following" not in output

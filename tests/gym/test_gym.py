@@ -47,7 +47,7 @@ def test_gymnasiums_own_check(task: str, show_physics: bool) -> None:
     env = TaskEnv(task, "phys_random", show_physics=show_physics)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        # Real joint limits are no unit interval, poses have no bounds; both are told, not wrong.
+        # Real joint limits are no unit interval, poses have no bounds; both are notes, not errors.
         warnings.filterwarnings("ignore", message=".*(symmetric and normalized|infinity).*")
         warnings.filterwarnings("ignore", message=".*spec.*")
         check_env(env, skip_render_check=True)
@@ -78,13 +78,13 @@ def test_pictures() -> None:
 
 def test_tracked_actions_all_last_a_frame() -> None:
     env = TaskEnv("click_bell", control="tracking")
-    seen, told = env.reset(seed=0)
-    times = [told["time"]]
+    seen, info = env.reset(seed=0)
+    times = [info["time"]]
     target = np.array(seen["agent_pos"])
     target[1] += 0.4  # far: from rest to rest this takes several frames
     for _ in range(5):
-        *_, told = env.step(target)
-        times.append(told["time"])
+        *_, info = env.step(target)
+        times.append(info["time"])
     np.testing.assert_allclose(np.diff(times), 0.06, atol=1e-9)
     with pytest.raises(UnknownName, match=r"control.*tracking"):
         TaskEnv("click_bell", control="tracked")

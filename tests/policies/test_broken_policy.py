@@ -33,18 +33,20 @@ def own(tmp_path: Path, text: str) -> str:
 @pytest.mark.parametrize("raised", RAISED)
 def test_a_constructor_that_raises(raised: str, tmp_path: Path) -> None:
     spec = own(tmp_path, f"def make(setup):\n    {raised}\n")
-    with pytest.raises(PolicyBroken) as told:
+    with pytest.raises(PolicyBroken) as caught:
         open_policy(spec)
-    text = str(told.value)
+    text = str(caught.value)
     assert text.startswith(f"policy {spec} cannot be opened: ") and "\n" not in text
-    assert "(mine.py, line " in text and told.value.exit_code == 5
+    assert "(mine.py, line " in text and caught.value.exit_code == 5
 
 
 @pytest.mark.parametrize("raised", RAISED)
 def test_a_module_that_raises(raised: str, tmp_path: Path) -> None:
-    with pytest.raises(RtphysError) as told:
+    with pytest.raises(RtphysError) as caught:
         open_policy(own(tmp_path, f"if True:\n    {raised}\n"))
-    assert "mine.py" in str(told.value) and "\n" not in str(told.value).replace("two\nlines", "")
+    assert "mine.py" in str(caught.value) and "\n" not in str(caught.value).replace(
+        "two\nlines", ""
+    )
 
 
 def test_a_policy_that_does_not_say_whether_it_needs_pictures(tmp_path: Path) -> None:

@@ -86,7 +86,7 @@ def test_any_bytes(encoding: Encoding, data: bytes) -> None:
 def said(handler: Callable[[ServerConnection], None], policy: str) -> str:
     """What becomes of a policy's first request. It must be an `RtphysError`."""
     began = time.monotonic()
-    with serving(handler) as where, pytest.raises(RtphysError) as told:
+    with serving(handler) as where, pytest.raises(RtphysError) as caught:
         opened = open_policy(f"{policy}:{where}?reply_s=5&connect_s=5", PolicySetup("click_bell"))
         assert isinstance(opened, OpenPi)
         try:
@@ -94,7 +94,7 @@ def said(handler: Callable[[ServerConnection], None], policy: str) -> str:
         finally:
             opened.close()
     assert time.monotonic() - began < SECONDS
-    return str(told.value)
+    return str(caught.value)
 
 
 def each(*messages: bytes | str) -> Callable[[ServerConnection], None]:

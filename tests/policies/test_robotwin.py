@@ -100,8 +100,8 @@ def test_a_plugin_rings_the_bell(
         assert episode.success
     assert Path.cwd() == before
     model: Any = policy.model
-    told = {**model.args, "recording": ""}
-    assert told == {
+    given = {**model.args, "recording": ""}
+    assert given == {
         "task_name": "click_bell",
         "task_config": "phys_random",
         "policy_name": "StubRings",
@@ -247,9 +247,9 @@ def test_a_folder_without_init_and_a_dotted_name(
     deep.mkdir(parents=True)
     (deep / "interface.py").write_text(source)
     dotted = f"{deep}/interface.py?policy_name=StubEvaluation.robotwin.interface&port=18093"
-    told = model_of(dotted)
-    assert told["policy_name"] == "StubEvaluation.robotwin.interface"
-    assert told["port"] == 18093
+    given = model_of(dotted)
+    assert given["policy_name"] == "StubEvaluation.robotwin.interface"
+    assert given["port"] == 18093
 
 
 def test_a_linked_folder_belongs_to_the_root_that_holds_the_link(
@@ -293,6 +293,6 @@ def test_what_is_wrong_with_a_plugin_is_said(robotwin_root: Path, new_episode: E
 
 def test_overrides_are_literals_or_text() -> None:
     words = ["--port", "18093", "--name", "a.b", "--list", "[1, 2]", "--evil", "__import__('os')"]
-    told = {"port": 18093, "name": "a.b", "list": [1, 2], "evil": "__import__('os')"}
-    assert pairs(words) == told
+    given = {"port": 18093, "name": "a.b", "list": [1, 2], "evil": "__import__('os')"}
+    assert pairs(words) == given
     assert user_args(None, {"seed": 0}, {"seed": 5})["seed"] == 5

@@ -136,12 +136,12 @@ def test_the_command_finds_labels_that_no_world_has(slippery_rejected):
 def test_the_command_says_the_same_as_json(slippery_rejected):
     result = CliRunner().invoke(command.app, ["audit", str(slippery_rejected), "--json"])
     assert result.exit_code == 1
-    told = json.loads(result.stdout)
-    assert (told["episodes"], told["sound"], len(told["labels"])) == (25, 0, 25)
-    assert any("only the label has it" in text for text in told["labels"][0]["problems"])
+    printed = json.loads(result.stdout)
+    assert (printed["episodes"], printed["sound"], len(printed["labels"])) == (25, 0, 25)
+    assert any("only the label has it" in text for text in printed["labels"][0]["problems"])
     # The bell's surface and the table do have the labelled friction, drawn from the same seeds.
-    assert told["worst"]["friction"]["deviation"] <= told["worst"]["friction"]["tolerance"]
-    idle = {row["attribute"]: row["why"] for row in told["unmeasured"]}
+    assert printed["worst"]["friction"]["deviation"] <= printed["worst"]["friction"]["tolerance"]
+    idle = {row["attribute"]: row["why"] for row in printed["unmeasured"]}
     assert "nothing here has it" in idle["object_mass"]
-    (selections,) = told["selection"].values()
+    (selections,) = printed["selection"].values()
     assert "low values were cut" in {s["attribute"]: s for s in selections}["friction"]["sentence"]

@@ -89,9 +89,9 @@ def test_a_world_built_again_reads_back_the_same(name, pack):
 
 def test_a_false_read_back_is_found(pack):
     instance = next(instances("stack_blocks_two", pack))
-    told = readback(instance.world)
-    body = sorted(told["bodies"])[0]
-    told["bodies"][body]["mass"] *= 1.001
-    found = label_problems(stored(instance, readback=told), instance.world)
+    values = readback(instance.world)
+    body = sorted(values["bodies"])[0]
+    values["bodies"][body]["mass"] *= 1.001
+    found = label_problems(stored(instance, readback=values), instance.world)
     assert len(found) == 1
     assert found[0].startswith(f"readback.bodies.{body}.mass: the label says")

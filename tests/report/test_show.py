@@ -34,8 +34,8 @@ def run(*arguments: str):
 def test_says_what_is_in_the_episode(dataset: Dataset, tmp_path: Path) -> None:
     result = run(str(dataset[1].paths.video), "--out", str(tmp_path))
     assert result.exit_code == 0, result.output
-    for told in ("click_bell, seed 1", "ring the bell", "friction", "reach", "press", "4, 0.18 s"):
-        assert told in result.output
+    for words in ("click_bell, seed 1", "ring the bell", "friction", "reach", "press", "4, 0.18 s"):
+        assert words in result.output
     assert (tmp_path / "click_bell_phys_random_1.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "click_bell_phys_random_1_joints.svg").stat().st_size > 3000
 

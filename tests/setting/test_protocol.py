@@ -32,7 +32,7 @@ def test_a_library_adds_rows(library: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "error", "told"),
+    ("text", "error", "message"),
     [
         ("visual: {cluter: 3}", UnknownName, "did you mean 'clutter'"),
         ("visual: {clutter: 1.5}", BadValue, "from 0 to 20"),
@@ -45,10 +45,10 @@ def test_a_library_adds_rows(library: Path) -> None:
     ],
 )
 def test_a_wrong_file_is_refused_by_name(
-    library: Path, text: str, error: type[Exception], told: str
+    library: Path, text: str, error: type[Exception], message: str
 ) -> None:
     (library / "mine.yaml").write_text(text)
-    with pytest.raises(error, match=told) as caught:
+    with pytest.raises(error, match=message) as caught:
         load_protocol("mine")
     assert "mine.yaml" in str(caught.value)
 

@@ -19,7 +19,7 @@ SEED = 6  # with pictures on table and wall, and clutter
 
 def entry(**changes: object) -> TaskDatasetEntry:
     """The part of a task dataset that a look depends on."""
-    told = {
+    fields = {
         "task": "click_bell",
         "visual": OFFICIAL.to_json(),
         "split": "seen",
@@ -29,12 +29,12 @@ def entry(**changes: object) -> TaskDatasetEntry:
         "assets": {"digest": default_pack().digest},
         "versions": {"task": load_task("click_bell").digest},
     }
-    return TaskDatasetEntry.model_construct(**{**told, **changes})
+    return TaskDatasetEntry.model_construct(**{**fields, **changes})
 
 
-def look_check(told: TaskDatasetEntry) -> LookCheck:
+def look_check(entry: TaskDatasetEntry) -> LookCheck:
     """The check of a manifest that holds this entry and its domain."""
-    return LookCheck(told, Manifest.model_construct(domains={NOMINAL.digest: NOMINAL.to_json()}))
+    return LookCheck(entry, Manifest.model_construct(domains={NOMINAL.digest: NOMINAL.to_json()}))
 
 
 def label(changes: Mapping[str, object] | None = None, split: str = "seen") -> PhysMeta:

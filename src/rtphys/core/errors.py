@@ -5,20 +5,29 @@ from difflib import get_close_matches
 from pathlib import Path
 from reprlib import Repr
 
-from rtphys.core.bounds import TOLD
+from rtphys.core.bounds import SHOWN_CHARACTERS
 
 
 def shortened(text: str) -> str:
     """The text, or its beginning: a file can make it as long as it likes."""
-    return text if len(text) <= TOLD else f"{text[:TOLD]} ... ({len(text)} characters)"
+    return (
+        text
+        if len(text) <= SHOWN_CHARACTERS
+        else f"{text[:SHOWN_CHARACTERS]} ... ({len(text)} characters)"
+    )
 
 
 _REPR = Repr()
-_REPR.maxlevel, _REPR.maxstring, _REPR.maxother, _REPR.maxlong = 3, TOLD, TOLD, TOLD
+_REPR.maxlevel, _REPR.maxstring, _REPR.maxother, _REPR.maxlong = (
+    3,
+    SHOWN_CHARACTERS,
+    SHOWN_CHARACTERS,
+    SHOWN_CHARACTERS,
+)
 _REPR.maxdict = _REPR.maxlist = _REPR.maxtuple = _REPR.maxset = 16
 
 
-def told(value: object) -> str:
+def short_repr(value: object) -> str:
     """`repr`, cut where it is long, before a nest of aliases grows to gigabytes."""
     return shortened(_REPR.repr(value))
 
@@ -51,11 +60,12 @@ class UnknownName(RtphysError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str], where: str | Path = "") -> None:
         self.kind, self.name, self.known = kind, name, sorted(set(known))
-        near = get_close_matches(name[:TOLD], self.known, n=1, cutoff=0.4)
+        near = get_close_matches(name[:SHOWN_CHARACTERS], self.known, n=1, cutoff=0.4)
         hint = f"; did you mean {near[0]!r}?" if near else "."
         place = f"{where}: " if where else ""
         super().__init__(
-            f"{place}unknown {kind} {told(name)}{hint} Known: {', '.join(self.known) or 'none'}"
+            f"{place}unknown {kind} {short_repr(name)}{hint} "
+            f"Known: {', '.join(self.known) or 'none'}"
         )
 
 
@@ -72,7 +82,7 @@ class BadValue(RtphysError):
     def __init__(self, key: str, value: object, allowed: str, where: str | Path = "") -> None:
         self.key, self.value, self.allowed, self.where = key, value, allowed, where
         place = f"{where}: " if where else ""
-        super().__init__(f"{place}{key} = {told(value)} is not allowed; {allowed}")
+        super().__init__(f"{place}{key} = {short_repr(value)} is not allowed; {allowed}")
 
 
 class BadFile(RtphysError):

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from rtphys.core.bounds import TOLD, WHOLE_NUMBER
+from rtphys.core.bounds import SHOWN_CHARACTERS, WHOLE_NUMBER
 from rtphys.core.errors import BadFile, RtphysError, shortened
 from rtphys.core.paths import plain_name, plain_path
 
@@ -30,7 +30,7 @@ Vector3 = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[FiniteFloat], Field(min_length=4, max_length=4)]
 
 
-MOST = TOLD // 40  # problems that an error names
+MOST = SHOWN_CHARACTERS // 40  # problems that an error names
 
 
 class SchemaError(RtphysError):

@@ -58,7 +58,7 @@ def audit_episode(
     if HEAD in meta.cameras:
         head = meta.cameras[HEAD]
         stored["label"] = Pose(head.position, head.quaternion_wxyz)
-    acting = {key for key, told in meta.attributes.items() if told.acts}
+    acting = {key for key, label in meta.attributes.items() if label.acts}
     specimen = Specimen(rebuilt.world, pack, dict(label.physics))
     findings = measure(specimen, acting, stored)
     return Audit(path, tuple(problems), rebuilt.notes, tuple(findings))

@@ -45,11 +45,11 @@ def rebuild(label: Label, pack: Pack) -> Rebuilt:
     except KeyError as missing:
         raise RtphysError(f"its recipe has no {missing}") from missing
     instance = prepare(recipe, load_task(recipe.task), pack)
-    told, given = label.physics, instance.physics
+    labelled, given = label.physics, instance.physics
     problems = tuple(
-        f"{key}: the label says {told.get(key)}, its recipe gives {given.get(key)}"
-        for key in sorted({*told, *given})
-        if told.get(key) != given.get(key)
+        f"{key}: the label says {labelled.get(key)}, its recipe gives {given.get(key)}"
+        for key in sorted({*labelled, *given})
+        if labelled.get(key) != given.get(key)
     )
     return Rebuilt(instance.world, problems)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import cast
 
 from rtphys.core import library
-from rtphys.core.errors import BadFile, BadValue, UnknownName, told
+from rtphys.core.errors import BadFile, BadValue, UnknownName, short_repr
 from rtphys.core.paths import plain_name
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import (
@@ -76,7 +76,7 @@ def _parent(extends: object, path: Path, children: tuple[Path, ...]) -> Domain |
     try:
         beside = path.parent / f"{plain_name(extends)}.yaml"
     except ValueError as error:
-        raise BadFile(path, f"extends = {told(extends)}: {error}") from error
+        raise BadFile(path, f"extends = {short_repr(extends)}: {error}") from error
     # A file outside every library may extend its neighbour, but a library's domain comes first.
     known = library.names("domains")
     if extends not in known and not beside.is_file():

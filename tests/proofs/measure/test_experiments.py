@@ -112,8 +112,8 @@ def test_what_is_done_to_a_body_is_felt(change, place: str) -> None:
         act(one.world)
         lift(one.world)
         found = wrong(weigh_bodies(one))
-        told = {f"{m.key} at {m.place}" for m in found.values()}
-        assert told == ({place} if act is change else set())
+        places = {f"{m.key} at {m.place}" for m in found.values()}
+        assert places == ({place} if act is change else set())
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.01, 0.25, 2.0, 25.0])

@@ -33,7 +33,7 @@ LOG_TAIL = 2000  # [characters] of what a dead worker said
 def main(connection: Connection, parent: int) -> None:
     """The worker: reads its import path, then `setup`, then jobs, until nobody sends any more.
 
-    It imports nothing of a robot itself, so that what it cannot load is told like any other error.
+    It imports nothing of a robot itself, so that what it cannot load is an error like any other.
     """
     # An orphan would write into a folder that the next run has locked.
     if sys.platform == "linux":
@@ -50,7 +50,7 @@ def main(connection: Connection, parent: int) -> None:
         return
     except RtphysError as error:
         connection.send(WorkerFailed(str(error), error.exit_code))
-    except BaseException as error:  # told to the supervisor, who stops the run
+    except BaseException as error:  # sent to the supervisor, who stops the run
         text = f"{type(error).__name__}: {error}"
         connection.send(WorkerFailed(text, trace=traceback.format_exc()))
 

@@ -18,8 +18,8 @@ def damp(specimen: Specimen, mechanism: Mechanism, nominal: Mapping[str, float])
     """The damping of each joint [N m s/rad or N s/m]; `nominal` is what the files state."""
     findings: list[Finding] = []
     for index, joint in enumerate(mechanism.joints):
-        told = specimen.values.get("object_joint_damping")
-        label = nominal[joint.name] if told is None else specimen.number("object_joint_damping")
+        value = specimen.values.get("object_joint_damping")
+        label = nominal[joint.name] if value is None else specimen.number("object_joint_damping")
         place = f"{mechanism.thing.name}/{joint.name}"
         measured = _damping(mechanism, index, label)
         findings.append(Measurement("object_joint_damping", place, label, measured))

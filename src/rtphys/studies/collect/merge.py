@@ -19,7 +19,7 @@ from rtphys.data.restage import restage
 from rtphys.data.writer import DatasetWriter
 from rtphys.studies.collect.plan import TaskPlan
 from rtphys.studies.collect.run import MOST_SEEDS, collect, open_series
-from rtphys.studies.collect.shard import Shard, read_shard, told
+from rtphys.studies.collect.shard import Shard, read_shard, stored_plan
 from rtphys.studies.collect.work import Results
 
 Entry = Mapping[str, JSON]
@@ -130,7 +130,7 @@ def _difference(first: Shard, other: Shard) -> str:
             return f"only one of them collects {folder}"
         if a.episodes != b.episodes:
             return f"{a.episodes} episodes of {folder} in the one, {b.episodes} in the other"
-        if clauses := differences(told(a, first.run), told(b, other.run)):
+        if clauses := differences(stored_plan(a, first.run), stored_plan(b, other.run)):
             return f"{folder}: {'; '.join(clauses)}"
     return ""
 

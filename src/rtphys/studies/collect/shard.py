@@ -92,7 +92,7 @@ def read_shard(out: Path) -> Shard | None:
     return Shard(known.index, known.of, wanted, run)
 
 
-def told(plan: TaskPlan, run: Run) -> dict[str, JSON]:
+def stored_plan(plan: TaskPlan, run: Run) -> dict[str, JSON]:
     """All that decides a task dataset but its number of episodes, as `shard.json` holds it."""
     rare = {"ranges": None, "recovery": True, "pair_tasks": False}
     known = {**rare, **plan.setting.to_json(), **vars(plan), **vars(run)}
@@ -120,7 +120,7 @@ def claim(out: Path, shard: Shard | None) -> None:
             "leaf": plan.folder,
             "twin": plan.sides[1].folder if plan.twin else None,
             "episodes": plan.episodes,
-            "plan": told(plan, shard.run),
+            "plan": stored_plan(plan, shard.run),
         }
         for plan in shard.wanted
     ]
