@@ -3,7 +3,7 @@
 Success: the block has been pushed along and lies on the table, free of the hand.
 """
 
-from rtphys.task import IDENTITY, Draw, Pose, Robot, Scene, Task, Placing, condition, on_table
+from rtphys.task import Draw, Placing, Pose, Robot, Scene, Task, condition, on_table
 
 from ._right_hand import block, lift_block
 

@@ -5,8 +5,18 @@ Success: the hinge is past 12 % of its range.
 
 import numpy as np
 
-from rtphys.task import IDENTITY, Articulated, Draw, Pose, Robot, Scene, Task, axis_angle
-from rtphys.task import joint_beyond, quat_multiply
+from rtphys.task import (
+    IDENTITY,
+    Articulated,
+    Draw,
+    Pose,
+    Robot,
+    Scene,
+    Task,
+    axis_angle,
+    joint_beyond,
+    quat_multiply,
+)
 
 DOOR, BAR = "link_1", 3  # the door's link; the contact point on its bar
 STEEP = 0  # another contact point on the bar, for a hand from above

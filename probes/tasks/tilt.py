@@ -3,7 +3,17 @@
 Success: the block was leant both ways and is still in the hand, in the air.
 """
 
-from rtphys.task import Draw, Robot, Scene, Task, axis_angle, condition, in_either_hand, lifted, quat_multiply
+from rtphys.task import (
+    Draw,
+    Robot,
+    Scene,
+    Task,
+    axis_angle,
+    condition,
+    in_either_hand,
+    lifted,
+    quat_multiply,
+)
 
 from ._right_hand import block, lift_block
 

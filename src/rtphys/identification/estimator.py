@@ -4,7 +4,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.poses import Array
 from rtphys.core.python_file import load_file

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Embodiment
-from rtphys.core.poses import Array
 from rtphys.data.episode import JSON
 from rtphys.identification.signals import ArmRows, arm_rows, signals
 from rtphys.sim.recorder import RECOVER, Recording
 
+Places = NDArray[np.intp]  # of rows or columns
 STATISTICS = {
     "mean": lambda x: x.mean(),
     "spread": lambda x: x.std(),
@@ -76,7 +77,7 @@ def _by_role(arms: list[ArmRows]) -> list[int]:
     return [busy, 1 - busy] if share > IDLE else [busy]
 
 
-def _stages(recording: Recording) -> Iterator[tuple[str, Array]]:
+def _stages(recording: Recording) -> Iterator[tuple[str, Places]]:
     """Name and indices of the rows of each stage, then those of the whole episode.
 
     A stage that comes again has a number behind its name.

@@ -1,4 +1,4 @@
-"""How well an attribute can be told: R2 of fixed splits, its interval, what shuffled labels give."""
+"""How well an attribute can be told: R2 of fixed splits, intervals, what shuffled labels give."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from rtphys.core.poses import Array
 from rtphys.core.seeds import stream
 from rtphys.identification.estimator import Estimator
-from rtphys.identification.table import Table
+from rtphys.identification.table import Places, Table
 
 FOLDS = 5  # of the cross-validation; an episode's fold is its place among the seeds, modulo
 LEAST = 20  # episodes below which nothing is scored
@@ -17,7 +17,7 @@ BOOTSTRAPS = 1000
 LEVELS = (2.5, 97.5)  # [%] of the interval
 SHUFFLES = 2  # fits with labels in another order, whose mean is reported
 
-Indices = tuple[Array, Array]  # episodes to learn from, episodes to be judged by
+Indices = tuple[Places, Places]  # episodes to learn from, episodes to be judged by
 
 
 class NotFinite(ValueError):
@@ -78,7 +78,9 @@ def score(
     }
     orders = [stream(0, f"identify shuffle {k}").permutation(len(X)) for k in range(SHUFFLES)]
     shuffled = [
-        _r2(Y[order], np.column_stack([_fold_predictions(X, y, folds, make)[0] for y in Y[order].T]))
+        _r2(
+            Y[order], np.column_stack([_fold_predictions(X, y, folds, make)[0] for y in Y[order].T])
+        )
         for order in orders
     ]
     interval = _interval(Y, predicted)
@@ -97,7 +99,7 @@ def _fold_predictions(
     y: Array,
     folds: list[Indices],
     make: Callable[[], Estimator],
-    groups: dict[str, Array] | None = None,
+    groups: dict[str, Places] | None = None,
 ) -> tuple[Array, dict[str, Array]]:
     """Predictions (n,) out of fold, and the same with each group's columns mixed up."""
     whole = np.empty(len(y))
@@ -124,7 +126,9 @@ def _predicted(estimator: Estimator, X: Array) -> Array:
     if values.shape != (len(X),):
         raise NotFinite(f"predict returned shape {values.shape}, not ({len(X)},)")
     if not np.isfinite(values).all():
-        raise NotFinite(f"predict returned {np.count_nonzero(~np.isfinite(values))} numbers that are not finite")
+        raise NotFinite(
+            f"predict returned {np.count_nonzero(~np.isfinite(values))} numbers that are not finite"
+        )
     return values
 
 

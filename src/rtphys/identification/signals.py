@@ -12,7 +12,9 @@ from rtphys.plan.kinematics import ArmKinematics
 from rtphys.sim.recorder import Recording
 
 NUDGE = 1e-5  # [rad] by which a joint is turned to measure how the tool moves
-WEAKEST = 0.02  # share of the strongest direction below which effort says nothing of the tool's force
+WEAKEST = (
+    0.02  # share of the strongest direction below which effort says nothing of the tool's force
+)
 LEAST_LOAD = 0.5  # [N] of vertical force below which its ratio to the horizontal one is noise
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rtphys.core.poses import Array
-from rtphys.identification.features import group_of
+from rtphys.identification.features import Places, group_of
 from rtphys.physics.values import components
 
 COMMON = 0.5  # share of the episodes that must have a feature
@@ -34,7 +34,7 @@ class Table:
     values: Array  # (episodes, features)
 
     @property
-    def groups(self) -> dict[str, Array]:
+    def groups(self) -> dict[str, Places]:
         """Group of signals -> indices of its columns."""
         of = np.array([group_of(name) for name in self.names])
         return {str(group): np.flatnonzero(of == group) for group in np.unique(of)}
@@ -54,7 +54,11 @@ def table_of(samples: Sequence[Sample]) -> Table:
     raw = raw.reshape(len(ordered), len(known))
     there = np.isfinite(raw)
     kept = there.mean(axis=0) >= COMMON if len(ordered) else np.zeros(len(known), bool)
-    names, raw, there = [n for n, keep in zip(known, kept, strict=True) if keep], raw[:, kept], there[:, kept]
+    names, raw, there = (
+        [n for n, keep in zip(known, kept, strict=True) if keep],
+        raw[:, kept],
+        there[:, kept],
+    )
     filled = np.where(there, raw, np.nanmedian(raw, axis=0)) if len(names) else raw
     varies = np.ptp(filled, axis=0) > 0 if len(names) else np.zeros(0, bool)
     chosen = tuple(name for name, keep in zip(names, varies, strict=True) if keep)

@@ -120,7 +120,9 @@ def read_episodes(path: Path, count: int) -> Episodes:
                 break
             attempts += 1
             if not row["reason"]:
-                labels = {k: tuple(v) if isinstance(v, list) else v for k, v in row["labels"].items()}
+                labels = {
+                    k: tuple(v) if isinstance(v, list) else v for k, v in row["labels"].items()
+                }
                 samples.append(Sample(int(row["seed"]), unpacked(row["features"]), labels))
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise BadFile(path, f"holds no features ({type(error).__name__}: {error})") from error

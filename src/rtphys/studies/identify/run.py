@@ -15,7 +15,7 @@ from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.identification import estimator, features, scoring, signals, table
 from rtphys.identification.estimator import BASELINE, short_name
 from rtphys.identification.result_file import Result, write_result
-from rtphys.setting.setting import Setting, Recipe
+from rtphys.setting.setting import Recipe, Setting
 from rtphys.studies.identify.episodes import Sensed, SenseWorker, TaskEpisodes
 from rtphys.studies.identify.plan import IdentifyPlan
 from rtphys.studies.identify.scores import (
@@ -28,51 +28,53 @@ from rtphys.studies.identify.scores import (
 from rtphys.task.spec import load_task
 
 
-def identify(plan: IdentifyPlan, pack: Pack, listeners: tuple[Listener, Listener]) -> Result:
-    """Makes the episodes that are missing, scores the estimator, and writes the results.
+def sense(plan: IdentifyPlan, pack: Pack, listener: Listener | None = None) -> None:
+    """Makes the episodes that are missing, and keeps what a robot senses in them as features.
 
-    Features and results depend on the plan alone, not on the number of workers, nor on how often
-    the run was killed and resumed. A task that does not reach its episodes is scored on those that
-    it has.
-
-    Args:
-        listeners: of the episodes, and of the scores.
+    The files depend on the plan alone, not on the number of workers, nor on how often the run was
+    killed and resumed.
 
     Raises:
         RtphysError: what `IdentifyPlan.check` refuses; features made under other conditions;
             another run at work in the folder; an error in a worker.
     """
     plan.check()
+    listener = listener or Listener()
     make_folder(plan.out)
     with FolderLock(plan.out):
-        _sense(plan, pack, listeners[0])
-        result = _score(plan, listeners[1])
-    write_result(result_path(plan), result)
+        studies = [TaskEpisodes(plan, s, _ground(s, pack)) for s in plan.settings()]
+        worker, size = SenseWorker(pack), plan.workers or cores()
+        with LocalPool[Recipe, Sensed](worker, size, notice=listener.noticed) as pool:
+            run_all([study.series for study in studies], pool, listener, plan.out)
+
+
+def judge(plan: IdentifyPlan, listener: Listener | None = None) -> Result:
+    """Scores the estimator on the features that are there, and writes the results.
+
+    A task that did not reach its episodes is scored on those that it has. Where the estimator
+    raises or returns no finite numbers, the result says so, and the rest goes on.
+
+    Raises:
+        RtphysError: as `sense`; features that are not there or are damaged.
+    """
+    plan.check()
+    listener = listener or Listener()
+    code = code_digest(Path(str(part.__file__)) for part in (estimator, scoring, table))
+    ground = {**estimator_ground(plan.estimator), "code": code, **_learner(plan.estimator)}
+    with FolderLock(plan.out):
+        studies = [TaskScores(plan, s.task, s.domain, ground) for s in plan.settings()]
+        worker, size = ScoreWorker(plan.estimator), plan.workers or cores()
+        with LocalPool[ScoreJob, Row](worker, size, notice=listener.noticed) as pool:
+            run_all([study.series for study in studies], pool, listener, plan.out)
+        tasks = {study.series.tally.name: study.result for study in studies}
+        result = Result(plan.estimator, plan.protocol, tasks)
+        write_result(result_file(plan), result)
     return result
 
 
-def result_path(plan: IdentifyPlan) -> Path:
+def result_file(plan: IdentifyPlan) -> Path:
     """Where the results of the plan's estimator are written."""
     return plan.out / f"{short_name(plan.estimator)}.json"
-
-
-def _sense(plan: IdentifyPlan, pack: Pack, listener: Listener) -> None:
-    studies = [TaskEpisodes(plan, s, _ground(s, pack)) for s in plan.settings()]
-    worker, size = SenseWorker(pack), plan.workers or cores()
-    with LocalPool[Recipe, Sensed](worker, size, notice=listener.noticed) as pool:
-        run_all([study.series for study in studies], pool, listener, plan.out)
-
-
-def _score(plan: IdentifyPlan, listener: Listener) -> Result:
-    code = code_digest(Path(str(part.__file__)) for part in (estimator, scoring, table))
-    ground = {**estimator_ground(plan.estimator), "code": code, **_learner(plan.estimator)}
-    studies = [TaskScores(plan, s.task, s.domain, ground) for s in plan.settings()]
-    size = plan.workers or cores()
-    worker = ScoreWorker(plan.estimator)
-    with LocalPool[ScoreJob, Row](worker, size, notice=listener.noticed) as pool:
-        run_all([study.series for study in studies], pool, listener, plan.out)
-    tasks = {study.series.tally.name: study.result for study in studies}
-    return Result(plan.estimator, plan.protocol, tasks)
 
 
 def _ground(setting: Setting, pack: Pack) -> Mapping[str, JSON]:
