@@ -58,7 +58,7 @@ def test_components_of_a_vector_are_averaged() -> None:
     table = table_of(samples(80))
     whole = score(table, "center_of_mass", UNIT, Line)
     assert whole.r2 > 0.999
-    X, Y = table.labelled("center_of_mass")
+    _, Y = table.labelled("center_of_mass")
     assert Y.shape == (80, 2)
     blind = list(table.samples)
     for s in blind:
