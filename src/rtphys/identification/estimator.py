@@ -14,8 +14,8 @@ TREES = {
     "learning_rate": 0.08,
     "max_leaf_nodes": 8,
     "min_samples_leaf": 5,
-    "max_features": 0.3,  # of the columns, drawn anew at each split
-    "max_bins": 63,
+    "max_features": 0.2,  # of the columns, drawn anew at each split
+    "max_bins": 32,
     "random_state": 0,
 }
 """Settings of the gradient-boosted trees, the same for every task and attribute."""
