@@ -10,10 +10,11 @@ from rtphys.studies.identify.plan import IdentifyPlan
 def identify(plan: IdentifyPlan) -> None:
     """Find which physics can be told from what a robot senses, and which signal carries it.
 
-    The expert's episodes, without pictures, become features: statistics of commands, measured
-    joints, tracking, effort and touch in each stage, and nothing of any object. An estimator
-    learns each attribute from them and is judged on other seeds (R2; 0 says nothing, 1 all), on
-    shuffled labels, and beyond the range that it learnt from. It may be interrupted: the same
+    The expert's episodes, without pictures, become features: statistics of
+    commands, measured joints, tracking, effort and touch in each stage, and
+    nothing of any object. An estimator learns each attribute from them and is
+    judged on other seeds (R2; 0 says nothing, 1 all), on shuffled labels, and
+    beyond the range that it learnt from. It may be interrupted: the same
     command goes on where it stopped.
 
     Examples:
@@ -22,7 +23,7 @@ def identify(plan: IdentifyPlan) -> None:
 
         rtphys --library probes identify --task heft,rub --out identify_probes
 
-        rtphys identify --task lift_pot --episodes 100 --estimator python:mine.py:Mine
+        rtphys identify --task lift_pot --estimator python:mine.py:Mine
 
         rtphys compare identify/trees.json identify/Mine.json
     """

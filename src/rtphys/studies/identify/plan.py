@@ -38,6 +38,9 @@ class IdentifyPlan:
     most_attempts: Annotated[
         Positive, Option("Number of seeds to try for one task.", "max_attempts")
     ] = 2000
+    timeout: Annotated[
+        float, at_least(1), Option("Seconds of one attribute's fits before they are lost.")
+    ] = 3600.0
     workers: Workers = None
 
     def check(self) -> None:
