@@ -1,7 +1,7 @@
 """`rtphys identify`: which physical attributes can be told from what a robot senses."""
 
 from rtphys.cli.derived import takes
-from rtphys.cli.stopping import resumable
+from rtphys.cli.stopping import Incomplete, resumable
 from rtphys.cli.terminal import say
 from rtphys.studies.identify.plan import IdentifyPlan
 
@@ -40,3 +40,6 @@ def identify(plan: IdentifyPlan) -> None:
             result = judge(plan, listener)
     show(result)
     say(f"all numbers are in {result_file(plan)}")
+    found = {task: one.episodes for task, one in result.tasks.items()}
+    if short := [f"{task} has {n}" for task, n in found.items() if n < plan.episodes]:
+        raise Incomplete(f"not every task gave {plan.episodes} episodes: {', '.join(short)}")
