@@ -4,6 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
+
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.poses import Array
 from rtphys.core.python_file import load_file
@@ -55,19 +57,39 @@ class Trees:
             return self._model.predict(X)
 
 
+class Column:
+    """A straight line through the one feature that goes best with the values."""
+
+    def fit(self, X: Array, y: Array) -> None:
+        centred, aim = X - X.mean(axis=0), y - y.mean()
+        length = np.linalg.norm(centred, axis=0) * np.linalg.norm(aim)
+        matches = np.abs(aim @ centred) / np.where(length > 0, length, np.inf)
+        self._best = int(np.argmax(matches))
+        column = centred[:, self._best]
+        self._slope = float(aim @ column / max(float(column @ column), TINY))
+        self._level = float(y.mean() - self._slope * X[:, self._best].mean())
+
+    def predict(self, X: Array) -> Array:
+        return self._level + self._slope * X[:, self._best]
+
+
+BUILTIN: dict[str, Callable[[], Estimator]] = {BASELINE: Trees, "column": Column}
+TINY = 1e-300
+
+
 def open_estimator(spec: str) -> Callable[[], Estimator]:
-    """The class that `trees` or `python:FILE:NAME` names.
+    """The class that `trees`, `column` or `python:FILE:NAME` names.
 
     Raises:
-        BadValue: neither of the two, or what it names has no fit and predict.
+        BadValue: none of them, or what it names has no fit and predict.
         BadFile, UnknownName: the file is not there or raises; it has no such name.
     """
-    if spec == BASELINE:
-        return Trees
+    if spec in BUILTIN:
+        return BUILTIN[spec]
     kind, _, rest = spec.partition(":")
     file, _, name = rest.rpartition(":")
     if kind != "python" or not file or not name:
-        raise BadValue("estimator", spec, f"write {BASELINE}, or python:FILE:NAME")
+        raise BadValue("estimator", spec, f"write {', '.join(BUILTIN)}, or python:FILE:NAME")
     module = load_file(Path(file), "estimator")
     if not hasattr(module, name):
         raise UnknownName("estimator", name, [n for n in vars(module) if n[0] != "_"], file)

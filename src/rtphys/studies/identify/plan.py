@@ -32,7 +32,8 @@ class IdentifyPlan:
     ] = 200
     out: Annotated[Path, Option("Folder of the features and the results.")] = Path("identify")
     estimator: Annotated[
-        str, Option(f"{BASELINE} (gradient-boosted), or python:FILE:NAME, a class of your own.")
+        str,
+        Option("trees (gradient-boosted), column (one feature), or python:FILE:NAME, your own."),
     ] = BASELINE
     first_seed: Annotated[Seed, Option("The first seed to try.")] = 0
     most_attempts: Annotated[
