@@ -1,7 +1,7 @@
 """What a worker does: one policy on one certified instance."""
 
 import traceback
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from rtphys.core.errors import Infeasible
@@ -9,10 +9,10 @@ from rtphys.data.json_text import plain
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.film import film
 from rtphys.physics import acting, attributes
-from rtphys.policies import Policy, PolicyBroken, PolicyGone, PolicySetup, open_policy
+from rtphys.policies import PolicyBroken, PolicyGone, PolicySetup
+from rtphys.policies.session import PolicySession
 from rtphys.results import EpisodeRecord
 from rtphys.setting.setting import Recipe
-from rtphys.sim import renderer
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
 
@@ -31,7 +31,10 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
     """Plays episodes with a policy, which stays open from one to the next of the same setup."""
 
     policy: str
-    _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._session = PolicySession(self.policy)
 
     def do(self, job: Job) -> EpisodeRecord:
         """Plays one episode.
@@ -42,7 +45,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
             NoRenderer: it needs pictures, and there is no device.
         """
         recipe = job.recipe
-        policy = self._opened(job.setup)
+        policy = self._session.policy(job.setup)
         try:
             episode = begin(recipe, self.tasks[recipe.task], self.pack)
         except Infeasible as problem:
@@ -55,33 +58,13 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         except BaseException:  # a policy's crash is its failure, not ours
             trace = traceback.format_exc()
             try:
-                self._close()  # whatever it remembers now, the next episode must not depend on it
+                self._session.close()  # the next episode must not depend on what it remembers now
             except PolicyBroken as error:
                 trace += f"{error}\n"
         record = _judged(episode, trace)
         if job.video is not None:
             film(episode, self.pack, job.video)
         return record
-
-    def _opened(self, setup: PolicySetup) -> Policy:
-        if self._open is None or self._open[0] != setup:
-            self._close()
-            policy = open_policy(self.policy, setup)
-            if policy.needs_images:
-                renderer.hold_anchor()
-            self._open = (setup, policy)
-        return self._open[1]
-
-    def _close(self) -> None:
-        opened, self._open = self._open, None
-        if opened is None:
-            return
-        try:
-            opened[1].close()
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:
-            raise PolicyBroken(self.policy, "closed", error) from error
 
 
 def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
