@@ -8,6 +8,7 @@ from rtphys.core.errors import BadValue
 from rtphys.core.paths import check_inside, plain_name
 
 MANIFEST = "manifest.json"
+SIGNATURE = "manifest.json.sig"  # by `ssh-keygen -Y sign`
 LOCK = ".rtphys.lock"
 JOURNAL = "journal.jsonl"
 SHARD = "shard.json"  # only in a shard: which part of which collection it is

@@ -4,6 +4,7 @@ No simulator is needed: physics is sampled again from the seeds and the domains 
 everything else is bytes.
 """
 
+import hashlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -56,6 +57,8 @@ class Report:
     files: int = 0
     bytes: int = 0
     episodes: int = 0
+    digest: str = ""  # of the dataset: that of its manifest, which lists those of all files
+    newer: int = 0  # attempts that are in the folder, and not in the manifest nor the digest
 
     @property
     def sound(self) -> bool:
@@ -83,6 +86,7 @@ def verify(
         tree = read_tree(out, findings)
     except BadFile as error:
         return Report(problems=[Problem(error.path, error.problem)])
+    report.digest, report.newer = dataset_digest(tree.data), tree.newer
     sizes = {listed.path: listed.allowed[-1].size for listed in tree.files.values()}
     inside = sum(sizes.get(path, 0) for paths in _episode_paths(tree) for path in paths.all())
     meter = _Meter(sum(sizes.values()) + inside, progress)
@@ -98,6 +102,11 @@ def verify(
     report.problems = [Problem(path, text) for path, text in findings.problems]
     report.notes = findings.notes
     return report
+
+
+def dataset_digest(manifest: bytes) -> str:
+    """One line that identifies a dataset, from the content of its manifest."""
+    return f"sha256:{hashlib.sha256(manifest).hexdigest()}"
 
 
 def _file_problem(out: Path, listed: ListedFile) -> str:
