@@ -54,7 +54,7 @@ class Claim:
 
 
 @dataclass(frozen=True, eq=False)
-class _Scene:
+class Scene:
     """A claim, and what it is made again with."""
 
     claim: Claim
@@ -88,7 +88,7 @@ def prove(claim: Claim, folder: Path) -> Comparison:
         place = claim.place.episode(claim.number).phys_meta
     try:
         task, digest = load_task(conditions.setting.task), conditions.assets.get("digest", "")
-        scene = _Scene(claim, task, _pack(digest), folder)
+        scene = Scene(claim, task, _pack(digest), folder)
         _check_rules(scene.recipe.setting, conditions)
         found = _accepted(scene) if claim.number is not None else _rejected(scene)
         others = scene.others()
@@ -130,7 +130,7 @@ def _check_rules(setting: Setting, conditions: Conditions) -> None:
 # ---- accepted ------------------------------------------------------------------------------------
 
 
-def _accepted(scene: _Scene) -> Comparison:
+def _accepted(scene: Scene) -> Comparison:
     claim, number = scene.claim, scene.claim.number
     assert number is not None
     paths = claim.place.episode(number)
@@ -138,7 +138,7 @@ def _accepted(scene: _Scene) -> Comparison:
     if not tried.accepted:
         text = f"made again it is rejected: {tried.reason} ({tried.detail})"
         return Comparison([(paths.phys_meta, text)])
-    made = _made(tried, scene)
+    made = made_again(tried, scene)
     made = replace(made, label=_as_given({**made.label, "episode": number}, claim))
     found = compare_episode(paths, claim.place.layout, made)
     found.problems += _side_files(claim, tried, made)
@@ -152,7 +152,7 @@ def _accepted(scene: _Scene) -> Comparison:
     return found
 
 
-def _made(tried: Attempt, scene: _Scene) -> Made:
+def made_again(tried: Attempt, scene: Scene) -> Made:
     """The episode as `collect` stores it; without pictures where none can be drawn."""
     assert tried.recording is not None
     if not pictures_ready():
@@ -217,7 +217,7 @@ def _side_files(claim: Claim, tried: Attempt, made: Made) -> list[tuple[Path, st
 # ---- rejected ------------------------------------------------------------------------------------
 
 
-def _rejected(scene: _Scene) -> Comparison:
+def _rejected(scene: Scene) -> Comparison:
     """Tries a rejected seed again; half a pair of twins may have been accepted."""
     claim = scene.claim
     tried = attempt(scene.recipe, scene.task, scene.pack)

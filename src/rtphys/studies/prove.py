@@ -44,22 +44,23 @@ class Proof:
     episodes: list[str] = field(default_factory=list[str])  # made again
     rejections: list[str] = field(default_factory=list[str])  # tried again
 
-    def add(self, comparison: Comparison) -> None:
-        """Keeps what one comparison found."""
-        self.problems += [Problem(path, text) for path, text in comparison.problems]
-        self.notes += [note for note in comparison.notes if note not in self.notes]
+    def judge(self, claims: Sequence[Claim], found: Sequence[Comparison]) -> None:
+        """Adds what was found of each claim.
 
-    def settle(self, comparisons: Sequence[Comparison]) -> None:
-        """Judges what is alike: a fault if others of its kind are equal to the last bit."""
-        exact = set[str]().union(*(one.exact for one in comparisons))
-        for kind, path, text in (item for one in comparisons for item in one.alike):
-            if kind in exact:
-                same = f"{text}; of other {kind} here every bit is equal"
-                self.problems.append(Problem(path, same))
-            else:
-                self.notes.append(
-                    f"{path}: {text}: drawn or encoded by another program, or changed"
-                )
+        What is alike is a fault if other things of its kind are equal to the last bit.
+        """
+        exact = set[str]().union(*(one.exact for one in found))
+        for claim, comparison in zip(claims, found, strict=True):
+            (self.rejections if claim.number is None else self.episodes).append(claim.name)
+            self.problems += [Problem(path, text) for path, text in comparison.problems]
+            self.notes += [note for note in comparison.notes if note not in self.notes]
+            for kind, path, text in comparison.alike:
+                if kind in exact:
+                    same = f"{text}; other {kind} here are equal to the last bit"
+                    self.problems.append(Problem(path, same))
+                else:
+                    other = "another program drew or encoded it, or it was changed a little"
+                    self.notes.append(f"{path}: {text}: {other}")
 
 
 def replayed(out: Path, replay: Replay, listener: Listener | None = None) -> Proof:
@@ -70,28 +71,28 @@ def replayed(out: Path, replay: Replay, listener: Listener | None = None) -> Pro
         Bug: an unexpected exception in a worker.
     """
     proof, listener = Proof(), listener or Listener()
-    claims = [*_claims(out, read_manifest(out), proof)]
+    claims = _chosen([*claims_of(out, read_manifest(out), proof)], replay)
+    study, tally = ProveClaims(claims), Tally("replay", len(claims))
+    if claims:
+        worker, size = ProveWorker(replay.shader), min(replay.workers or cores(), len(claims))
+        with LocalPool[Claim, Comparison](worker, size, notice=listener.noticed) as pool:
+            run_all([Series(study, tally, range(len(claims)))], pool, listener)
+    proof.judge(claims, study.found)
+    return proof
+
+
+def _chosen(claims: Sequence[Claim], replay: Replay) -> list[Claim]:
+    """A random sample that nobody could know when the dataset was made."""
     draw = int.from_bytes(os.urandom(7)) if replay.draw is None else replay.draw
-    rng = stream(draw, "replay")
-    chosen: list[Claim] = []
+    rng, chosen = stream(draw, "replay"), list[Claim]()
     for accepted in (True, False):
         having = [claim for claim in claims if (claim.number is not None) is accepted]
         picks = rng.choice(len(having), min(replay.count, len(having)), replace=False)
         chosen += [having[index] for index in sorted(picks.tolist())]
-    study = ProveClaims(chosen)
-    worker, size = ProveWorker(replay.shader), min(replay.workers or cores(), len(chosen) or 1)
-    if chosen:
-        tally = Tally("replay", len(chosen))
-        with LocalPool[Claim, Comparison](worker, size, notice=listener.noticed) as pool:
-            run_all([Series(study, tally, range(len(chosen)))], pool, listener)
-    for claim, comparison in zip(chosen, study.found, strict=True):
-        (proof.rejections if claim.number is None else proof.episodes).append(claim.name)
-        proof.add(comparison)
-    proof.settle(study.found)
-    return proof
+    return chosen
 
 
-def _claims(out: Path, manifest: Manifest, proof: Proof) -> Iterator[Claim]:
+def claims_of(out: Path, manifest: Manifest, proof: Proof) -> Iterator[Claim]:
     """What the dataset says of each seed; what cannot be read is a problem of the proof."""
     known: dict[str, Conditions] = {}
     for name, entry in manifest.task_datasets.items():
