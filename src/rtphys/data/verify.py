@@ -12,15 +12,18 @@ from importlib.metadata import version
 from pathlib import Path
 
 from rtphys.assets.pack import pack_with
-from rtphys.core.errors import BadFile
+from rtphys.core.errors import BadFile, RtphysError
 from rtphys.core.paths import check_inside
 from rtphys.data import files
 from rtphys.data.check_episode import Effort, EpisodeClaim, check_episode
 from rtphys.data.check_look import LookCheck
-from rtphys.data.check_physics import PhysicsCheck
+from rtphys.data.check_physics import PhysicsCheck, own_task
 from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
+from rtphys.data.episode import JSON
 from rtphys.data.layout import EpisodePaths
+from rtphys.data.schema import TaskDatasetEntry
 from rtphys.data.verified import Verified
+from rtphys.physics import attributes
 
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
@@ -138,7 +141,6 @@ def _check_episodes(
     """Yields an episode's paths once its content is checked."""
     damaged = {path for path, _ in findings.problems}
     sound: list[str] = []
-    release = version("rtphys")
     find_pack = cache(pack_with)  # for this call only: packs come and go
     for name, entry in tree.manifest.task_datasets.items():
         physics, look = (
@@ -147,11 +149,12 @@ def _check_episodes(
         )
         if look.gap:
             findings.notes.append(f"{name}: {look.gap}")
+        looked = _looked(tree, entry, effort, look)
         for number in range(tree.episodes[name]):
             paths = tree.task_datasets[name].episode(number)
             seed = entry.seeds[number] if number < len(entry.seeds) else None
             claim = EpisodeClaim(entry, number, seed)
-            key = _key(tree, paths, claim, f"{release} {effort.name} {look.gap}")
+            key = _key(tree, paths, claim, looked)
             # A file that is damaged was named already; what it holds is worth no second sentence.
             if key not in memory and not damaged.intersection(paths.all()):
                 before = len(findings.problems)
@@ -163,12 +166,24 @@ def _check_episodes(
     memory.remember(sound)
 
 
-def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> str:
+def _looked(tree: Tree, entry: TaskDatasetEntry, effort: Effort, look: LookCheck) -> list[JSON]:
+    """What the verdict on every episode of a task dataset depends on, its own files apart."""
+    own = entry.model_dump(mode="json", exclude={"attempts", "seeds", "journal", "rejections"})
+    # How many episodes there are is none of an episode's business: a dataset may grow.
+    conditions: JSON = {key: own[key] for key in sorted(own.keys() - {"episodes", "frames"})}
+    domain: JSON = tree.manifest.domains.get(entry.domain.digest, {})
+    here = [version("rtphys"), effort.name, look.gap, *sorted(attributes())]
+    try:
+        here.append(own_task(entry).digest)
+    except RtphysError as error:  # then less is compared
+        here.append(str(error))
+    return [tree.manifest.dataset_version, conditions, domain, [*here]]
+
+
+def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: list[JSON]) -> str:
     """Digest of everything that the verdict on an episode depends on."""
     names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
-    digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
-    entry = claim.entry
-    drawn = (entry.only, entry.overrides, entry.visual, entry.split, entry.recovery)
-    drawn = (*drawn, entry.pair_tasks, tree.manifest.dataset_version)
-    asked = (entry.task, entry.config, entry.layout, entry.cameras, drawn)
-    return Verified.key(looked, digests, claim.number, claim.seed, entry.domain, asked)
+    digests: list[JSON] = [
+        tree.files[name].allowed[-1].sha256 if name in tree.files else None for name in names
+    ]
+    return Verified.key(*looked, digests, claim.number, claim.seed)
