@@ -319,7 +319,7 @@ FORGERIES: dict[str, tuple[Forge, str]] = {
     # Those that passed before.
     "halved friction, its domain forged along": (_halved_friction, "episode_0000001.hdf5"),
     "black pictures": (lambda f: f.pictures(1, lambda _, rgb: 0 * rgb), "of head_camera"),
-    "actions x 0.97": (lambda f: f.arrays(1, **_ARM), "left_arm"),
+    "actions x 0.97": (lambda f: f.arrays(1, **_ARM), "right_arm"),
     "two episodes swapped": (_swapped, "episode_0000001.hdf5: not as made again"),
     "another seed's recipe": (_label("recipe", "seed", value=5), "recipe.seed is 5"),
     "an invented rejection": (_invented_rejection, "seed 2 is recorded as rejected (slipped)"),

@@ -105,7 +105,8 @@ def _frame_differences(stored: Frames, made: Frames) -> list[str]:
         return [f"has {len(stored)} frames, made again {len(made)}"]
     problems: list[str] = []
     for key in ("joint_names", "stages", "object_poses", "contacts", "cameras"):
-        old, new = (tuple(getattr(frames, key)) for frames in (stored, made))
+        both = (getattr(frames, key) for frames in (stored, made))
+        old, new = (sorted(one) if isinstance(one, Mapping) else list(one) for one in both)
         if old != new:
             problems.append(f"{key} are {short_repr(old)}, made again {short_repr(new)}")
     old_arrays, clauses = stored.shapes(), list[str]()

@@ -12,12 +12,12 @@ from importlib.metadata import version
 from pathlib import Path
 
 from rtphys.assets.pack import pack_with
-from rtphys.core.errors import BadFile, RtphysError
+from rtphys.core.errors import BadFile
 from rtphys.core.paths import check_inside
 from rtphys.data import files
 from rtphys.data.check_episode import Effort, EpisodeClaim, check_episode
 from rtphys.data.check_look import LookCheck
-from rtphys.data.check_physics import PhysicsCheck, own_task
+from rtphys.data.check_physics import PhysicsCheck
 from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
 from rtphys.data.episode import JSON
 from rtphys.data.layout import EpisodePaths
@@ -149,7 +149,8 @@ def _check_episodes(
         )
         if look.gap:
             findings.notes.append(f"{name}: {look.gap}")
-        looked = _looked(tree, entry, effort, look)
+        task = physics.task.digest if physics.task else None  # without it less is compared
+        looked = _looked(tree, entry, effort, [look.gap, task])
         for number in range(tree.episodes[name]):
             paths = tree.task_datasets[name].episode(number)
             seed = entry.seeds[number] if number < len(entry.seeds) else None
@@ -166,18 +167,16 @@ def _check_episodes(
     memory.remember(sound)
 
 
-def _looked(tree: Tree, entry: TaskDatasetEntry, effort: Effort, look: LookCheck) -> list[JSON]:
-    """What the verdict on every episode of a task dataset depends on, its own files apart."""
-    own = entry.model_dump(mode="json", exclude={"attempts", "seeds", "journal", "rejections"})
-    # How many episodes there are is none of an episode's business: a dataset may grow.
-    conditions: JSON = {key: own[key] for key in sorted(own.keys() - {"episodes", "frames"})}
+def _looked(tree: Tree, entry: TaskDatasetEntry, effort: Effort, here: list[JSON]) -> list[JSON]:
+    """What the verdict on every episode of a task dataset depends on, its own files apart.
+
+    How many episodes there are is none of it: a dataset may grow.
+    """
+    grows = {"attempts", "seeds", "journal", "rejections", "episodes", "frames"}
+    conditions: JSON = entry.model_dump(mode="json", exclude=grows)
     domain: JSON = tree.manifest.domains.get(entry.domain.digest, {})
-    here = [version("rtphys"), effort.name, look.gap, *sorted(attributes())]
-    try:
-        here.append(own_task(entry).digest)
-    except RtphysError as error:  # then less is compared
-        here.append(str(error))
-    return [tree.manifest.dataset_version, conditions, domain, [*here]]
+    code: list[JSON] = [version("rtphys"), effort.name, *sorted(attributes())]
+    return [tree.manifest.dataset_version, conditions, domain, code, here]
 
 
 def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: list[JSON]) -> str:

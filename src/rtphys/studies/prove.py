@@ -1,4 +1,4 @@
-"""`verify-manifest --replay`: episodes and rejected seeds are made again and compared."""
+"""Proof by simulation: episodes and rejected seeds are made again and compared."""
 
 import os
 import tempfile
