@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rtphys.core.bounds import FILE_BYTES
+from rtphys.core.errors import BadFile
 from rtphys.core.paths import open_ordinary, read_file
 from rtphys.data.faults import CannotWrite
 from rtphys.data.schema_model import Count, Model, Sha256
@@ -94,6 +95,14 @@ def facts_of(path: Path) -> FileFacts:
 def read(path: Path, most: int = FILE_BYTES) -> bytes:
     """Raises `BadFile` when the file is missing, unreadable, a link, too large or no file."""
     return read_file(path, most)
+
+
+def check(path: Path) -> None:
+    """For files that a library opens. Raises `BadFile`: missing, a link, or no ordinary file."""
+    try:
+        os.close(open_ordinary(path))
+    except OSError as error:
+        raise BadFile(path, (error.strerror or "cannot be read").lower()) from error
 
 
 def unlinked(path: str, flags: int) -> int:
