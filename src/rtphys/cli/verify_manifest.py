@@ -14,9 +14,10 @@ from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import files
 from rtphys.data.check_episode import Effort
 from rtphys.data.layout import MANIFEST
+from rtphys.data.manifest import dataset_digest
 from rtphys.data.signature import signer
 from rtphys.data.verified import default_path
-from rtphys.data.verify import Problem, Report, dataset_digest, verify
+from rtphys.data.verify import Problem, Report, verify
 from rtphys.setting.option import Option, Seed, Workers, checked_dataclass, one_of
 
 
@@ -85,8 +86,8 @@ class Again:
 def verify_manifest(looks: Looks, origin: Origin, again: Again) -> None:
     """Check every file of a dataset, and derive its physics again from the seeds.
 
-    docs/trust.md tells what each option proves. Prints one line per problem. Exit code 0: sound,
-    1: not.
+    Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
+    proves.
     """
     out = looks.out
     report = _with_bar(out, looks.effort, None if looks.fresh else default_path())

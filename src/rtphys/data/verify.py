@@ -4,7 +4,6 @@ No simulator is needed: physics is sampled again from the seeds and the domains 
 everything else is bytes.
 """
 
-import hashlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -21,6 +20,7 @@ from rtphys.data.check_physics import PhysicsCheck
 from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
 from rtphys.data.episode import JSON
 from rtphys.data.layout import EpisodePaths
+from rtphys.data.manifest import dataset_digest
 from rtphys.data.schema import TaskDatasetEntry
 from rtphys.data.verified import Verified
 from rtphys.physics import attributes
@@ -105,11 +105,6 @@ def verify(
     report.problems = [Problem(path, text) for path, text in findings.problems]
     report.notes = findings.notes
     return report
-
-
-def dataset_digest(manifest: bytes) -> str:
-    """One line that identifies a dataset, from the content of its manifest."""
-    return f"sha256:{hashlib.sha256(manifest).hexdigest()}"
 
 
 def _file_problem(out: Path, listed: ListedFile) -> str:
