@@ -26,7 +26,6 @@ Progress = Callable[[int, int], None]  # episodes done, episodes in all
 
 def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages]:
     """Frames and picture streams (no video) of an HDF5 file. Raises `BadFile`."""
-    files.check(path)
     with open_read(path) as file:
         frames, images = read_legacy(file) if layout == "legacy" else read_native(file)[:2]
     frames.check(path)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rtphys.core.bounds import MOST_PICTURES
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data import files, jpeg, schema
+from rtphys.data import jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
 from rtphys.data.layout import MANIFEST, EpisodePaths
@@ -142,7 +142,6 @@ class Episode:
 
     @property
     def _file(self) -> EpisodeFile:
-        files.check(self.paths.hdf5)
         return EpisodeFile(self.paths.hdf5, self.layout)
 
 
