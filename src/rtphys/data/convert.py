@@ -14,23 +14,26 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.hdf5_legacy import read_legacy
 from rtphys.data.hdf5_native import read_native
+from rtphys.data.hdf5_senses import read_senses
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import Instructions, Kind, PhysMeta, SceneEntry, TaskDatasetEntry
+from rtphys.data.sensed import Sensed
 from rtphys.data.staging import EncodedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
 
 
-def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages]:
-    """Frames and picture streams (no video) of an HDF5 file. Raises `BadFile`."""
+def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed | None]:
+    """Frames, picture streams (no video) and senses of an HDF5 file. Raises `BadFile`."""
     files.check(path)
     with open_read(path) as file:
         frames, images = read_legacy(file) if layout == "legacy" else read_native(file)[:2]
+        sensed = read_senses(file, layout, [*frames.cameras])
     frames.check(path)
-    return frames, images
+    return frames, images, sensed
 
 
 def convert(source: Path, out: Path, layout: str, progress: Progress | None = None) -> list[str]:
@@ -137,7 +140,7 @@ def _plain(kind: type[Kind], path: Path) -> dict[str, JSON]:
 
 
 def _encoded(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
-    frames, images = read_episode(paths.hdf5, layout)
+    frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
     meta = _plain(PhysMeta, paths.phys_meta)
     words = _plain(Instructions, paths.instruction)
@@ -145,4 +148,4 @@ def _encoded(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
         raise BadFile(paths.hdf5, "scene_info.json has no entry for this episode")
     with schema.problems_of(paths.hdf5):
         SceneEntry.model_validate(scene)
-    return EncodedEpisode(frames, images, meta, scene, words)
+    return EncodedEpisode(frames, images, meta, scene, words, sensed)
