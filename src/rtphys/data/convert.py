@@ -96,7 +96,7 @@ def conditions_of(
 
 def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Iterator[None]:
     """Yields after each episode that is committed."""
-    rejections = _rejections(source, entry)
+    rejections = rejections_of(source, entry)
     scenes = parse_mapping(files.read(source.scene_info), source.scene_info)
     number = 0
     for attempt in entry.attempts:
@@ -110,7 +110,7 @@ def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Ite
             task.record(rejections[attempt.seed])
             continue
         scene = scenes.get(f"episode_{number}")
-        episode = _encoded(source.episode(number), source.layout, scene)
+        episode = encoded_episode(source.episode(number), source.layout, scene)
         if episode.phys_meta["seed"] != attempt.seed:
             path = source.episode(number).phys_meta
             raise BadFile(path, f"seed is not {attempt.seed}, as the manifest says")
@@ -120,7 +120,7 @@ def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Ite
         yield
 
 
-def _rejections(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
+def rejections_of(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
     """By seed; with detail and physics where the journal still is."""
     rejected = [attempt for attempt in entry.attempts if attempt.verdict == "rejected"]
     rejections = {a.seed: Rejection(a.seed, a.reason or "") for a in rejected}
@@ -139,7 +139,8 @@ def _plain(kind: type[Kind], path: Path) -> dict[str, JSON]:
     return content
 
 
-def _encoded(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
+def encoded_episode(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
+    """An episode as its files hold it. Raises `BadFile`."""
     frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
     meta = _plain(PhysMeta, paths.phys_meta)
