@@ -11,6 +11,7 @@ from rtphys.episode.film import film
 from rtphys.physics import acting, attributes
 from rtphys.policies import Policy, PolicyBroken, PolicyGone, PolicySetup, open_policy
 from rtphys.results import EpisodeRecord
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.studies.worker import StudyWorker
@@ -31,6 +32,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
     """Plays episodes with a policy, which stays open from one to the next of the same setup."""
 
     policy: str
+    filming: Filming = field(default_factory=Filming)  # what observations show
     _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
 
     def do(self, job: Job) -> EpisodeRecord:
@@ -44,7 +46,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         recipe = job.recipe
         policy = self._opened(job.setup)
         try:
-            episode = begin(recipe, self.tasks[recipe.task], self.pack)
+            episode = begin(recipe, self.tasks[recipe.task], self.pack, self.filming)
         except Infeasible as problem:
             return lost_record(recipe, "infeasible", str(problem))
         trace = ""

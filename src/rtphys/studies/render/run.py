@@ -22,7 +22,7 @@ from rtphys.episode.instance import under_look
 from rtphys.setting.protocol import VisualRules
 from rtphys.setting.senses import drawn
 from rtphys.sim import renderer
-from rtphys.studies.disk import check_space, episode_bytes
+from rtphys.studies.disk import check_fits, check_space, episode_bytes
 from rtphys.studies.render.plan import RenderPlan
 from rtphys.studies.render.work import Redrawn, RenderJob, RenderWorker
 from rtphys.task.spec import load_task
@@ -76,6 +76,7 @@ def _check(plan: RenderPlan, manifest: Manifest) -> dict[str, Pack]:
     needed, packs = 0.0, dict[str, Pack]()
     for entry in manifest.task_datasets.values():
         filming, digest = plan.filming(entry), entry.assets.get("digest", "")
+        check_fits(filming)
         if drawn(filming.senses):
             renderer.check_senses(plan.shader)
         needed += entry.episodes * episode_bytes(filming, _visual(plan, entry))
