@@ -71,21 +71,20 @@ def compare_episode(paths: EpisodePaths, layout: str, made: Made) -> Comparison:
 
 
 def _hdf5(path: Path, layout: str, made: Made, found: Comparison) -> None:
-    if made.folder is not None:
-        new = made.folder / staging.HDF5
-        if files.read(path) == files.read(new):
-            found.exact |= {PICTURES, CONTAINER}
-            return
+    new = None if made.folder is None else made.folder / staging.HDF5
+    if new is not None and files.read(path) == files.read(new):
+        found.exact |= {PICTURES, CONTAINER}
+        return
     with open_read(path) as file:
         stored = read_record(file)
-        if made.folder is None:
+        if new is None:
             stored = replace(stored, cameras={})
         problems = _frame_differences(stored, made.frames)
         streams_of = legacy_streams if layout == "legacy" else native_streams
         shared = stored.cameras.keys() & made.frames.cameras.keys()
         pictures = {name: streams_of(file, name) for name in sorted(shared)}
     found.problems += [(path, text) for text in problems]
-    if made.folder is None:
+    if new is None:
         return
     equal = not problems
     with open_read(new) as file:

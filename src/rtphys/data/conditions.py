@@ -33,6 +33,9 @@ class Conditions:
     twin: str | None = None  # config of the task dataset with the same seeds, another protocol
     twin_of: str | None = None  # config of the task dataset whose twin this is
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
+    senses: tuple[str, ...] | None = None  # recorded beyond colours; None: none
+    camera_type: str | None = None  # of every camera; None: each one's own
+    size: str | None = None  # of pictures, such as 640x480; None: the camera type's
     dataset_version: str = DATASET_VERSION
 
     def __post_init__(self) -> None:
@@ -84,6 +87,9 @@ class Conditions:
         }
         if not self.setting.pair_tasks:  # which version 1 did not know
             del header["pair_tasks"]
+        for key in FILMED:  # likewise
+            if header[key] is None:
+                del header[key]
         return {key: plain(value, key) for key, value in header.items()}
 
 
@@ -120,6 +126,9 @@ def stated(entry: TaskDatasetEntry, manifest: Manifest) -> Conditions:
 
 SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery", "pair_tasks")
 """Fields of a setting that are stored as they are; its ranges are part of the domain."""
+
+FILMED = ("senses", "camera_type", "size")
+"""Conditions of how it is filmed, in a header only where they were asked for."""
 
 
 def differences(stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> list[str]:

@@ -19,6 +19,7 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
+from rtphys.data.hdf5_senses import SenseFile
 from rtphys.data.layout import MANIFEST, EpisodePaths
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import Instructions, Manifest, PhysMeta, TaskDatasetEntry
@@ -85,6 +86,11 @@ class Episode:
     def instructions(self) -> Instructions:
         """Sentences, `seen` and `unseen`."""
         return schema.read(Instructions, self.paths.instruction)
+
+    @property
+    def senses(self) -> SenseFile:
+        """Depth, ids, point clouds and body poses, if they were recorded."""
+        return SenseFile(self.paths.hdf5, self.layout, self.cameras)
 
     @property
     def cameras(self) -> tuple[str, ...]:

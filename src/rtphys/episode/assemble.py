@@ -55,6 +55,7 @@ def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
         instructions=instructions(task, seed, describer(pack)),
         scene_info={**instance.look.scene_info(), "info": scene_info(task, seed)},
         images=photographs.images,
+        sensed=photographs.sensed,
     )
 
 

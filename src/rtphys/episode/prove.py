@@ -24,7 +24,8 @@ from rtphys.data.staging import HDF5, checked, stage_episode
 from rtphys.episode.assemble import assemble, rejection, values
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
-from rtphys.episode.photograph import Photographs, photograph
+from rtphys.episode.photograph import Film, Photographs, photograph
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe, Setting
 from rtphys.sim.renderer import pictures_ready
 from rtphys.task.spec import Task, load_task
@@ -156,13 +157,16 @@ def made_again(tried: Attempt, scene: Scene) -> Made:
     """The episode as `collect` stores it; without pictures where none can be drawn."""
     assert tried.recording is not None
     if not pictures_ready():
-        episode = assemble(tried, Photographs({}, {}, iter(())), scene.pack)
+        assert tried.instance is not None
+        episode = assemble(tried, Photographs({}, {}, iter(()), tried.instance.look), scene.pack)
         label = checked("phys_meta", {"recipe": episode.recipe, **episode.phys_meta, "episode": 0})
         scene_info = checked("scene_info", episode.scene_info)
         words = checked("instruction", episode.instructions)
         return Made(episode.frames, label, scene_info, words, None)
-    cameras = scene.claim.conditions.cameras
-    pictures = photograph(scene.recipe, scene.task, scene.pack, tried.recording, cameras)
+    asked = scene.claim.conditions
+    filming = Filming(asked.cameras, asked.senses or (), asked.camera_type, asked.size)
+    film = Film.of(tried.recording)
+    pictures = photograph(scene.recipe, scene.task, scene.pack, film, filming)
     episode = assemble(tried, pictures, scene.pack)
     staged = stage_episode(scene.folder, episode, scene.claim.place.layout)
     with open_read(scene.folder / HDF5) as file:

@@ -16,7 +16,8 @@ from rtphys.data.task_writer import Rejection
 from rtphys.episode.assemble import assemble, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.studies.collect.plan import Run
@@ -36,7 +37,7 @@ class Job:
 
     recipes: tuple[Recipe, ...]
     folders: tuple[Path, ...]
-    cameras: tuple[str, ...]
+    filming: Filming
     layout: str
 
 
@@ -63,7 +64,7 @@ class CollectWorker(StudyWorker[Job, Results]):
         """Draws and encodes an accepted attempt."""
         assert tried.recording is not None
         task = self.tasks[tried.recipe.task]
-        pictures = photograph(tried.recipe, task, self.pack, tried.recording, job.cameras)
+        pictures = photograph(tried.recipe, task, self.pack, Film.of(tried.recording), job.filming)
         return stage_episode(folder, assemble(tried, pictures, self.pack), job.layout)
 
 

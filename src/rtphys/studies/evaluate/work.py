@@ -1,7 +1,7 @@
 """What a worker does: one policy on one certified instance."""
 
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtphys.core.errors import Infeasible
@@ -12,6 +12,7 @@ from rtphys.physics import acting, attributes
 from rtphys.policies import PolicyBroken, PolicyGone, PolicySetup
 from rtphys.policies.session import PolicySession
 from rtphys.results import EpisodeRecord
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
@@ -31,6 +32,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
     """Plays episodes with a policy, which stays open from one to the next of the same setup."""
 
     policy: str
+    filming: Filming = field(default_factory=Filming)  # what observations show
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -47,7 +49,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         recipe = job.recipe
         policy = self._session.policy(job.setup)
         try:
-            episode = begin(recipe, self.tasks[recipe.task], self.pack)
+            episode = begin(recipe, self.tasks[recipe.task], self.pack, self.filming)
         except Infeasible as problem:
             return lost_record(recipe, "infeasible", str(problem))
         trace = ""
