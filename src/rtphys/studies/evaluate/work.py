@@ -63,6 +63,9 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
             film(episode, self.pack, job.video)
         return record
 
+    def finish(self) -> None:
+        self._close()
+
     def _opened(self, setup: PolicySetup) -> Policy:
         if self._open is None or self._open[0] != setup:
             self._close()
