@@ -18,6 +18,13 @@ Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) 
 
 ARMS = ("left", "right")
 CAMERAS = ("head_camera", "left_camera", "right_camera", "front_camera")
+
+
+def official_camera(name: str) -> str:
+    """RoboTwin's name of a camera: `head` and `head_camera` are the same one."""
+    return f"{name}_camera" if f"{name}_camera" in CAMERAS else name
+
+
 OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
 FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
 

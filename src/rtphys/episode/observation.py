@@ -3,12 +3,16 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.assets.embodiment import Embodiment
+from rtphys.core.errors import UnknownName
 from rtphys.core.poses import Array
+
+V = TypeVar("V")
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +23,16 @@ class CameraView:
     intrinsic_cv: NDArray[np.float32]  # (3, 3) [px]
     extrinsic_cv: NDArray[np.float32]  # (3, 4) world -> camera, OpenCV axes [m]
     cam2world_gl: NDArray[np.float32]  # (4, 4) camera -> world, OpenGL axes [m]
+
+
+class ByCamera(dict[str, V]):
+    """By short name, `head`; the official one, `head_camera`, finds the same."""
+
+    def __missing__(self, name: str) -> V:
+        short = name.removesuffix("_camera")
+        if short in self:
+            return self[short]
+        raise UnknownName("camera", name, self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +66,9 @@ class Observation:
         Raises:
             NoRenderer: this machine cannot draw.
         """
-        return self.draw()
+        return ByCamera(self.draw())
 
     @property
     def images(self) -> Mapping[str, NDArray[np.uint8]]:
         """Pictures alone, (240, 320, 3) RGB by short name. Raises `NoRenderer`."""
-        return {name: view.rgb for name, view in self.cameras.items()}
+        return ByCamera({name: view.rgb for name, view in self.cameras.items()})
