@@ -27,7 +27,7 @@ from rtphys.results.official import result_folder, write_result
 from rtphys.results.record_file import read_records, write_records
 from rtphys.results.summary import Summary
 from rtphys.setting.setting import Setting
-from rtphys.studies.evaluate.lists import certified
+from rtphys.studies.evaluate.lists import certified, other_versions
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
 
@@ -123,6 +123,9 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         for protocol, fingerprints in ground.items()
         for task, fingerprint in fingerprints.items()
     ]
+    if clauses := {clause for one in lists for clause in other_versions(one.fingerprint)}:
+        text = "the lists were certified with other versions, last bits of states may differ: "
+        listener.noticed(text + "; ".join(sorted(clauses)))
     files.make_folder(plan.folder)
     with FolderLock(plan.folder):
         _claim(plan, ground)
