@@ -73,6 +73,14 @@ def test_what_is_said(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr() == (f"{printable(text)}\n",) * 2
 
 
+def test_an_empty_dataset_is_not_called_sound(tmp_path: Path) -> None:
+    collect(tmp_path / "empty", 0)
+    done = CliRunner().invoke(app, ["verify-manifest", str(tmp_path / "empty")])
+    assert done.exit_code == 1
+    assert "it holds no episode" in done.stdout
+    assert "sound" not in done.output
+
+
 @pytest.fixture
 def dataset(tmp_path: Path) -> Iterator[Path]:
     collect(tmp_path / "dataset", 1)

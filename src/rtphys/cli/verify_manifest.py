@@ -12,7 +12,7 @@ from rtphys.core.errors import BadValue
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
 from rtphys.data.verified import default_path
-from rtphys.data.verify import Report, verify
+from rtphys.data.verify import Problem, Report, verify
 
 
 def verify_manifest(
@@ -46,6 +46,9 @@ def verify_manifest(
         from rtphys.episode.prove import replayed
 
         report.problems += replayed(Dataset(out), replay)
+    if report.sound and not report.episodes:
+        empty = "it holds no episode: the run was aborted, or no attempt was accepted"
+        report.problems.append(Problem(out / "manifest.json", empty))
     for problem in report.problems:
         say(printable(str(problem), one_line=True))
     for note in report.notes:
