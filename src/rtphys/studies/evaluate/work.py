@@ -68,6 +68,9 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
             film(episode, self.pack, job.video)
         return record
 
+    def finish(self) -> None:
+        self._session.close()
+
 
 def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
     time = episode.rollout.scene.time
