@@ -94,7 +94,8 @@ def prove(claim: Claim, folder: Path) -> Comparison:
         found = _accepted(scene) if claim.number is not None else _rejected(scene)
         others = scene.others()
     except RtphysError as error:
-        return Comparison([(place, f"seed {claim.seed} cannot be made again: {error}")])
+        text = f"seed {claim.seed} cannot be made again: {error}"
+        return Comparison([(place, text)], made=False)
     if others:
         named = ", ".join(clause.partition(" was ")[0] for clause in others)
         suffix = f" (others here than in the collection: {named})"

@@ -8,7 +8,7 @@ from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.row_journal import RowJournal
 from rtphys.campaign.series import Series, Study, Tally
-from rtphys.campaign.workers.local import LocalPool, cores
+from rtphys.campaign.workers.local import LocalPool, cores, memory_share
 from rtphys.campaign.workers.pool import Limits, Lost
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
@@ -32,8 +32,6 @@ from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
 
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
-# Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
-MOST_MEMORY = 256e9  # [bytes]
 CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
 """Fields of a plan that two runs must share to continue each other, but for the episodes."""
 
@@ -134,7 +132,8 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             write_instances(copy, instances)
         studies = [TaskEvaluation(plan, instances) for instances in lists]
         worker, size = EvaluateWorker(pack, plan.policy, plan.filming), plan.workers or cores()
-        limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
+        share = max(memory_share(size), Limits().most_memory)
+        limits = Limits(plan.timeout, memory=share, most_memory=share)
         try:
             with LocalPool[Job, EpisodeRecord](worker, size, limits, listener.noticed) as pool:
                 run_all([study.series for study in studies], pool, listener, plan.folder)
