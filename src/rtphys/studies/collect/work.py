@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
@@ -137,7 +138,7 @@ class RemoteWorker:
 def _ship(result: StagedEpisode | Rejection) -> StagedEpisode | Rejection:
     if isinstance(result, Rejection):
         return result
-    contents = {name: files.read(result.folder / name) for name in result.files}
+    contents = {name: files.read(result.folder / name, LARGEST_EPISODE) for name in result.files}
     shutil.rmtree(result.folder, ignore_errors=True)
     return Shipped(**vars(result), contents=contents)
 

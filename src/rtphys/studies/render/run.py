@@ -7,7 +7,7 @@ from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.series import Series, Study, Tally
 from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.campaign.workers.pool import Limits, Lost
-from rtphys.core.errors import BadFile, BadValue, MissingAsset, NoRenderer, RtphysError
+from rtphys.core.errors import BadFile, BadValue, NoRenderer, RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import Conditions
 from rtphys.data.convert import conditions_of, rejections_of
@@ -28,6 +28,10 @@ from rtphys.studies.render.work import Redrawn, RenderJob, RenderWorker
 from rtphys.task.spec import load_task
 
 
+class MissingPack(RtphysError):
+    """The assets that a dataset was collected with are not here."""
+
+
 @dataclass(frozen=True)
 class Rendered:
     """What came of a dataset that was drawn again."""
@@ -41,7 +45,7 @@ def render(plan: RenderPlan, listener: Listener | None = None) -> Rendered:
     """Draws every episode again into a dataset of its own. Repeated, it continues.
 
     Raises:
-        MissingAsset: the assets of the collection are not on this machine; names their digest.
+        MissingPack: the assets of the collection are not on this machine; names their digest.
         RtphysError: what else is refused before any work; states that cannot be had.
     """
     manifest = read_manifest(plan.data)
@@ -82,8 +86,9 @@ def _check(plan: RenderPlan, manifest: Manifest) -> dict[str, Pack]:
         needed += entry.episodes * episode_bytes(filming, _visual(plan, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
-            what = f"assets of digest {digest} ({entry.assets.get('pack', 'unknown')})"
-            raise MissingAsset(what, plan.data, f"{entry.task}; `--assets` names a pack")
+            name = entry.assets.get("pack", "unknown")
+            why = f"{entry.task} was collected with assets of digest {digest} (pack {name})"
+            raise MissingPack(f"{plan.data}: {why}, which are not on this machine; link them")
         packs[digest] = pack
         load_task(entry.task)
     if not packs:
