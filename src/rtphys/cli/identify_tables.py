@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from rtphys.cli.fitting import fitting_table, wide_console
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.terminal import say
 from rtphys.identification.estimator import short_name
 from rtphys.identification.result_file import Result
@@ -33,7 +33,7 @@ def _one_by_one(result: Result) -> None:
             beyond = "-" if score.beyond is None else _number(score.beyond.r2)
             table.add_row(task, key, *cells, beyond, str(score.n), carriers(score))
         table.add_section()
-    wide_console().print(table)
+    print_table(table)
     for task, found in result.tasks.items():
         if found.left_out:
             reasons = ", ".join(f"{key} ({why})" for key, why in found.left_out.items())
@@ -54,7 +54,7 @@ def _by_attribute(result: Result) -> None:
         top = f"{best} {_number(scores[best].r2)}"
         cells = (str(len(scores)), _number(mean), top, str(told), _number(shuffled))
         table.add_row(key, *cells, carriers(scores[best]))
-    wide_console().print(table)
+    print_table(table)
 
 
 def carriers(score: Score) -> str:
@@ -73,7 +73,7 @@ def compare_results(results: Sequence[Result]) -> None:
         means = [r.mean(key, tasks, beyond) for beyond in (False, True) for r in results]
         if any(mean is not None for mean in means):
             table.add_row(key, *("-" if mean is None else _number(mean) for mean in means))
-    wide_console().print(table)
+    print_table(table)
     for name, result in zip(names, results, strict=True):
         failed = sum(len(result.tasks[task].failed) for task in tasks)
         if failed:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
-from rtphys.campaign.workers.local import LocalPool, cores
+from rtphys.campaign.workers.local import LocalPool, cores, memory_share
 from rtphys.campaign.workers.pool import Limits
 from rtphys.core.code_digest import code_digest
 from rtphys.data.episode import JSON
@@ -27,8 +27,6 @@ from rtphys.studies.identify.scores import (
     estimator_ground,
 )
 from rtphys.task.spec import load_task
-
-MOST_MEMORY = 256e9  # [bytes] of a worker that runs somebody's estimator
 
 
 def sense(plan: IdentifyPlan, pack: Pack, listener: Listener | None = None) -> None:
@@ -68,7 +66,8 @@ def judge(plan: IdentifyPlan, listener: Listener | None = None) -> Result:
         studies = [TaskScores(plan, s.task, s.domain, ground) for s in plan.settings()]
         worker, size = ScoreWorker(plan.estimator), plan.workers or cores()
         # A network in the worker takes memory and time; a stuck one must not hold up the rest.
-        limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
+        share = max(memory_share(size), Limits().most_memory)
+        limits = Limits(plan.timeout, memory=share, most_memory=share)
         with LocalPool[ScoreJob, Row](worker, size, limits, listener.noticed) as pool:
             run_all([study.series for study in studies], pool, listener, plan.out)
         tasks = {study.series.tally.name: study.result for study in studies}
