@@ -12,7 +12,7 @@ from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
-from rtphys.data.staging import StagedEpisode, stage_episode
+from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO, StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection
 from rtphys.episode.assemble import assemble, rejection
 from rtphys.episode.fingerprint import versions
@@ -89,8 +89,10 @@ class Shipped(StagedEpisode):
 
         Raises:
             CannotWrite: the disk refuses.
-            OtherMachine: the bytes are not those that were sent.
+            OtherMachine: the bytes are not those that were sent, or are of another file.
         """
+        if strange := self.contents.keys() - {HDF5, VIDEO, INSTRUCTION}:
+            raise OtherMachine(f"{folder}: an episode has no file {min(strange)!r}")
         shutil.rmtree(folder, ignore_errors=True)
         files.make_folder(folder)
         for name, data in self.contents.items():
