@@ -37,7 +37,7 @@ SenseNames = Annotated[
 CameraType = Annotated[
     str | None,
     one_of("camera type", KINDS),
-    Option("D435, L515, Large_D435 or Large_L515, for every camera; default: D435."),
+    Option("D435, L515, Large_D435 or Large_L515, for every camera."),
 ]
 Size = Annotated[str | None, Option("WxH: size of the pictures; the vertical field of view stays.")]
 
