@@ -4,6 +4,7 @@ import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -89,6 +90,15 @@ def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:
     return plans_for(template, library.matching("tasks", list(request.task)), request.sweep)
 
 
+def say_digest(out: Path, err: bool = False) -> None:
+    """What to publish beside a dataset, so that others can tell it from any other."""
+    from rtphys.data import files
+    from rtphys.data.layout import MANIFEST
+    from rtphys.data.manifest import dataset_digest
+
+    say(f"digest {dataset_digest(files.read(out / MANIFEST))}", err=err)
+
+
 def _collect(plans: Sequence[TaskPlan], run: Run, as_json: bool) -> None:
     """Raises `Incomplete`: some tasks were given up."""
     from rtphys.cli.fitting import print_table
@@ -103,6 +113,7 @@ def _collect(plans: Sequence[TaskPlan], run: Run, as_json: bool) -> None:
         print_table(summary_table(summary.tallies))
     new = sum(tally.new_accepted for tally in summary.tallies)
     say(f"{new} new episodes in {summary.seconds / 60:.1f} min, in {summary.out}", err=as_json)
+    say_digest(summary.out, err=as_json)
     if given_up := [f"{t.name}: {t.stopped}" for t in summary.tallies if t.stopped]:
         raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
     say(f"to check every file: rtphys verify-manifest {shlex.quote(str(run.out))}", err=as_json)

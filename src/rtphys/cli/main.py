@@ -16,10 +16,12 @@ from rtphys.cli.terminal import say
 
 COMMANDS = {
     "collect": "Collect verified episodes of one or more tasks.",
+    "render": "Draw a dataset again: other cameras, sizes, senses or looks.",
     "merge": "Merge the shards of a collection into one dataset.",
     "check": "Try a task's expert over many seeds, without pictures.",
     "certify": "Find the seeds on which policies are evaluated.",
     "evaluate": "Run a policy on certified instances and say how often it succeeds.",
+    "sensitivity": "Measure how far physics may be from nominal before a task is lost.",
     "compare": "Show evaluations side by side, and beside the paper's.",
     "robotwin-root": "Write a folder that RoboTwin's launch scripts take for RoboTwin.",
     "verify-manifest": "Prove that a dataset is what its manifest says.",

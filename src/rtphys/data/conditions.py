@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.core.errors import UnknownName
+from rtphys.core.errors import BadFile, RtphysError, UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
-from rtphys.data.layout import LAYOUTS, TaskDataset, embodiment_folder
-from rtphys.data.schema import DATASET_VERSION
+from rtphys.data.layout import LAYOUTS, MANIFEST, TaskDataset, embodiment_folder
+from rtphys.data.schema import DATASET_VERSION, Manifest, TaskDatasetEntry
+from rtphys.physics.domain import Domain
+from rtphys.physics.values import plain_value
 from rtphys.setting.setting import Setting
 
 
@@ -31,6 +33,9 @@ class Conditions:
     twin: str | None = None  # config of the task dataset with the same seeds, another protocol
     twin_of: str | None = None  # config of the task dataset whose twin this is
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
+    senses: tuple[str, ...] | None = None  # recorded beyond colours; None: none
+    camera_type: str | None = None  # of every camera; None: each one's own
+    size: str | None = None  # of pictures, such as 640x480; None: the camera type's
     dataset_version: str = DATASET_VERSION
 
     def __post_init__(self) -> None:
@@ -82,11 +87,48 @@ class Conditions:
         }
         if not self.setting.pair_tasks:  # which version 1 did not know
             del header["pair_tasks"]
+        for key in FILMED:  # likewise
+            if header[key] is None:
+                del header[key]
         return {key: plain(value, key) for key, value in header.items()}
+
+
+def stated(entry: TaskDatasetEntry, manifest: Manifest) -> Conditions:
+    """The conditions as a manifest states them; its setting draws from the manifest's domain.
+
+    Raises:
+        BadFile: they are those of another dataset version, or cannot be read.
+    """
+    if manifest.dataset_version != DATASET_VERSION:
+        problem = f"is of dataset version {manifest.dataset_version}, this is {DATASET_VERSION}"
+        raise BadFile(MANIFEST, problem)
+    domain = manifest.domains.get(entry.domain.digest, {})
+    try:
+        known = {key: getattr(entry, key) for key in SETTING}
+        known |= {"protocol": entry.protocol or entry.config, "ranges": Domain.from_json(domain)}
+        known["overrides"] = {key: plain_value(v) for key, v in entry.overrides.items()}
+        setting = Setting(**known)
+    except (RtphysError, KeyError, TypeError, ValueError) as error:
+        raise BadFile(MANIFEST, f"its conditions cannot be read: {error}") from error
+    own = {name: getattr(entry, name) for name in ("first_seed", "versions", "assets", "layout")}
+    return Conditions(
+        **own,
+        setting=setting,
+        domain=domain,
+        visual=entry.visual,
+        cameras=tuple(entry.cameras),
+        config=entry.config,
+        twin=entry.twin,
+        twin_of=entry.twin_of,
+        stride=None if entry.stride is None else (entry.stride[0], entry.stride[1]),
+    )
 
 
 SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery", "pair_tasks")
 """Fields of a setting that are stored as they are; its ranges are part of the domain."""
+
+FILMED = ("senses", "camera_type", "size")
+"""Conditions of how it is filmed, in a header only where they were asked for."""
 
 
 def differences(stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> list[str]:

@@ -14,23 +14,25 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.hdf5_legacy import read_legacy
 from rtphys.data.hdf5_native import read_native
+from rtphys.data.hdf5_senses import read_senses
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import Instructions, Kind, PhysMeta, SceneEntry, TaskDatasetEntry
+from rtphys.data.sensed import Sensed
 from rtphys.data.staging import EncodedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
 
 
-def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages]:
-    """Frames and picture streams (no video) of an HDF5 file. Raises `BadFile`."""
-    files.check(path)
+def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed | None]:
+    """Frames, picture streams (no video) and senses of an HDF5 file. Raises `BadFile`."""
     with open_read(path) as file:
         frames, images = read_legacy(file) if layout == "legacy" else read_native(file)[:2]
+        sensed = read_senses(file, layout, [*frames.cameras])
     frames.check(path)
-    return frames, images
+    return frames, images, sensed
 
 
 def convert(source: Path, out: Path, layout: str, progress: Progress | None = None) -> list[str]:
@@ -93,7 +95,7 @@ def conditions_of(
 
 def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Iterator[None]:
     """Yields after each episode that is committed."""
-    rejections = _rejections(source, entry)
+    rejections = rejections_of(source, entry)
     scenes = parse_mapping(files.read(source.scene_info), source.scene_info)
     number = 0
     for attempt in entry.attempts:
@@ -107,7 +109,7 @@ def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Ite
             task.record(rejections[attempt.seed])
             continue
         scene = scenes.get(f"episode_{number}")
-        episode = _encoded(source.episode(number), source.layout, scene)
+        episode = encoded_episode(source.episode(number), source.layout, scene)
         if episode.phys_meta["seed"] != attempt.seed:
             path = source.episode(number).phys_meta
             raise BadFile(path, f"seed is not {attempt.seed}, as the manifest says")
@@ -117,7 +119,7 @@ def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Ite
         yield
 
 
-def _rejections(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
+def rejections_of(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
     """By seed; with detail and physics where the journal still is."""
     rejected = [attempt for attempt in entry.attempts if attempt.verdict == "rejected"]
     rejections = {a.seed: Rejection(a.seed, a.reason or "") for a in rejected}
@@ -136,8 +138,9 @@ def _plain(kind: type[Kind], path: Path) -> dict[str, JSON]:
     return content
 
 
-def _encoded(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
-    frames, images = read_episode(paths.hdf5, layout)
+def encoded_episode(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
+    """An episode as its files hold it. Raises `BadFile`."""
+    frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
     meta = _plain(PhysMeta, paths.phys_meta)
     words = _plain(Instructions, paths.instruction)
@@ -145,4 +148,4 @@ def _encoded(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
         raise BadFile(paths.hdf5, "scene_info.json has no entry for this episode")
     with schema.problems_of(paths.hdf5):
         SceneEntry.model_validate(scene)
-    return EncodedEpisode(frames, images, meta, scene, words)
+    return EncodedEpisode(frames, images, meta, scene, words, sensed)

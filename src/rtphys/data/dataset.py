@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from rtphys.core.bounds import MOST_PICTURES
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data import files, jpeg, schema
+from rtphys.data import jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
+from rtphys.data.hdf5_senses import SenseFile
 from rtphys.data.layout import MANIFEST, EpisodePaths
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import Instructions, Manifest, PhysMeta, TaskDatasetEntry
@@ -87,6 +88,11 @@ class Episode:
         return schema.read(Instructions, self.paths.instruction)
 
     @property
+    def senses(self) -> SenseFile:
+        """Depth, ids, point clouds and body poses, if they were recorded."""
+        return SenseFile(self.paths.hdf5, self.layout, self.cameras)
+
+    @property
     def cameras(self) -> tuple[str, ...]:
         """Official names: head_camera, left_camera, right_camera, front_camera."""
         return tuple(self.frames.cameras)
@@ -142,7 +148,6 @@ class Episode:
 
     @property
     def _file(self) -> EpisodeFile:
-        files.check(self.paths.hdf5)
         return EpisodeFile(self.paths.hdf5, self.layout)
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtphys.data import files, schema
+from rtphys.data.conditions import FILMED
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import Line
@@ -23,6 +24,7 @@ OPTIONAL = (
     "stride",
     "recovery",
     "pair_tasks",
+    *FILMED,
 )  # conditions that most task datasets do without
 
 
@@ -144,6 +146,11 @@ def manifest_of(histories: Sequence[TaskDatasetHistory]) -> bytes:
             "files": listed,
         }
     )
+
+
+def dataset_digest(manifest: bytes) -> str:
+    """One line that identifies a dataset, from the content of its manifest."""
+    return f"sha256:{FileFacts.of(manifest).sha256}"
 
 
 def task_dataset_of(out: Path, header: Entry) -> TaskDataset:

@@ -208,6 +208,11 @@ class TaskDatasetEntry(Model):
         default=None, description="of a shard: its first attempt after first_seed, and its step"
     )
     cameras: list[str]
+    senses: list[str] | None = Field(
+        default=None, description="recorded beyond colours, such as depth; null: none"
+    )
+    camera_type: str | None = Field(default=None, description="of every camera, such as L515")
+    size: str | None = Field(default=None, description="of pictures, such as 640x480")
     assets: dict[str, str]
     versions: dict[str, str]
     journal: JournalState

@@ -18,8 +18,12 @@ from rtphys.data.check_episode import Effort, EpisodeClaim, check_episode
 from rtphys.data.check_look import LookCheck
 from rtphys.data.check_physics import PhysicsCheck
 from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
+from rtphys.data.episode import JSON
 from rtphys.data.layout import EpisodePaths
+from rtphys.data.manifest import dataset_digest
+from rtphys.data.schema import TaskDatasetEntry
 from rtphys.data.verified import Verified
+from rtphys.physics import attributes
 
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
@@ -56,6 +60,8 @@ class Report:
     files: int = 0
     bytes: int = 0
     episodes: int = 0
+    digest: str = ""  # of the dataset: that of its manifest, which lists those of all files
+    newer: int = 0  # attempts that are in the folder, and not in the manifest nor the digest
 
     @property
     def sound(self) -> bool:
@@ -83,6 +89,7 @@ def verify(
         tree = read_tree(out, findings)
     except BadFile as error:
         return Report(problems=[Problem(error.path, error.problem)])
+    report.digest, report.newer = dataset_digest(tree.data), tree.newer
     sizes = {listed.path: listed.allowed[-1].size for listed in tree.files.values()}
     inside = sum(sizes.get(path, 0) for paths in _episode_paths(tree) for path in paths.all())
     meter = _Meter(sum(sizes.values()) + inside, progress)
@@ -129,7 +136,6 @@ def _check_episodes(
     """Yields an episode's paths once its content is checked."""
     damaged = {path for path, _ in findings.problems}
     sound: list[str] = []
-    release = version("rtphys")
     find_pack = cache(pack_with)  # for this call only: packs come and go
     for name, entry in tree.manifest.task_datasets.items():
         physics, look = (
@@ -138,11 +144,13 @@ def _check_episodes(
         )
         if look.gap:
             findings.notes.append(f"{name}: {look.gap}")
+        task = physics.task.digest if physics.task else None  # without it less is compared
+        looked = _looked(tree, entry, effort, [look.gap, task])
         for number in range(tree.episodes[name]):
             paths = tree.task_datasets[name].episode(number)
             seed = entry.seeds[number] if number < len(entry.seeds) else None
             claim = EpisodeClaim(entry, number, seed)
-            key = _key(tree, paths, claim, f"{release} {effort.name} {look.gap}")
+            key = _key(tree, paths, claim, looked)
             # A file that is damaged was named already; what it holds is worth no second sentence.
             if key not in memory and not damaged.intersection(paths.all()):
                 before = len(findings.problems)
@@ -154,12 +162,22 @@ def _check_episodes(
     memory.remember(sound)
 
 
-def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> str:
+def _looked(tree: Tree, entry: TaskDatasetEntry, effort: Effort, here: list[JSON]) -> list[JSON]:
+    """What the verdict on every episode of a task dataset depends on, its own files apart.
+
+    How many episodes there are is none of it: a dataset may grow.
+    """
+    grows = {"attempts", "seeds", "journal", "rejections", "episodes", "frames"}
+    conditions: JSON = entry.model_dump(mode="json", exclude=grows)
+    domain: JSON = tree.manifest.domains.get(entry.domain.digest, {})
+    code: list[JSON] = [version("rtphys"), effort.name, *sorted(attributes())]
+    return [tree.manifest.dataset_version, conditions, domain, code, here]
+
+
+def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: list[JSON]) -> str:
     """Digest of everything that the verdict on an episode depends on."""
     names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
-    digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
-    entry = claim.entry
-    drawn = (entry.only, entry.overrides, entry.visual, entry.split, entry.recovery)
-    drawn = (*drawn, entry.pair_tasks, tree.manifest.dataset_version)
-    asked = (entry.task, entry.config, entry.layout, entry.cameras, drawn)
-    return Verified.key(looked, digests, claim.number, claim.seed, entry.domain, asked)
+    digests: list[JSON] = [
+        tree.files[name].allowed[-1].sha256 if name in tree.files else None for name in names
+    ]
+    return Verified.key(*looked, digests, claim.number, claim.seed)

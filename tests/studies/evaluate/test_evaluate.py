@@ -259,7 +259,8 @@ def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None
 def test_a_dataset_is_replayed_on_its_own_seeds(tmp_path: Path, pack: Pack) -> None:
     data = tmp_path / "data"
     options = ["--task", TASK, "--episodes", "1", "--out", str(data), "--workers", "1"]
-    done = CliRunner().invoke(app, ["collect", *options, "--cameras", "head"])
+    clean = ["--protocol", "clean", "--cameras", "head"]
+    done = CliRunner().invoke(app, ["collect", *options, *clean])
     assert done.exit_code == 0, done.output
     out, policy = tmp_path / "out", f"replay:{data}"
     evaluate(plan(out, data, policy=policy, protocols=("clean",), episodes=1), pack)

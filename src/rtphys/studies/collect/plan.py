@@ -1,6 +1,5 @@
 """What to collect and on what; all that can be refused before any work is done."""
 
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, fields, replace
@@ -10,29 +9,24 @@ from typing import Annotated, Any
 from rtphys.assets.pack import FALLBACKS, Pack, chosen_pack
 from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
-from rtphys.core.errors import BadValue, Infeasible, NoRenderer, RtphysError
+from rtphys.core.errors import BadValue, Infeasible, NoRenderer
 from rtphys.data.layout import LAYOUTS, TaskDataset
-from rtphys.doctor import PROBE, check_disk, check_renderer
+from rtphys.doctor import PROBE, check_renderer
 from rtphys.physics.attribute import Part
 from rtphys.physics.registry import attributes
+from rtphys.setting.filming import HEAD, Cameras, CameraType, Filming, SenseNames, Size
 from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
+from rtphys.setting.senses import drawn
 from rtphys.setting.setting import Setting, check_varies
+from rtphys.studies.disk import check_fits, check_space, episode_bytes
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
 
-EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
-TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
 
-
-def _cameras() -> tuple[str, ...]:
-    from rtphys.sim.camera import SHORT  # imported here: a command line must not load SAPIEN
-
-    return (*SHORT, *SHORT.values())
-
-
-def _shaders() -> tuple[str, ...]:
-    from rtphys.sim.renderer import SHADERS  # likewise
+def shaders() -> tuple[str, ...]:
+    """Names of the shaders that pictures can be drawn with."""
+    from rtphys.sim.renderer import SHADERS  # imported here: a command line must not load SAPIEN
 
     return tuple(SHADERS)
 
@@ -47,9 +41,10 @@ class TaskPlan:
     twin: Annotated[
         str | None, Option("A second protocol: record each seed under both, keep only pairs.")
     ] = None
-    cameras: Annotated[
-        tuple[str, ...], one_of("camera", _cameras), Option("Any of head, left, right, front.")
-    ] = ("head", "left", "right")
+    cameras: Cameras = ("head", "left", "right")
+    senses: SenseNames = ()
+    camera_type: CameraType = None
+    size: Size = None
     layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
     most_attempts: Annotated[
         Positive | None,
@@ -59,11 +54,14 @@ class TaskPlan:
     twin_of: str | None = None  # config of the task dataset whose twin this is
 
     def __post_init__(self) -> None:
-        official = [f"{name.removesuffix('_camera')}_camera" for name in self.cameras]
-        if "head_camera" not in official:
+        if HEAD not in self.filming.official:
             raise BadValue("cameras", ",".join(self.cameras), "head is needed, for the video")
-        if len(set(official)) < len(official):
-            raise BadValue("cameras", ",".join(self.cameras), "name each camera once")
+        check_fits(self.filming)
+
+    @property
+    def filming(self) -> Filming:
+        """What is drawn of each episode. Raises `BadValue`: it cannot be."""
+        return Filming(self.cameras, self.senses, self.camera_type, self.size)
 
     @property
     def folder(self) -> str:
@@ -107,7 +105,7 @@ class Run:
     ] = None
     shard: Annotated[str, Option("i/n: one part of n, for `rtphys merge` to join.")] = ""
     resume: Annotated[bool, Option("Continue what is in the folder.")] = True
-    shader: Annotated[str, one_of("shader", _shaders), Option("slim, default, minimal or rt.")] = (
+    shader: Annotated[str, one_of("shader", shaders), Option("slim, default, minimal or rt.")] = (
         "slim"
     )
     assets: Annotated[Path | None, Option("An asset pack, such as RoboTwin's own.")] = None
@@ -141,23 +139,11 @@ class Run:
 
     def room_needed(self, plans: Sequence[TaskPlan]) -> float:
         """Disk space that the plans' episodes need at most [bytes]."""
-        needed = 0.0
-        for plan in plans:
-            looks = [side.setting.visual() for side in plan.sides]
-            shares = sum(TEXTURED if look and look.textures else 1 for look in looks)
-            needed += plan.episodes * len(plan.cameras) * shares * EPISODE_BYTES
-        return needed
-
-    def check_room(self, plans: Sequence[TaskPlan]) -> None:
-        """Refuses plans whose episodes will need more disk space than there is."""
-        finding = check_disk("space for data", self.out)
-        if finding.status == "fail":
-            raise RtphysError(f"{self.out}: {finding.detail}; {finding.cure}")
-        place = next(p for p in (self.out, *self.out.absolute().parents) if p.exists())
-        needed, free = self.room_needed(plans), shutil.disk_usage(place).free
-        if free < needed:
-            amounts = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
-            raise RtphysError(f"{self.out}: {amounts}; free some space, or ask for fewer episodes")
+        return sum(
+            plan.episodes * episode_bytes(side.filming, side.setting.visual())
+            for plan in plans
+            for side in plan.sides
+        )
 
 
 def chosen(kind: type, given: Mapping[str, object]) -> dict[str, Any]:
@@ -182,8 +168,12 @@ def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")
     tasks = [plan.check() for plan in plans]
-    run.check_room(plans)
+    check_space(run.out, run.room_needed(plans))
     run.size()
+    if any(drawn(plan.senses) for plan in plans):
+        from rtphys.sim.renderer import check_senses  # imported here: it loads SAPIEN
+
+        check_senses(run.shader)
     finding = check_renderer((*PROBE, run.shader))
     if finding.status == "fail":
         cure = f"; cure: {finding.cure}" if finding.cure else ""

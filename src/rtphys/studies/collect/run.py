@@ -15,10 +15,9 @@ from rtphys.core.errors import Infeasible, MissingAsset
 from rtphys.data.conditions import Conditions
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
-from rtphys.episode.assemble import describer
+from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
-from rtphys.sim.camera import camera_specs
 from rtphys.studies.collect.plan import Run, TaskPlan, check
 from rtphys.studies.collect.shard import Shard, claim
 from rtphys.studies.collect.work import (
@@ -27,7 +26,6 @@ from rtphys.studies.collect.work import (
     RemoteWorker,
     Results,
     Shipped,
-    rejection,
 )
 from rtphys.task.spec import Task
 
@@ -106,14 +104,13 @@ def conditions_of(
 ) -> Conditions:
     """What makes two runs continue each other. `stride`: a shard's first attempt and step."""
     setting, rules = plan.setting, plan.setting.visual()
-    specs = camera_specs(pack.embodiment(setting.embodiment), plan.cameras)
     name = "builtin" if (pack.root / STAMP).is_file() else pack.root.name
     return Conditions(
         setting=setting,
         first_seed=plan.first_seed,
         domain=setting.domain.to_json(),
         visual=None if rules is None else rules.to_json(),
-        cameras=tuple(spec.name for spec in specs),
+        cameras=plan.filming.official,
         versions=versions(task),
         assets={"pack": name, "digest": pack.digest},
         layout=plan.layout,
@@ -121,6 +118,9 @@ def conditions_of(
         twin=plan.sides[1].config if plan.twin else None,
         twin_of=plan.twin_of,
         stride=stride if stride[1] > 1 else None,
+        senses=plan.senses or None,
+        camera_type=plan.camera_type,
+        size=plan.size,
     )
 
 
@@ -149,7 +149,7 @@ class TaskCollection(Study[Job, Results]):
 
     def job(self, seed: int) -> Job:
         recipes = tuple(side.setting.at(seed) for side in self.plan.sides)
-        return Job(recipes, self.folders(seed), self.plan.cameras, self.plan.layout)
+        return Job(recipes, self.folders(seed), self.plan.filming, self.plan.layout)
 
     def folders(self, seed: int) -> tuple[Path, ...]:
         """Where the files of a seed wait for their number, one folder a writer."""

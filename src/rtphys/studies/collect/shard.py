@@ -97,7 +97,9 @@ def stored_plan(plan: TaskPlan, run: Run) -> dict[str, JSON]:
     rare = {"ranges": None, "recovery": True, "pair_tasks": False}
     known = {**rare, **plan.setting.to_json(), **vars(plan), **vars(run)}
     known["assets"] = None if run.assets is None else str(run.assets)
-    return {key: plain(known[key], key) for key in KEPT}
+    filmed = {"senses": plan.senses, "camera_type": plan.camera_type, "size": plan.size}
+    asked = {key: value for key, value in filmed.items() if value}
+    return {key: plain(known[key], key) for key in (*KEPT, *asked)}
 
 
 def claim(out: Path, shard: Shard | None) -> None:

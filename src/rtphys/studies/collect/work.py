@@ -5,19 +5,19 @@ import platform
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.core.errors import Infeasible, RtphysError
+from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection
-from rtphys.episode.assemble import assemble, values
+from rtphys.episode.assemble import assemble, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.studies.collect.plan import Run
@@ -37,7 +37,7 @@ class Job:
 
     recipes: tuple[Recipe, ...]
     folders: tuple[Path, ...]
-    cameras: tuple[str, ...]
+    filming: Filming
     layout: str
 
 
@@ -64,22 +64,8 @@ class CollectWorker(StudyWorker[Job, Results]):
         """Draws and encodes an accepted attempt."""
         assert tried.recording is not None
         task = self.tasks[tried.recipe.task]
-        pictures = photograph(tried.recipe, task, self.pack, tried.recording, job.cameras)
+        pictures = photograph(tried.recipe, task, self.pack, Film.of(tried.recording), job.filming)
         return stage_episode(folder, assemble(tried, pictures, self.pack), job.layout)
-
-
-def rejection(tried: Attempt) -> Rejection:
-    """With the physics of the attempt, as far as it can be known without its world."""
-    recipe, known = tried.recipe, dict[str, object]()
-    if tried.instance is not None:
-        known = values(tried.instance.physics, tried.instance.props)
-    else:
-        with suppress(Infeasible):
-            props = load_task(recipe.task).props(recipe.seed)
-            known = values(recipe.setting.draw(recipe.seed), props)
-            # It is redrawn until it lies inside bodies that nobody built.
-            known.pop("center_of_mass", None)
-    return Rejection(recipe.seed, tried.reason, tried.detail, known)
 
 
 # ---- elsewhere: checked to be the same work, its files sent back ---------------------------------

@@ -133,7 +133,7 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
             write_instances(copy, instances)
         studies = [TaskEvaluation(plan, instances) for instances in lists]
-        worker, size = EvaluateWorker(pack, plan.policy), plan.workers or cores()
+        worker, size = EvaluateWorker(pack, plan.policy, plan.filming), plan.workers or cores()
         limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
         try:
             with LocalPool[Job, EpisodeRecord](worker, size, limits, listener.noticed) as pool:
@@ -147,6 +147,8 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
 def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
     """Writes down what makes two runs continue each other, or compares it."""
     run = {**{key: plain(getattr(plan, key), key) for key in CLAIMED}, "ground": ground}
+    if plan.senses:  # which older runs did not know
+        run["senses"] = list(plan.senses)
     path = plan.folder / RUN
     if path.exists() and _has_records(plan.folder):
         clauses = ["and `resume` is off"]
