@@ -4,6 +4,7 @@
 #   scripts/setup.sh                       what collecting needs
 #   scripts/setup.sh test                  and what the tests need
 #   scripts/setup.sh dev                   and ruff and pyright
+#   scripts/setup.sh docs                  and what builds the documentation site
 #   PYTHON=python3.12 scripts/setup.sh     use that interpreter
 #   RTPHYS_SETUP=venv scripts/setup.sh     take no system-wide step at all
 set -euo pipefail
@@ -14,7 +15,8 @@ case ${1:-run} in  # an extra of pyproject.toml, and the levels that it includes
     run) EXTRA="" LEVELS="run" ;;
     test) EXTRA="[test]" LEVELS="run test" ;;
     dev) EXTRA="[dev]" LEVELS="run test dev" ;;
-    *) die "$1 is not a level of the set-up: run, test or dev" ;;
+    docs) EXTRA="[docs]" LEVELS="run docs" ;;
+    *) die "$1 is not a level of the set-up: run, test, dev or docs" ;;
 esac
 LEVEL=${1:-run}
 VENV=.venv
