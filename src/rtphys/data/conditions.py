@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
@@ -31,6 +32,8 @@ class Conditions:
     twin: str | None = None  # config of the task dataset with the same seeds, another protocol
     twin_of: str | None = None  # config of the task dataset whose twin this is
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
+    keep_failures: str | None = None  # how many failed attempts are kept, or "all"; None: none
+    policy: str | None = None  # who acted; None: the expert
     dataset_version: str = DATASET_VERSION
 
     def __post_init__(self) -> None:
@@ -53,6 +56,12 @@ class Conditions:
         config = self.config or setting.protocol
         folder = embodiment_folder(setting.embodiment)
         return TaskDataset(out, config, setting.task, folder, self.layout)
+
+    @property
+    def most_failures(self) -> int:
+        """How many failed attempts are kept at most."""
+        kept = self.keep_failures or "0"
+        return EPISODES if kept == "all" else int(kept)
 
     def unsharded(self) -> "Conditions":
         """The same for a whole collection."""
@@ -82,11 +91,18 @@ class Conditions:
         }
         if not self.setting.pair_tasks:  # which version 1 did not know
             del header["pair_tasks"]
+        for key in RARE:
+            if header[key] is None:
+                del header[key]
         return {key: plain(value, key) for key, value in header.items()}
 
 
 SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery", "pair_tasks")
 """Fields of a setting that are stored as they are; its ranges are part of the domain."""
+
+
+RARE = ("keep_failures", "policy")
+"""Conditions that are left out where they are None, as they always were before."""
 
 
 def differences(stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> list[str]:

@@ -46,6 +46,9 @@ class CollectionRun(Model):
     twin: str | None = Field(default=None, description="protocol of a second recording")
     cameras: list[str] = Field(default=["head", "left", "right"], description="or front")
     layout: Literal["native", "legacy"] = "native"
+    keep_failures: Annotated[int, Field(ge=1, le=EPISODES)] | Literal["all"] | None = Field(
+        default=None, description="failed attempts to keep, of each task"
+    )
     split: Literal["seen", "unseen"] = "seen"
     max_attempts: Annotated[int, Field(ge=1, le=EPISODES)] | None = Field(
         default=None, description="a task"

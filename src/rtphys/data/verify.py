@@ -19,6 +19,7 @@ from rtphys.data.check_look import LookCheck
 from rtphys.data.check_physics import PhysicsCheck
 from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
 from rtphys.data.layout import EpisodePaths
+from rtphys.data.schema import PhysMeta
 from rtphys.data.verified import Verified
 
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
@@ -84,7 +85,7 @@ def verify(
     except BadFile as error:
         return Report(problems=[Problem(error.path, error.problem)])
     sizes = {listed.path: listed.allowed[-1].size for listed in tree.files.values()}
-    inside = sum(sizes.get(path, 0) for paths in _episode_paths(tree) for path in paths.all())
+    inside = sum(sizes.get(path, 0) for paths, _ in _claims(tree) for path in paths.all())
     meter = _Meter(sum(sizes.values()) + inside, progress)
     for listed in tree.files.values():
         report.files += 1
@@ -118,9 +119,18 @@ def _file_problem(out: Path, listed: ListedFile) -> str:
     return ""
 
 
-def _episode_paths(tree: Tree) -> Iterator[EpisodePaths]:
-    for name, place in tree.task_datasets.items():
-        yield from (place.episode(number) for number in range(tree.episodes[name]))
+def _claims(tree: Tree) -> Iterator[tuple[EpisodePaths, EpisodeClaim]]:
+    """Every episode, then every failure that was kept, of one task dataset after the other."""
+    for name, entry in tree.manifest.task_datasets.items():
+        place = tree.task_datasets[name]
+        kinds = (
+            (place, entry.seeds, tree.episodes[name]),
+            (place.failures, [one.seed for one in entry.failures], tree.failures[name]),
+        )
+        for where, seeds, count in kinds:
+            for number in range(count):
+                seed = seeds[number] if number < len(seeds) else None
+                yield where.episode(number), EpisodeClaim(entry, number, seed, where.failed)
 
 
 def _check_episodes(
@@ -130,28 +140,40 @@ def _check_episodes(
     damaged = {path for path, _ in findings.problems}
     sound: list[str] = []
     release = version("rtphys")
-    find_pack = cache(pack_with)  # for this call only: packs come and go
-    for name, entry in tree.manifest.task_datasets.items():
-        physics, look = (
-            PhysicsCheck(entry, tree.manifest),
-            LookCheck(entry, tree.manifest, find_pack),
-        )
+    checks = {name: _Redrawn.of(name, tree, findings) for name in tree.manifest.task_datasets}
+    by_entry = {id(entry): checks[name] for name, entry in tree.manifest.task_datasets.items()}
+    for paths, claim in _claims(tree):
+        redrawn = by_entry[id(claim.entry)]
+        key = _key(tree, paths, claim, f"{release} {effort.name} {redrawn.look.gap}")
+        # A file that is damaged was named already; what it holds is worth no second sentence.
+        if key not in memory and not damaged.intersection(paths.all()):
+            before = len(findings.problems)
+            meta = check_episode(paths, claim, findings, effort)
+            for text in redrawn.problems(meta) if meta else ():
+                findings.problem(paths.phys_meta, text)
+            sound += [key] if len(findings.problems) == before else []
+        yield paths
+    memory.remember(sound)
+
+
+@dataclass(frozen=True)
+class _Redrawn:
+    """What the seeds of a task dataset say of its labels."""
+
+    physics: PhysicsCheck
+    look: LookCheck
+
+    @staticmethod
+    def of(name: str, tree: Tree, findings: Findings) -> "_Redrawn":
+        """Notes what cannot be drawn again here."""
+        entry, find_pack = tree.manifest.task_datasets[name], cache(pack_with)
+        look = LookCheck(entry, tree.manifest, find_pack)
         if look.gap:
             findings.notes.append(f"{name}: {look.gap}")
-        for number in range(tree.episodes[name]):
-            paths = tree.task_datasets[name].episode(number)
-            seed = entry.seeds[number] if number < len(entry.seeds) else None
-            claim = EpisodeClaim(entry, number, seed)
-            key = _key(tree, paths, claim, f"{release} {effort.name} {look.gap}")
-            # A file that is damaged was named already; what it holds is worth no second sentence.
-            if key not in memory and not damaged.intersection(paths.all()):
-                before = len(findings.problems)
-                meta = check_episode(paths, claim, findings, effort)
-                for text in (physics.problems(meta) + look.problems(meta)) if meta else ():
-                    findings.problem(paths.phys_meta, text)
-                sound += [key] if len(findings.problems) == before else []
-            yield paths
-    memory.remember(sound)
+        return _Redrawn(PhysicsCheck(entry, tree.manifest), look)
+
+    def problems(self, meta: PhysMeta) -> list[str]:
+        return [*self.physics.problems(meta), *self.look.problems(meta)]
 
 
 def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> str:
@@ -162,4 +184,8 @@ def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> s
     drawn = (entry.only, entry.overrides, entry.visual, entry.split, entry.recovery)
     drawn = (*drawn, entry.pair_tasks, tree.manifest.dataset_version)
     asked = (entry.task, entry.config, entry.layout, entry.cameras, drawn)
-    return Verified.key(looked, digests, claim.number, claim.seed, entry.domain, asked)
+    return Verified.key(looked, digests, _number(claim), claim.seed, entry.domain, asked)
+
+
+def _number(claim: EpisodeClaim) -> int | str:
+    return f"failure {claim.number}" if claim.failed else claim.number

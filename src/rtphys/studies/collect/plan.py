@@ -15,7 +15,15 @@ from rtphys.data.layout import LAYOUTS, TaskDataset
 from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.physics.attribute import Part
 from rtphys.physics.registry import attributes
-from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Seed,
+    Workers,
+    checked_dataclass,
+    number_or_all,
+    one_of,
+)
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import parts
@@ -54,6 +62,11 @@ class TaskPlan:
     most_attempts: Annotated[
         Positive | None,
         Option("Attempts of each task, those of earlier runs included.", "max_attempts"),
+    ] = None
+    keep_failures: Annotated[
+        str | None,
+        number_or_all(),
+        Option("Draw and keep failed attempts too, so many of each task, or `all`."),
     ] = None
     config: str | None = None  # name of the folder; None: the protocol's
     twin_of: str | None = None  # config of the task dataset whose twin this is
@@ -145,7 +158,9 @@ class Run:
         for plan in plans:
             looks = [side.setting.visual() for side in plan.sides]
             shares = sum(TEXTURED if look and look.textures else 1 for look in looks)
-            needed += plan.episodes * len(plan.cameras) * shares * EPISODE_BYTES
+            failures = plan.keep_failures or "0"
+            kept = plan.episodes if failures == "all" else int(failures)
+            needed += (plan.episodes + kept) * len(plan.cameras) * shares * EPISODE_BYTES
         return needed
 
     def check_room(self, plans: Sequence[TaskPlan]) -> None:
