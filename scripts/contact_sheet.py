@@ -9,7 +9,8 @@ from PIL import Image, ImageDraw
 
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.episode.generate import attempt
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.task.spec import load_task, task_names
@@ -35,7 +36,7 @@ def row(name: str, pack: Pack) -> Image.Image | None:
     result.recording.rows = [rows[i] for i in moments]
     sheet = Image.new("RGB", (COLUMNS * WIDTH, STRIP + HEIGHT), "white")
     ImageDraw.Draw(sheet).text((4, 2), f"{name}, {PROTOCOL}, seed {seed}", fill="black")
-    shots = photograph(recipe, task, pack, result.recording, ["head"])
+    shots = photograph(recipe, task, pack, Film.of(result.recording), Filming(("head",)))
     for column, images in enumerate(shots.images):
         small = Image.fromarray(images["head_camera"]).resize((WIDTH, HEIGHT), Image.LANCZOS)
         sheet.paste(small, (column * WIDTH, STRIP))

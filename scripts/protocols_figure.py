@@ -9,7 +9,8 @@ import numpy as np
 from rtphys.assets.pack import default_pack
 from rtphys.episode.generate import start
 from rtphys.episode.instance import prepare, settle
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
+from rtphys.setting.filming import Filming
 from rtphys.setting.protocol import BUILTIN
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
@@ -37,7 +38,8 @@ def picture(task: str, seed: int, protocol: str) -> np.ndarray:
     settle(instance)
     recording = start(instance).recorder.recording
     first = replace(recording, rows=recording.rows[:1])
-    image = next(iter(photograph(recipe, loaded, pack, first, ["head"]).images))["head_camera"]
+    shots = photograph(recipe, loaded, pack, Film.of(first), Filming(("head",)))
+    image = next(iter(shots.images))["head_camera"]
     return cv2.resize(image, SIZE, interpolation=cv2.INTER_AREA)
 
 

@@ -16,6 +16,7 @@ from rtphys.core.errors import BadValue
 from rtphys.core.poses import Pose
 from rtphys.episode.assemble import label as label_of
 from rtphys.episode.instance import Instance, prepare
+from rtphys.setting.filming import Filming
 from rtphys.setting.protocol import BUILTIN, OFFICIAL
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
@@ -98,7 +99,7 @@ def test_pictures_are_taken_from_where_the_label_says(protocol: str, pack: Pack)
     for seed in range(3):
         recipe = Setting("click_bell", protocol).at(seed)
         instance = prepare(recipe, load_task("click_bell"), pack, visuals=True)
-        studio, label = Studio(instance.world, ["head"]), labels(instance)
+        studio, label = Studio(instance.world, Filming(("head",))), labels(instance)
         (camera,) = studio.cameras
         world_to_camera = np.eye(4)  # OpenCV axes, as the renderer has it
         world_to_camera[:3] = camera.component.get_extrinsic_matrix()

@@ -5,6 +5,7 @@ import pytest
 
 from rtphys.assets.pack import default_pack
 from rtphys.episode.instance import prepare
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.sim.room import Room
@@ -16,7 +17,7 @@ def pictures() -> list[np.ndarray]:
     """What three cameras see of a cluttered table."""
     recipe = Setting("stack_blocks_two", "official_random").at(2)
     world = prepare(recipe, load_task(recipe.task), default_pack(), visuals=True).world
-    studio = Studio(world, ["head", "left", "right"])
+    studio = Studio(world, Filming(("head", "left", "right")))
     world.scene.update_render()
     return [*studio.pictures().values()]
 

@@ -13,6 +13,7 @@ import sapien
 
 from rtphys.core.errors import BadValue, NoRenderer, UnknownName
 from rtphys.core.poses import Pose
+from rtphys.setting.filming import Filming
 from rtphys.sim import camera as cameras
 from rtphys.sim import renderer, shader
 from rtphys.sim.shader_edits import EDITS, UNUSED_FILES
@@ -127,7 +128,7 @@ def test_where_no_shader_draws_the_reason_is_told(monkeypatch: pytest.MonkeyPatc
         raise RuntimeError("no queue")
 
     monkeypatch.setattr(renderer, "_first_frame", refused)
-    monkeypatch.setattr(renderer, "_anchor", [])
+    monkeypatch.setattr(renderer, "_anchors", {})
     monkeypatch.setattr(renderer, "_configured", ["slim"])
     before = sapien.render.get_camera_shader_dir()
     with pytest.warns(UserWarning, match="slower"), pytest.raises(NoRenderer, match="no queue"):
@@ -212,4 +213,4 @@ def test_points_project_where_they_are() -> None:
 
 def test_unknown_camera_is_named() -> None:
     with pytest.raises(UnknownName, match="did you mean 'head'"):
-        cameras.camera_specs(None, ["haed"])  # type: ignore[arg-type]
+        Filming(("haed",))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
 
-from rtphys.core.errors import BadFile
+from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files, schema, video
 from rtphys.data.check_hdf5 import Hdf5Facts, check_hdf5
 from rtphys.data.check_meaning import check_meaning, check_video
@@ -12,6 +12,7 @@ from rtphys.data.check_tree import Findings
 from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.layout import EpisodePaths
 from rtphys.data.schema import FailureMeta, Instructions, Kind, PhysMeta, TaskDatasetEntry
+from rtphys.setting.filming import Filming
 
 
 class Effort(IntEnum):
@@ -47,6 +48,8 @@ def check_episode(
     if meta is None:
         return None
     _check_meta(meta, paths.phys_meta, claim, findings)
+    if facts.frames is not None:
+        _check_filming(facts, paths.hdf5, claim.entry, findings)
     if facts.frames is not None and set(meta.cameras) - set(claim.entry.cameras):
         findings.problem(paths.phys_meta, "names cameras that were not recorded")
     if effort is Effort.DEEP and facts.frames is not None and not facts.problems:
@@ -77,6 +80,25 @@ def _model(kind: type[Kind], path: Path, findings: Findings) -> Kind | None:
         for text in error.problems:
             findings.problem(path, text)
     return None
+
+
+def _check_filming(
+    facts: Hdf5Facts, path: Path, entry: TaskDatasetEntry, findings: Findings
+) -> None:
+    """What was recorded is what the manifest says, sizes too where it names one."""
+    if (wanted := tuple(entry.senses or ())) != facts.senses:
+        findings.problem(path, f"holds senses {facts.senses}, the manifest says {wanted}")
+    try:
+        filming = Filming(tuple(entry.cameras), wanted, entry.camera_type, entry.size)
+    except RtphysError as error:
+        findings.problem(path, f"the manifest asks for the impossible: {error}")
+        return
+    if entry.camera_type is None and entry.size is None:
+        return
+    width, height, _ = filming.optics("D435")
+    for name, shape in facts.shapes.items():
+        if shape[:2] != (height, width):
+            findings.problem(path, f"{name} is {shape[1]}x{shape[0]}, not {width}x{height}")
 
 
 def _check_meta(meta: PhysMeta, path: Path, claim: EpisodeClaim, findings: Findings) -> None:

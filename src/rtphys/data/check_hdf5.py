@@ -10,11 +10,13 @@ import numpy as np
 
 from rtphys.core.errors import BadFile
 from rtphys.data import jpeg
+from rtphys.data.check_senses import check_senses
 from rtphys.data.episode import FRAME_STEPS, Frames
 from rtphys.data.hdf5_file import array, note, open_read, text
 from rtphys.data.hdf5_legacy import legacy_streams, unshifted
 from rtphys.data.hdf5_native import FORMAT_VERSION, native_sentences, native_streams, shifted
 from rtphys.data.hdf5_record import read_record
+from rtphys.data.hdf5_senses import CLOUDS, declared
 from rtphys.data.streams import Streams
 
 PERIOD = FRAME_STEPS / 250  # [s] between two frames
@@ -29,6 +31,7 @@ class Hdf5Facts:
     frames: Frames | None = None
     seen: tuple[str, ...] = ()
     shapes: Mapping[str, tuple[int, int, int]] = field(default_factory=dict)  # of pictures
+    senses: tuple[str, ...] = ()  # held beyond colours
 
 
 def check_hdf5(path: Path, layout: str, *, decode: bool) -> Hdf5Facts:
@@ -53,7 +56,10 @@ def _facts(file: h5py.File, layout: str, *, decode: bool) -> Hdf5Facts:
     seen: list[str] = []
     if layout == "legacy":
         streams_of = legacy_streams
-        problems = _same_arrays(file, unshifted(frames))
+        expected = unshifted(frames)
+        if "pointcloud" in declared(file):  # which then are checked by themselves
+            del expected[CLOUDS]
+        problems = _same_arrays(file, expected)
     else:
         streams_of, seen = native_streams, native_sentences(file)
         problems = _same_arrays(file, shifted(frames)) + _constants(file)
@@ -62,7 +68,9 @@ def _facts(file: h5py.File, layout: str, *, decode: bool) -> Hdf5Facts:
         streams = streams_of(file, name)
         problems += _pictures(name, streams, len(frames), decode=decode)
         shapes[name] = streams.shape
-    return Hdf5Facts((*problems, *_motion(frames)), frames, tuple(seen), shapes)
+    sensed, senses = check_senses(file, layout, frames, shapes, decode)
+    problems += sensed
+    return Hdf5Facts((*problems, *_motion(frames)), frames, tuple(seen), shapes, senses)
 
 
 def _same_arrays(file: h5py.File, expected: Mapping[str, np.ndarray]) -> list[str]:

@@ -34,6 +34,9 @@ class Conditions:
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
     keep_failures: str | None = None  # how many failed attempts are kept, or "all"; None: none
     policy: str | None = None  # who acted; None: the expert
+    senses: tuple[str, ...] | None = None  # recorded beyond colours; None: none
+    camera_type: str | None = None  # of every camera; None: each one's own
+    size: str | None = None  # of pictures, such as 640x480; None: the camera type's
     dataset_version: str = DATASET_VERSION
 
     def __post_init__(self) -> None:
@@ -100,9 +103,11 @@ class Conditions:
 SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery", "pair_tasks")
 """Fields of a setting that are stored as they are; its ranges are part of the domain."""
 
+FILMED = ("senses", "camera_type", "size")
+"""Conditions of how it is filmed."""
 
-RARE = ("keep_failures", "policy")
-"""Conditions that are left out where they are None, as they always were before."""
+RARE = (*FILMED, "keep_failures", "policy")
+"""Conditions that are in a header only where they were asked for."""
 
 
 def differences(stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> list[str]:

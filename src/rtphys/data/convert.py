@@ -14,6 +14,7 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.hdf5_legacy import read_legacy
 from rtphys.data.hdf5_native import read_native
+from rtphys.data.hdf5_senses import read_senses
 from rtphys.data.json_text import parse_mapping
 from rtphys.data.layout import LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
@@ -25,19 +26,21 @@ from rtphys.data.schema import (
     SceneEntry,
     TaskDatasetEntry,
 )
+from rtphys.data.sensed import Sensed
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
 
 
-def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages]:
-    """Frames and picture streams (no video) of an HDF5 file. Raises `BadFile`."""
+def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed | None]:
+    """Frames, picture streams (no video) and senses of an HDF5 file. Raises `BadFile`."""
     files.check(path)
     with open_read(path) as file:
         frames, images = read_legacy(file) if layout == "legacy" else read_native(file)[:2]
+        sensed = read_senses(file, layout, [*frames.cameras])
     frames.check(path)
-    return frames, images
+    return frames, images, sensed
 
 
 def convert(source: Path, out: Path, layout: str, progress: Progress | None = None) -> list[str]:
@@ -153,7 +156,7 @@ def _plain(kind: type[Kind], path: Path) -> dict[str, JSON]:
 
 
 def _encoded(paths: EpisodePaths, layout: str, scene: JSON, kind: type[PhysMeta]) -> EncodedEpisode:
-    frames, images = read_episode(paths.hdf5, layout)
+    frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
     meta = _plain(kind, paths.phys_meta)
     words = _plain(Instructions, paths.instruction)
@@ -161,4 +164,4 @@ def _encoded(paths: EpisodePaths, layout: str, scene: JSON, kind: type[PhysMeta]
         raise BadFile(paths.hdf5, "scene_info.json has no entry for this episode")
     with schema.problems_of(paths.hdf5):
         SceneEntry.model_validate(scene)
-    return EncodedEpisode(frames, images, meta, scene, words)
+    return EncodedEpisode(frames, images, meta, scene, words, sensed)

@@ -11,13 +11,20 @@ from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.errors import BadFile, shortened
+from rtphys.data.sensed import Sensed
 
 JSON: TypeAlias = Mapping[str, "JSON"] | Sequence["JSON"] | str | int | float | bool | None
 Floats: TypeAlias = NDArray[np.floating]
 Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
 
 ARMS = ("left", "right")
-CAMERAS = ("head_camera", "left_camera", "right_camera", "front_camera")
+CAMERA_KEYS = {  # official name, and in the native layout -> its name there
+    "head_camera": "cam_head",
+    "left_camera": "cam_left_wrist",
+    "right_camera": "cam_right_wrist",
+    "front_camera": "cam_third_view",
+}
+CAMERAS = tuple(CAMERA_KEYS)
 OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
 FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
 
@@ -139,3 +146,4 @@ class Episode:
     instructions: Mapping[str, Sequence[str]]  # {"seen": [...], "unseen": [...]}
     scene_info: Mapping[str, object]  # one entry: cluttered_table_info, texture_info, info
     images: Iterable[Images] = field(repr=False)
+    sensed: Sensed | None = None  # complete once `images` is consumed

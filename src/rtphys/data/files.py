@@ -13,6 +13,7 @@ from rtphys.data.faults import CannotWrite
 from rtphys.data.schema_model import Count, Model, Sha256
 
 TEMPORARY = ".part"  # suffix of files that are not finished
+BLOCK = 2**20  # [bytes] read at once
 
 
 class FileFacts(Model):
@@ -50,14 +51,24 @@ def write_synced(path: Path, data: bytes) -> FileFacts:
                 file.write(data)
                 file.flush()
                 os.fsync(file.fileno())
-            facts = FileFacts.of(data)
-            if facts_of(path) != facts:
+            if not _holds(path, data):
                 raise OSError("the disk returned other bytes than were written")
     except BaseException:
         with suppress(OSError):
             path.unlink()
         raise
-    return facts
+    return FileFacts.of(data)
+
+
+def _holds(path: Path, data: bytes) -> bool:
+    """Whether a file has this content; a digest of it would take five times as long."""
+    view, at = memoryview(data), 0
+    with path.open("rb", buffering=0) as file:
+        while chunk := file.read(BLOCK):
+            if view[at : at + len(chunk)] != chunk:
+                return False
+            at += len(chunk)
+    return at == len(data)
 
 
 def replace_file(path: Path, data: bytes) -> FileFacts:

@@ -1,7 +1,6 @@
 """The official legacy file: one row a frame, float64, no shifted actions, no attributes.
 
-The official keys are exact; the group `rtphys/` beside them keeps what they cannot hold. Upstream's
-writer always makes `pointcloud`, with shape (T, 0) when there is none, and readers open it.
+The official keys are exact; the group `rtphys/` beside them keeps what they cannot hold.
 """
 
 import h5py
@@ -13,24 +12,33 @@ from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import ARMS, Frames
 from rtphys.data.hdf5_file import DAMAGED, build, put
 from rtphys.data.hdf5_record import CALIBRATION, read_record, write_record
+from rtphys.data.hdf5_senses import CLOUDS, write_senses
+from rtphys.data.sensed import Sensed
 from rtphys.data.streams import Streams, stream_rows
 
 
-def legacy_bytes(frames: Frames, images: EncodedImages) -> bytes:
+def legacy_bytes(frames: Frames, images: EncodedImages, sensed: Sensed | None = None) -> bytes:
     """The file's bytes."""
 
     def fill(file: h5py.File) -> None:
+        clouds = sensed is not None and sensed.clouds
         for key, value in unshifted(frames).items():
-            put(file, key, value)
+            if not (clouds and key == CLOUDS):
+                put(file, key, value)
         for name, streams in images.jpegs.items():
             put(file, f"observation/{name}/rgb", jpeg.padded(streams))
         write_record(file, frames)
+        if sensed is not None:
+            write_senses(file, sensed, "legacy")
 
     return build(fill)
 
 
 def unshifted(frames: Frames) -> dict[str, np.ndarray]:
-    """Every official array that follows from the frames, T rows, by path in the file."""
+    """Every official array that follows from the frames, T rows, by path in the file.
+
+    Upstream's writer always makes point clouds, with shape (T, 0) when there are none.
+    """
     arrays: dict[str, np.ndarray] = {}
     for arm in ARMS:
         opening = np.asarray(getattr(frames, f"{arm}_gripper"), np.float64)
@@ -39,7 +47,7 @@ def unshifted(frames: Frames) -> dict[str, np.ndarray]:
         pose = np.asarray(getattr(frames, f"{arm}_endpose"), np.float64)
         arrays[f"endpose/{arm}_endpose"] = pose
     arrays["joint_action/vector"] = frames.vector
-    arrays["pointcloud"] = np.zeros((len(frames), 0))
+    arrays[CLOUDS] = np.zeros((len(frames), 0))
     for name, camera in frames.cameras.items():
         for key in CALIBRATION:
             matrices = np.asarray(getattr(camera, key), np.float32)

@@ -14,22 +14,22 @@ import numpy as np
 from rtphys.core.errors import BadFile
 from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages
-from rtphys.data.episode import ARMS, FRAME_STEPS, Frames
+from rtphys.data.episode import ARMS, CAMERA_KEYS, FRAME_STEPS, Frames
 from rtphys.data.hdf5_file import DAMAGED, array, build, group, put, text
 from rtphys.data.hdf5_record import GROUP, read_record, write_record
+from rtphys.data.hdf5_senses import write_senses
+from rtphys.data.sensed import Sensed
 from rtphys.data.streams import Streams, stream_rows
 
 FORMAT_VERSION = "v1.0"
-CAMERA_KEYS = {
-    "head_camera": "cam_head",
-    "left_camera": "cam_left_wrist",
-    "right_camera": "cam_right_wrist",
-    "front_camera": "cam_third_view",
-}
 
 
 def native_bytes(
-    frames: Frames, images: EncodedImages, seen: Sequence[str], fallback: str
+    frames: Frames,
+    images: EncodedImages,
+    seen: Sequence[str],
+    fallback: str,
+    sensed: Sensed | None = None,
 ) -> bytes:
     """The file's bytes. `fallback` is the sentence when `seen` is empty (official: task name)."""
 
@@ -46,6 +46,8 @@ def native_bytes(
         write_record(file, frames)
         for name in images.jpegs:
             _write_pictures(file, name, images)
+        if sensed is not None:
+            write_senses(file, sensed, "native")
 
     return build(fill)
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import h5py
 
 from rtphys.core.errors import BadFile, UnknownName
-from rtphys.data.episode import Frames
+from rtphys.data.episode import CAMERA_KEYS, Frames
 from rtphys.data.hdf5_file import DAMAGED, dataset, group, open_read
-from rtphys.data.hdf5_native import CAMERA_KEYS, last_stream
+from rtphys.data.hdf5_native import last_stream
 from rtphys.data.hdf5_record import GROUP, read_record
 from rtphys.data.streams import stream_rows
 

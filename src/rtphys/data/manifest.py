@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtphys.data import files, schema
+from rtphys.data.conditions import RARE
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import Line
@@ -23,8 +24,7 @@ OPTIONAL = (
     "stride",
     "recovery",
     "pair_tasks",
-    "keep_failures",
-    "policy",
+    *RARE,
 )  # conditions that most task datasets do without
 
 

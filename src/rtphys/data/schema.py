@@ -17,7 +17,7 @@ from rtphys.data import files
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.layout import TaskDataset
-from rtphys.data.schema_attempts import AttemptEntry, Failure, FailureEntry
+from rtphys.data.schema_attempts import AttemptEntry, Failure, FailureEntry, JournalState
 from rtphys.data.schema_collect import Collection, ShardFile
 from rtphys.data.schema_model import (
     Count,
@@ -28,7 +28,6 @@ from rtphys.data.schema_model import (
     RelativePath,
     SchemaError,
     Seed,
-    Sha256,
     Stride,
     Vector3,
 )
@@ -163,13 +162,6 @@ class Instructions(Model):
     unseen: list[str]
 
 
-class JournalState(Model):
-    """How much of a task dataset's journal this manifest tells."""
-
-    entries: Count
-    check: Sha256
-
-
 class TaskDatasetEntry(Model):
     """One task under one configuration."""
 
@@ -210,6 +202,11 @@ class TaskDatasetEntry(Model):
         default=None, description="of a shard: its first attempt after first_seed, and its step"
     )
     cameras: list[str]
+    senses: list[str] | None = Field(
+        default=None, description="recorded beyond colours, such as depth; null: none"
+    )
+    camera_type: str | None = Field(default=None, description="of every camera, such as L515")
+    size: str | None = Field(default=None, description="of pictures, such as 640x480")
     assets: dict[str, str]
     versions: dict[str, str]
     journal: JournalState

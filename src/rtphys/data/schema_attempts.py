@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, FiniteFloat
 
-from rtphys.data.schema_model import Count, Model, Seed
+from rtphys.data.schema_model import Count, Model, Seed, Sha256
 
 Side = Literal["left", "right", ""]
 Event = Literal["miss", "slip", "drop", "tip_over", "moved", "misplaced", "stuck", "end"]
@@ -40,3 +40,10 @@ class FailureEntry(Model):
     event: str = Field(description="see `failure.event` of its label")
     time: FiniteFloat = Field(description="s, when it went wrong")
     frames: Count
+
+
+class JournalState(Model):
+    """How much of a task dataset's journal this manifest tells."""
+
+    entries: Count
+    check: Sha256

@@ -45,6 +45,9 @@ class CollectionRun(Model):
     sweep: str = Field(default="", description="key=value,value: the same seeds under each")
     twin: str | None = Field(default=None, description="protocol of a second recording")
     cameras: list[str] = Field(default=["head", "left", "right"], description="or front")
+    senses: list[str] = Field(default=[], description="such as depth, segmentation, pointcloud")
+    camera_type: str | None = Field(default=None, description="of every camera, such as L515")
+    size: str | None = Field(default=None, description="of pictures, such as 640x480")
     layout: Literal["native", "legacy"] = "native"
     keep_failures: Annotated[int, Field(ge=1, le=EPISODES)] | Literal["all"] | None = Field(
         default=None, description="failed attempts to keep, of each task"

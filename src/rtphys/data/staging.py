@@ -16,6 +16,7 @@ from rtphys.data.hdf5_legacy import legacy_bytes
 from rtphys.data.hdf5_native import native_bytes
 from rtphys.data.hdf5_record import read_record
 from rtphys.data.json_text import plain, pretty
+from rtphys.data.sensed import Sensed
 
 HDF5, VIDEO, INSTRUCTION = "data.hdf5", "video.mp4", "instruction.json"
 PHYS_META = "phys_meta.json"  # written at commit, when the number is known
@@ -42,6 +43,7 @@ class EncodedEpisode:
     phys_meta: Mapping[str, JSON]
     scene_info: Mapping[str, JSON]
     instructions: Mapping[str, JSON]
+    sensed: Sensed | None = None
 
 
 def stage_episode(
@@ -73,7 +75,8 @@ def stage_episode(
         images = encode_images(episode.images)
     timer.shift(images.cpu_s, "render", "encode")
     with timer.phase("write"):
-        return stage_encoded(folder, EncodedEpisode(episode.frames, images, *checked), layout)
+        encoded = EncodedEpisode(episode.frames, images, *checked, episode.sensed)
+        return stage_encoded(folder, encoded, layout)
 
 
 def stage_encoded(folder: Path, episode: EncodedEpisode, layout: str) -> StagedEpisode:
@@ -110,10 +113,10 @@ def _check_images(episode: EncodedEpisode) -> None:
 
 def _write(folder: Path, episode: EncodedEpisode, layout: str) -> dict[str, FileFacts]:
     if layout == "legacy":
-        data = legacy_bytes(episode.frames, episode.images)
+        data = legacy_bytes(episode.frames, episode.images, episode.sensed)
     else:
         task = str(episode.phys_meta["task"]).replace("_", " ")
-        data = native_bytes(episode.frames, episode.images, _seen(episode), task)
+        data = native_bytes(episode.frames, episode.images, _seen(episode), task, episode.sensed)
     words = pretty(episode.instructions, ascii_only=layout == "legacy")
     contents = {HDF5: data, VIDEO: episode.images.video, INSTRUCTION: words}
     return {name: files.write_synced(folder / name, text) for name, text in contents.items()}

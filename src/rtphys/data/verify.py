@@ -183,7 +183,8 @@ def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> s
     entry = claim.entry
     drawn = (entry.only, entry.overrides, entry.visual, entry.split, entry.recovery)
     drawn = (*drawn, entry.pair_tasks, tree.manifest.dataset_version)
-    asked = (entry.task, entry.config, entry.layout, entry.cameras, drawn)
+    filmed = (entry.cameras, entry.senses, entry.camera_type, entry.size)
+    asked = (entry.task, entry.config, entry.layout, filmed, drawn)
     return Verified.key(looked, digests, _number(claim), claim.seed, entry.domain, asked)
 
 

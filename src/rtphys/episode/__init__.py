@@ -1,6 +1,6 @@
 """An episode as a policy sees it: observations out, actions in."""
 
-from rtphys.episode.observation import CameraView, Observation
+from rtphys.episode.observation import CameraView, Observation, View
 from rtphys.episode.policy_episode import PolicyEpisode, begin
 
-__all__ = ["CameraView", "Observation", "PolicyEpisode", "begin"]
+__all__ = ["CameraView", "Observation", "PolicyEpisode", "View", "begin"]

@@ -85,6 +85,7 @@ def _episode(
         instructions=instructions(task, seed, describer(pack)),
         scene_info={**instance.look.scene_info(), "info": scene_info(task, seed)},
         images=photographs.images,
+        sensed=photographs.sensed,
     )
 
 

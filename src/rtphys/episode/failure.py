@@ -5,7 +5,7 @@
 * drop: a closed hand lost an object that had not slid before. First frame without contact.
 * miss: a hand closed on nothing. First frame in which its fingers are closed.
 * tip_over: an object tipped that no hand held. First frame beyond 45 deg.
-* moved: an object moved sideways that no hand held, nor picked up later. First frame beyond 2 cm.
+* moved: an object moved that no hand held, nor picked up later. First frame beyond 2 cm.
 * misplaced: a hand let go of it, and the attempt failed later. First frame without contact, or with
   the hand opening.
 * stuck: there was no way on for the arms. Last frame.
@@ -166,7 +166,7 @@ def _upset(pose: Array, name: str, held: Array) -> Iterator[Instant]:
     edges = np.flatnonzero(np.diff(held.astype(int), prepend=1, append=1))
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         free = slice(int(first), int(end))
-        way = np.linalg.norm(pose[free, :2] - pose[first, :2], axis=1)
+        way = np.linalg.norm(pose[free, :3] - pose[first, :3], axis=1)
         angle = np.arccos(np.clip(up[free] @ up[first], -1, 1))
         if (angle > TIPPED).any():
             yield Instant("tip_over", int(first + (angle > TIPPED).argmax()), name)

@@ -12,7 +12,8 @@ from rtphys.data.episode import Images
 from rtphys.data.files import make_folder, replace_file
 from rtphys.data.video import VideoWriter
 from rtphys.episode import PolicyEpisode
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
+from rtphys.setting.filming import Filming
 from rtphys.sim import renderer
 from rtphys.sim.engine import RATE
 from rtphys.sim.recorder import FRAME_STEPS
@@ -30,7 +31,8 @@ def film(episode: PolicyEpisode, pack: Pack, path: Path) -> None:
     """
     renderer.hold_anchor()
     recording, task = episode.rollout.recorder.recording, episode.instance.task
-    pictures = map(montage, photograph(episode.recipe, task, pack, recording, CAMERAS).images)
+    shots = photograph(episode.recipe, task, pack, Film.of(recording), Filming(CAMERAS))
+    pictures = map(montage, shots.images)
     first = next(pictures)
     height, width, _ = first.shape
     writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)

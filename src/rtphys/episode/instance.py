@@ -11,6 +11,7 @@ from rtphys.physics.enforce import enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.hull import Solid, inside
 from rtphys.physics.values import Physics
+from rtphys.setting.protocol import VisualRules, load_protocol
 from rtphys.setting.setting import Recipe
 from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
@@ -35,8 +36,13 @@ class Instance:
     look: Look = CLEAN
 
 
-def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> Instance:
+def prepare(
+    recipe: Recipe, task: Task, pack: Pack, visuals: bool = False, look: str | None = None
+) -> Instance:
     """Draw, build, enforce.
+
+    Args:
+        look: protocol whose textures and lights are drawn; None: the recipe's own.
 
     Raises:
         Infeasible: "layout" or "invalid_physics".
@@ -45,14 +51,15 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
     setting, seed, props = recipe.setting, recipe.seed, tuple(task.props(recipe.seed))
     rules, blueprint = setting.rules, Blueprint()
     enforce(blueprint, rules.draw(seed))
-    look = draw_look(rules.visual, rules.chance(seed), (task, props), pack, setting.split)
+    shown = rules.visual if look is None else under_look(rules.visual, look)
+    drawn = draw_look(shown, rules.chance(seed), (task, props), pack, setting.split)
     plan = WorldPlan(
         pack,
         props,
         blueprint,
-        _table(task, look, pack, visuals),
+        _table(task, drawn, pack, visuals),
         setting.embodiment,
-        clutter=look.clutter,
+        clutter=drawn.clutter,
         visuals=visuals,
     )
     world = World(plan)
@@ -60,7 +67,18 @@ def prepare(recipe: Recipe, task: Task, pack: Pack, visuals: bool = False) -> In
     solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
     physics = rules.draw(seed, inside(solids))
     enforce(world, physics)
-    return Instance(recipe, task, rules.domain, props, physics, world, look)
+    return Instance(recipe, task, rules.domain, props, physics, world, drawn)
+
+
+def under_look(own: VisualRules | None, protocol: str) -> VisualRules | None:
+    """Another protocol's textures and lights. Clutter and table height stay: states depend on them.
+
+    Raises:
+        UnknownName: no such protocol.
+    """
+    other, own = load_protocol(protocol).visual or VisualRules(), own or VisualRules()
+    shown = replace(other, clutter=own.clutter, table_drop=own.table_drop)
+    return None if shown == VisualRules() else shown
 
 
 def _table(task: Task, look: Look, pack: Pack, visuals: bool) -> TablePlan:

@@ -1,15 +1,14 @@
 """A second world for pictures alone, so that drawing cannot change the simulated one."""
 
-from collections.abc import Sequence
-
 from rtphys.assets.pack import Pack
 from rtphys.episode.instance import Instance, prepare
-from rtphys.episode.observation import CameraView
+from rtphys.episode.observation import CameraView, View
+from rtphys.setting.filming import CAMERAS, HEAD, Filming
+from rtphys.setting.senses import drawn
 from rtphys.sim import renderer
-from rtphys.sim.camera import SHORT
 from rtphys.sim.studio import Studio, matrices
 
-_SHORT_NAMES = {official: short for short, official in SHORT.items()}
+_SHORT_NAMES = {official: short for short, official in CAMERAS.items()}
 
 
 class Mirror:
@@ -17,15 +16,15 @@ class Mirror:
 
     Args:
         instance: the simulated one.
-        cameras: short or official names.
+        filming: the cameras, and what they are asked for.
     """
 
-    def __init__(self, instance: Instance, pack: Pack, cameras: Sequence[str]) -> None:
-        self._instance, self._pack, self._cameras = instance, pack, tuple(cameras)
+    def __init__(self, instance: Instance, pack: Pack, filming: Filming) -> None:
+        self._instance, self._pack, self._filming = instance, pack, filming
         self._studio: Studio | None = None
 
-    def views(self, packed: bytes, frame: int) -> dict[str, CameraView]:
-        """Every camera, by short name, of the state that `scene.pack_poses` gave.
+    def view(self, packed: bytes, frame: int) -> View:
+        """What all cameras see of the state that `scene.pack_poses` gave.
 
         Args:
             frame: number of frames since the policy stage began; lights may flicker by it.
@@ -36,18 +35,20 @@ class Mirror:
         studio = self._opened()
         studio.light(self._instance.look.backdrop.lights_at(frame))
         studio.show(packed)
-        pictures, poses = studio.pictures(), studio.poses()
-        return {
-            _SHORT_NAMES[spec.name]: CameraView(
-                pictures[spec.name], *matrices(spec, poses[spec.name])
-            )
-            for spec in studio.specs
-        }
+        shots, poses = studio.shots(), studio.poses()
+        cameras: dict[str, CameraView] = {}
+        for spec in studio.specs:
+            shot = shots[spec.name]
+            seen = (shot.depth, shot.actors, shot.meshes)
+            calibration = matrices(spec, poses[spec.name])
+            cameras[_SHORT_NAMES[spec.name]] = CameraView(shot.rgb, *calibration, *seen)
+        cloud = shots[HEAD].cloud if HEAD in shots else None
+        return View(cameras, cloud, studio.names)
 
     def _opened(self) -> Studio:
         if self._studio is None:
-            renderer.hold_anchor()
+            renderer.hold_anchor(drawn(self._filming.senses))
             recipe, task = self._instance.recipe, self._instance.task
-            drawn = prepare(recipe, task, self._pack, visuals=True)
-            self._studio = Studio(drawn.world, self._cameras)
+            shown = prepare(recipe, task, self._pack, visuals=True)
+            self._studio = Studio(shown.world, self._filming)
         return self._studio

@@ -15,10 +15,23 @@ from rtphys.core.poses import Array
 class CameraView:
     """One camera at the instant of the observation."""
 
-    rgb: NDArray[np.uint8]  # (240, 320, 3) RGB
+    rgb: NDArray[np.uint8]  # (H, W, 3) RGB, usually (240, 320, 3)
     intrinsic_cv: NDArray[np.float32]  # (3, 3) [px]
     extrinsic_cv: NDArray[np.float32]  # (3, 4) world -> camera, OpenCV axes [m]
     cam2world_gl: NDArray[np.float32]  # (4, 4) camera -> world, OpenGL axes [m]
+    # None where the episode was not begun with this sense.
+    depth: NDArray[np.float32] | None = None  # (H, W) [m] along the optical axis; 0: nothing
+    actors: NDArray[np.uint8] | None = None  # (H, W) id of the body, see `View.names`
+    meshes: NDArray[np.uint8] | None = None  # (H, W) id of the mesh, likewise
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """All cameras at one instant."""
+
+    cameras: Mapping[str, CameraView]  # by short name
+    cloud: NDArray[np.float32] | None = None  # (1024, 6) x y z [m] in the world, r g b 0..1
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # "actor", "mesh": of ids
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +50,7 @@ class Observation:
     # (N,) what each joint exerts, measured [N m], and the mean of a hand's fingers [N], negative
     # when they press on something between them; in the order of `vector`.
     efforts: Array
-    draw: Callable[[], Mapping[str, CameraView]] = field(repr=False)
+    draw: Callable[[], View] = field(repr=False)
 
     @property
     def grippers(self) -> tuple[float, float]:
@@ -46,13 +59,24 @@ class Observation:
         return float(self.vector[left]), float(self.vector[right])
 
     @cached_property
+    def view(self) -> View:
+        """All that is drawn of this instant, senses included. Raises as `cameras`."""
+        return self.draw()
+
+    @property
     def cameras(self) -> Mapping[str, CameraView]:
         """Pictures and matrices by short name: head, left, right (and front if asked for).
 
         Raises:
             NoRenderer: this machine cannot draw.
+            BadValue: senses are asked for, and the process's shader gives none.
         """
-        return self.draw()
+        return self.view.cameras
+
+    @property
+    def cloud(self) -> NDArray[np.float32] | None:
+        """Point cloud of the head camera (`View.cloud`). Raises as `cameras`."""
+        return self.view.cloud
 
     @property
     def images(self) -> Mapping[str, NDArray[np.uint8]]:

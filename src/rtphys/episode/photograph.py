@@ -1,4 +1,4 @@
-"""Pictures of a recording: the same world built again with visuals, posed row by row."""
+"""Pictures of recorded states: the same world built again with visuals, posed row by row."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,12 +9,16 @@ from rtphys.assets.pack import Pack
 from rtphys.core.errors import NoRenderer
 from rtphys.core.poses import Pose
 from rtphys.data.episode import CameraFrames, Images
+from rtphys.data.sensed import BodyPoses, Sensed
 from rtphys.episode.instance import prepare
+from rtphys.setting.filming import Filming
+from rtphys.setting.senses import drawn
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.sim.engine import TIME_STEP
-from rtphys.sim.recorder import FRAME_STEPS, Recording, Row
-from rtphys.sim.studio import Studio, matrices
+from rtphys.sim.identities import body_names
+from rtphys.sim.recorder import FRAME_STEPS, Recording
+from rtphys.sim.studio import Shot, Studio, matrices
 from rtphys.task.spec import Task
 from rtphys.visual import Backdrop
 
@@ -31,40 +35,78 @@ class Photographs:
     cameras: Mapping[str, CameraFrames]  # by official name
     first_poses: Mapping[str, Pose]  # world pose at the first row: x forward, y left, z up
     images: Iterator[Images]
+    sensed: Sensed | None = None  # complete once `images` is consumed; None: nothing asked for
 
 
-def photograph(
-    recipe: Recipe, task: Task, pack: Pack, recording: Recording, cameras: Sequence[str]
-) -> Photographs:
-    """Draws a recording of this very recipe. `renderer.configure` has chosen the shader before.
+@dataclass(frozen=True)
+class Film:
+    """What is drawn: instants, and the packed poses of all bodies at each."""
 
-    Args:
-        cameras: short or official names.
+    times: Sequence[float]  # [s] since the policy stage began
+    packed: Sequence[bytes]  # `scene.pack_poses()` of each
+
+    @staticmethod
+    def of(recording: Recording) -> "Film":
+        """All rows of a recording."""
+        return Film([row.time for row in recording.rows], [row.packed for row in recording.rows])
+
+
+def photograph(recipe: Recipe, task: Task, pack: Pack, film: Film, filming: Filming) -> Photographs:
+    """Draws instants of this very recipe. `renderer.configure` has chosen the shader before.
 
     Raises:
         NoRenderer: `renderer.configure` has not run in this process.
-        UnknownName: no such camera.
+        BadValue: senses are asked for, and the shader gives none.
     """
     if not renderer.pictures_ready():
         raise NoRenderer("renderer.configure must run before the first world with visuals")
-    renderer.hold_anchor()
-    instance = prepare(recipe, task, pack, visuals=True)
-    studio = Studio(instance.world, cameras)
+    renderer.hold_anchor(drawn(filming.senses))
+    instance = prepare(recipe, task, pack, visuals=True, look=filming.look)
+    studio = Studio(instance.world, filming)
     poses: dict[str, list[Pose]] = {spec.name: [] for spec in studio.specs}
-    for row in recording.rows:
-        studio.show(row.packed)
+    for packed in film.packed:
+        studio.show(packed)
         for name, pose in studio.poses().items():
             poses[name].append(pose)
     frames = {spec.name: _frames(studio, spec.name, poses[spec.name]) for spec in studio.specs}
     first = {name: track[0] for name, track in poses.items()}
-    return Photographs(frames, first, _draw(studio, recording.rows, instance.look.backdrop))
+    sensed = _sensed(studio, film, filming) if filming.senses else None
+    images = _draw(studio, film, instance.look.backdrop, sensed)
+    return Photographs(frames, first, images, sensed)
 
 
-def _draw(studio: Studio, rows: Sequence[Row], backdrop: Backdrop) -> Iterator[Images]:
-    for row in rows:
-        studio.light(backdrop.lights_at(round(row.time / FRAME_TIME)))
-        studio.show(row.packed)
-        yield studio.pictures()
+def _sensed(studio: Studio, film: Film, filming: Filming) -> Sensed:
+    """What is known before anything is drawn."""
+    bodies = None
+    if "states" in filming.senses:
+        flat = np.frombuffer(b"".join(film.packed), np.float32)
+        poses = flat.reshape(len(film.packed), -1, 7)
+        bodies = BodyPoses(body_names(studio.world, poses.shape[1]), poses)
+    names = studio.names if "segmentation" in filming.senses else {}
+    return Sensed(filming.senses, names=names, bodies=bodies)
+
+
+def _draw(
+    studio: Studio, film: Film, backdrop: Backdrop, sensed: Sensed | None
+) -> Iterator[Images]:
+    for time, packed in zip(film.times, film.packed, strict=True):
+        studio.light(backdrop.lights_at(round(time / FRAME_TIME)))
+        studio.show(packed)
+        shots = studio.shots()
+        if sensed is not None:
+            for name, shot in shots.items():
+                _keep(sensed, name, shot)
+        yield {name: shot.rgb for name, shot in shots.items()}
+
+
+def _keep(sensed: Sensed, name: str, shot: Shot) -> None:
+    if shot.depth is not None:
+        sensed.depth.setdefault(name, []).append(shot.depth)
+    if shot.actors is not None and shot.meshes is not None:
+        sensed.actors.setdefault(name, []).append(shot.actors)
+        sensed.meshes.setdefault(name, []).append(shot.meshes)
+    if shot.cloud is not None:
+        sensed.clouds.append(shot.cloud)
 
 
 def _frames(studio: Studio, name: str, poses: Sequence[Pose]) -> CameraFrames:

@@ -1,7 +1,5 @@
 """One evaluation episode: a settled world that a policy observes and acts in."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from rtphys.assets.pack import Pack
@@ -12,29 +10,28 @@ from rtphys.episode.generate import start
 from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.episode.mirror import Mirror
 from rtphys.episode.observation import Observation
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
 from rtphys.sim.recorder import FRAME_STEPS, flat
 from rtphys.sim.rollout import Outcome, Rollout
 from rtphys.task.instructions import instructions
 from rtphys.task.spec import Task
 
-CAMERAS = ("head", "left", "right")
+USUAL = Filming()  # head and both wrists, colours alone
 
 
-def begin(
-    recipe: Recipe, task: Task, pack: Pack, cameras: Sequence[str] = CAMERAS
-) -> "PolicyEpisode":
+def begin(recipe: Recipe, task: Task, pack: Pack, filming: Filming = USUAL) -> "PolicyEpisode":
     """Builds the world of a recipe and lets it settle.
 
     Args:
-        cameras: those that observations show, by short or official names.
+        filming: the cameras that observations show, and what these are asked for.
 
     Raises:
         Infeasible: "layout", "invalid_physics" or "unsettled"; never on a certified seed.
     """
     instance = prepare(recipe, task, pack)
     settle(instance)
-    return PolicyEpisode(instance, pack, cameras)
+    return PolicyEpisode(instance, pack, filming)
 
 
 class PolicyEpisode:
@@ -51,14 +48,14 @@ class PolicyEpisode:
         rollout: the world and its recorder; for the expert, tests and videos, never for a policy.
     """
 
-    def __init__(self, instance: Instance, pack: Pack, cameras: Sequence[str] = CAMERAS) -> None:
+    def __init__(self, instance: Instance, pack: Pack, filming: Filming = USUAL) -> None:
         recipe, task = instance.recipe, instance.task
         self.instance, self.recipe = instance, recipe
         self.task, self.protocol, self.seed = task.name, recipe.protocol, recipe.seed
         self.step_limit = task.step_limit
         self.rollout: Rollout = start(instance)
         self._control = PolicyControl(self.rollout, recipe.seed)
-        self._mirror = Mirror(instance, pack, cameras)
+        self._mirror = Mirror(instance, pack, filming)
         self._outcome: Outcome | None = None
         self.instruction = instructions(task, recipe.seed, describer(pack))[recipe.setting.split][0]
 
@@ -112,7 +109,7 @@ class PolicyEpisode:
             efforts=np.concatenate(
                 [np.append(effort[a.index], effort[a.finger_index].mean()) for a in robot.arms]
             ),
-            draw=lambda: self._mirror.views(packed, frame),
+            draw=lambda: self._mirror.view(packed, frame),
         )
 
     def act(self, action: Array, kind: ActionKind = "qpos") -> bool:

@@ -9,8 +9,8 @@ from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.robotwin_root import sources
 from rtphys.robotwin_root.base_task import OFFICIAL, PROTOCOL
+from rtphys.setting.filming import KINDS
 from rtphys.setting.protocol import Protocol, VisualRules, load_protocol, protocol_names
-from rtphys.sim.camera import KINDS
 from rtphys.task.spec import load_task, task_names
 
 MARK = ".rtphys-root"  # marks a folder written by rtphys, which may be overwritten

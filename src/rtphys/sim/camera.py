@@ -12,9 +12,10 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
-from rtphys.assets.embodiment import Embodiment, StaticCamera
+from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import MissingAsset, UnknownName
 from rtphys.core.poses import Pose
+from rtphys.setting.filming import KINDS, Filming
 from rtphys.sim import renderer
 from rtphys.sim.engine import from_sapien, to_sapien
 
@@ -22,18 +23,6 @@ Matrix = NDArray[np.float32]
 
 NEAR, FAR = 0.1, 100.0  # [m] (RoboTwin)
 WRIST_NEAR = 0.02  # [m] at 0.1 the camera would look through the fingers it is mounted over
-KINDS = {  # width, height [px], vertical field of view [deg] (RoboTwin, _camera_config.yml)
-    "D435": (320, 240, 37.0),
-    "Large_D435": (640, 480, 37.0),
-    "L515": (320, 180, 45.0),
-    "Large_L515": (640, 360, 45.0),
-}
-SHORT = {
-    "head": "head_camera",
-    "left": "left_camera",
-    "right": "right_camera",
-    "front": "front_camera",
-}
 
 # Where RoboTwin puts the two fixed cameras when an embodiment says nothing else [m].
 HEAD = ((-0.032, -0.45, 1.35), (0.0, 0.6, -0.8))
@@ -93,36 +82,29 @@ def looking(position: Sequence[float], forward: Sequence[float], left: object = 
     return Pose.from_matrix(X)
 
 
-def camera_specs(embodiment: Embodiment, names: Sequence[str]) -> tuple[CameraSpec, ...]:
-    """The cameras asked for, by short (`head`) or official (`head_camera`) name, in that order.
+def camera_specs(embodiment: Embodiment, filming: Filming) -> tuple[CameraSpec, ...]:
+    """The cameras asked for, in that order.
 
     Raises:
-        UnknownName: no such camera.
+        UnknownName: the embodiment states a camera type that does not exist.
     """
-    known = {**SHORT, **{name: name for name in SHORT.values()}}
-    for name in names:
-        if name not in known:
-            raise UnknownName("camera", name, SHORT)
-    return tuple(_spec(embodiment, known[name]) for name in names)
+    return tuple(_spec(embodiment, name, filming) for name in filming.official)
 
 
-def _spec(embodiment: Embodiment, name: str) -> CameraSpec:
+def _spec(embodiment: Embodiment, name: str, filming: Filming) -> CameraSpec:
+    kind, link = "D435", ""
+    position, forward = HEAD if name == "head_camera" else FRONT
+    pose = looking(position, forward)
+    for camera in embodiment.cameras:
+        if camera.name == name:
+            kind = camera.kind
+            pose = looking(camera.position.tolist(), camera.forward.tolist(), camera.left)
     for limb in embodiment.limbs:
         if name == f"{limb.side}_camera":
-            return _optics(name, "D435", Pose(), limb.camera_link)
-    fixed = {camera.name: camera for camera in embodiment.cameras}
-    if name in fixed:
-        camera: StaticCamera = fixed[name]
-        pose = looking(camera.position.tolist(), camera.forward.tolist(), camera.left)
-        return _optics(name, camera.kind, pose, "")
-    position, forward = HEAD if name == "head_camera" else FRONT
-    return _optics(name, "D435", looking(position, forward), "")
-
-
-def _optics(name: str, kind: str, pose: Pose, link: str) -> CameraSpec:
+            kind, pose, link = "D435", Pose(), limb.camera_link
     if kind not in KINDS:
         raise UnknownName("camera type", kind, KINDS, name)
-    width, height, fovy_deg = KINDS[kind]
+    width, height, fovy_deg = filming.optics(kind)
     return CameraSpec(name, width, height, radians(fovy_deg), pose, link)
 
 
@@ -133,6 +115,7 @@ class SimCamera:
         scene: a scene with a render system, lit by `renderer.add_lights`.
         spec: what to add.
         robot: the articulation that carries a mounted camera.
+        senses: whether it will be asked for more than colours (`sense`).
 
     Raises:
         MissingAsset: the robot has no such link.
@@ -143,9 +126,11 @@ class SimCamera:
         scene: sapien.Scene,
         spec: CameraSpec,
         robot: sapien.physx.PhysxArticulation | None = None,
+        senses: bool = False,
     ) -> None:
         self.spec = spec
-        component = sapien.render.RenderCameraComponent(spec.width, spec.height)
+        shader = renderer.sensing_shader() if senses else ""  # empty: the process's own
+        component = sapien.render.RenderCameraComponent(spec.width, spec.height, shader)
         component.set_fovy(spec.fovy, compute_x=True)
         component.near, component.far = WRIST_NEAR if spec.link else NEAR, FAR
         component.name = spec.name
@@ -178,3 +163,7 @@ class SimCamera:
     def capture(self) -> renderer.Picture:
         """(H, W, 3) uint8 RGB; call `scene.update_render()` first."""
         return renderer.capture(self.component)
+
+    def sense(self) -> renderer.Sensed:
+        """Depth and ids of the picture that `capture` has just taken."""
+        return renderer.sensed(self.component)

@@ -8,6 +8,7 @@ import os
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 # Mesa's CPU driver reads this once, when the device is created: no threads of its own, because
 # rtphys runs one worker a core and pictures cost the same CPU time either way.
@@ -18,16 +19,17 @@ import sapien
 from numpy.typing import NDArray
 
 from rtphys.core.errors import BadValue, NoRenderer
-from rtphys.sim.shader import ShaderMismatch, cache_folder, slim_pack
+from rtphys.sim.shader import ShaderMismatch, cache_folder, sensing_pack, slim_pack
 
 SHADERS = ("slim", "default", "minimal", "rt")
+SENSING = ("slim", "default")  # those that also give depth and ids
 Picture = NDArray[np.uint8]  # (H, W, 3) RGB
 
 # What SAPIEN raises for a missing device or a shader that it cannot use.
 _DRAW_ERRORS = (RuntimeError, IndexError)
 
 _configured: list[str] = []  # SAPIEN's renderer settings are global to the process
-_anchor: list[sapien.Scene] = []
+_anchors: dict[str, sapien.Scene] = {}  # by shader of their cameras; empty: the process's own
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,7 @@ def configure(shader: str = "slim") -> None:
     # Pictures arrive as bytes: reading floats back and converting costs three times as much.
     sapien.render.set_picture_format("Color", "r8g8b8a8unorm")
     sapien.render.set_picture_format("Surface", "r16g16b16a16sfloat")  # slim's own
+    sapien.render.set_picture_format("Segmentation", "r16g16b16a16uint")  # half of its own
     if shader == "rt":
         sapien.render.set_ray_tracing_samples_per_pixel(32)
         sapien.render.set_ray_tracing_path_depth(8)
@@ -121,24 +124,29 @@ def pictures_ready() -> bool:
     return bool(_configured)
 
 
-def hold_anchor() -> None:
+def hold_anchor(senses: bool = False) -> None:
     """Keep one tiny scene drawn and alive, so that later scenes reuse its compiled pipelines.
 
     SAPIEN drops everything it compiled when the last camera of the process dies. Call this before
     the first world with pictures; it also tries the slim shader out, and falls back if SAPIEN
     refuses it.
 
+    Args:
+        senses: also for cameras that are asked for depth and ids.
+
     Raises:
         NoRenderer: no device, or the first frame fails.
+        BadValue: senses are asked for, and the shader gives none.
     """
-    if _anchor:
-        return
     if not _configured:
         configure()
-    try:
-        _anchor.append(_first_frame())
-    except _DRAW_ERRORS as error:
-        _anchor.append(_frame_by_default_shader(error))
+    if "" not in _anchors:
+        try:
+            _anchors[""] = _first_frame()
+        except _DRAW_ERRORS as error:
+            _anchors[""] = _frame_by_default_shader(error)
+    if senses and (shader := sensing_shader()) not in _anchors:
+        _anchors[shader] = _first_frame(shader)
 
 
 def _frame_by_default_shader(refusal: Exception) -> sapien.Scene:
@@ -152,13 +160,55 @@ def _frame_by_default_shader(refusal: Exception) -> sapien.Scene:
     raise NoRenderer(f"no picture: {refusal}; `rtphys doctor` names the cure") from refusal
 
 
-def _first_frame() -> sapien.Scene:
+def _first_frame(shader: str = "") -> sapien.Scene:
     scene = sapien.Scene()
     add_lights(scene)
-    camera = scene.add_camera("anchor", 16, 16, 0.6, 0.1, 100.0)
+    camera = sapien.render.RenderCameraComponent(16, 16, shader)
+    camera.set_fovy(0.6, compute_x=True)
+    camera.near, camera.far = 0.1, 100.0
+    mount = sapien.Entity()
+    mount.add_component(camera)
+    scene.add_entity(mount)
     scene.update_render()
     capture(camera)
     return scene
+
+
+class Sensed(NamedTuple):
+    """What a camera gives beside colours, pixel by pixel, (H, W) each."""
+
+    depth: NDArray[np.float32]  # [m] along the optical axis; 0 where nothing is
+    shapes: NDArray[np.uint16]  # `per_scene_id` of the render shape; 0: nothing
+    entities: NDArray[np.uint16]  # likewise of the entity
+
+
+def check_senses(shader: str) -> None:
+    """Refuses senses under a shader that gives none. Raises `BadValue`."""
+    if shader not in SENSING:
+        allowed = f"it draws colours alone; senses need {' or '.join(SENSING)}"
+        raise BadValue("shader", shader, allowed)
+
+
+def sensing_shader() -> str:
+    """The shader of cameras that are asked for senses; empty: the process's own gives them.
+
+    Raises:
+        BadValue: no shader of this process does.
+    """
+    check_senses(_configured[0])
+    pack = sensing_pack(Path(sapien.render.get_camera_shader_dir()))
+    return str(pack) if pack.is_dir() else ""  # slim may have been refused: default gives them
+
+
+def sensed(camera: sapien.render.RenderCameraComponent) -> Sensed:
+    """Of the picture that `capture` took last, in the same pass."""
+    near, far = camera.near, camera.far
+    deep = camera.get_picture("GbufferDepth")
+    # The inverse of Vulkan's projection of the range near .. far to 0 .. 1.
+    depth = np.float32(near) / (np.float32(1) - deep * np.float32(1 - near / far))
+    depth[deep == 1] = 0
+    ids = camera.get_picture("Segmentation")
+    return Sensed(depth, np.array(ids[..., 0]), np.array(ids[..., 1]))
 
 
 def capture(camera: sapien.render.RenderCameraComponent) -> Picture:

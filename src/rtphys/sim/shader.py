@@ -2,8 +2,9 @@
 
 The pack is edited at run time from the installed SAPIEN's own files and kept in the user's cache,
 so nothing of SAPIEN is copied into this repository. Pictures agree with SAPIEN's default pack but
-for shadow edges. Slim draws colour only (no depth, no segmentation), opaque parts only (a material
-with 0 < alpha < 1 comes out opaque), and neither normal maps, flat shading nor emission.
+for shadow edges. Slim draws colour only, opaque parts only (a material with 0 < alpha < 1 comes out
+opaque), and neither normal maps, flat shading nor emission. Its variant `sensing` also gives depth
+and the ids of what is seen, with the same colours.
 """
 
 import hashlib
@@ -15,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 from rtphys.core.errors import RtphysError
-from rtphys.sim.shader_edits import EDITS, UNUSED_FILES, Edit
+from rtphys.sim.shader_edits import EDITS, SENSING, UNUSED_FILES, Edit
 
 
 class ShaderMismatch(RtphysError):
@@ -55,11 +56,19 @@ def slim_pack(source: Path, version: str, cache: Path) -> Path:
             shutil.copytree(source / "common", work / "common")  # included as ../common
             shutil.copytree(source / "default", work / "slim")
             _make_slim(work)
+            shutil.copytree(work / "slim", sensing_pack(work / "slim"))
+            for name, edits in SENSING.items():
+                _apply(work / name, edits)
             work.chmod(0o755)
             _publish(work, root)
         finally:
             shutil.rmtree(work, ignore_errors=True)
     return root / "slim"
+
+
+def sensing_pack(slim: Path) -> Path:
+    """Folder of the variant that gives depth and ids, beside the slim pack."""
+    return slim.with_name("sensing")
 
 
 def _publish(work: Path, root: Path) -> None:
@@ -71,7 +80,7 @@ def _publish(work: Path, root: Path) -> None:
 
 
 def _digest(source: Path) -> str:
-    total = hashlib.sha256(repr((UNUSED_FILES, EDITS)).encode())
+    total = hashlib.sha256(repr((UNUSED_FILES, EDITS, SENSING)).encode())
     for folder in ("common", "default"):
         for file in sorted((source / folder).iterdir()):
             total.update(file.name.encode())

@@ -136,3 +136,18 @@ EDITS: dict[str, tuple[Edit, ...]] = {
     "slim/gbuffer.frag": _FRAGMENT,
     "slim/deferred.frag": _DEFERRED,
 }
+
+# The slim pack once more for cameras that are asked for depth and ids. Depth is there already; ids
+# of shape and entity cost one more target, a tenth of a picture, and leave its colours as they are.
+SENSING: dict[str, tuple[Edit, ...]] = {
+    "sensing/gbuffer.frag": (
+        (
+            r"out vec4 outSurface;",
+            "out vec4 outSurface;\nlayout(location = 2) out uvec4 outSegmentation;",
+        ),
+        (
+            r"  outAlbedo\.a = outSpecular\.b;",
+            "  outAlbedo.a = outSpecular.b;\n  outSegmentation = objectDataBuffer.segmentation;",
+        ),
+    ),
+}

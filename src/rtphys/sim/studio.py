@@ -1,16 +1,30 @@
 """Pictures of recorded states: a world built again with visuals, lights and cameras."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.core.point_cloud import DepthPicture, cloud
 from rtphys.core.poses import Pose
+from rtphys.setting.filming import HEAD, Filming
+from rtphys.setting.senses import CLOUD_POINTS, drawn
 from rtphys.sim import renderer
 from rtphys.sim.camera import CameraSpec, SimCamera, cam2world_gl, camera_specs, extrinsic_cv
+from rtphys.sim.identities import Identities
 from rtphys.sim.world import World
 from rtphys.visual import LightColours
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What one camera saw at one instant; senses that were not asked for are None."""
+
+    rgb: NDArray[np.uint8]  # (H, W, 3)
+    depth: NDArray[np.float32] | None = None  # (H, W) [m] along the optical axis; 0: nothing
+    actors: NDArray[np.uint8] | None = None  # (H, W) ids, named by `Studio.names`
+    meshes: NDArray[np.uint8] | None = None  # (H, W)
+    cloud: NDArray[np.float32] | None = None  # (1024, 6), of the head camera
 
 
 class Studio:
@@ -18,16 +32,22 @@ class Studio:
 
     Args:
         world: `WorldPlan.visuals` was true; `renderer.configure` ran before it was built.
-        cameras: short or official names.
+        filming: the cameras, and what they are asked for.
+
+    Raises:
+        BadValue: senses are asked for, and the process's shader gives none.
     """
 
-    def __init__(self, world: World, cameras: Sequence[str]) -> None:
-        self.world = world
+    def __init__(self, world: World, filming: Filming) -> None:
+        self.world, self._senses = world, filming.senses
+        sensing = drawn(filming.senses)
+        self._identities = Identities(world) if sensing else None
         world.room.draw_last()
         self._lamps = renderer.add_lights(world.scene)
         # Last, and never before: pack_poses goes by the order in which entities were added.
-        specs = camera_specs(world.robot.embodiment, cameras)
-        self.cameras = [SimCamera(world.scene, s, world.robot.articulation) for s in specs]
+        specs = camera_specs(world.robot.embodiment, filming)
+        robot = world.robot.articulation
+        self.cameras = [SimCamera(world.scene, spec, robot, sensing) for spec in specs]
         for camera in self.cameras:
             if camera.spec.name == world.head_camera.name:
                 camera.set_pose(world.head_camera.pose)
@@ -54,9 +74,33 @@ class Studio:
         self.world.scene.unpack_poses(packed + self._full[len(packed) :])
         self.world.scene.update_render()
 
-    def pictures(self) -> dict[str, NDArray[np.uint8]]:
-        """Official camera name -> (H, W, 3) RGB of the state shown."""
-        return {camera.spec.name: camera.capture() for camera in self.cameras}
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """ "actor" and "mesh" -> name of each id; empty where no camera is asked for senses."""
+        return {} if self._identities is None else self._identities.names
+
+    def shots(self) -> dict[str, Shot]:
+        """Official camera name -> what it sees of the state shown."""
+        return {camera.spec.name: self._shot(camera) for camera in self.cameras}
+
+    def _shot(self, camera: SimCamera) -> Shot:
+        rgb = camera.capture()
+        if self._identities is None:
+            return Shot(rgb)
+        seen, wanted = camera.sense(), self._senses
+        points = None
+        if "pointcloud" in wanted and camera.spec.name == HEAD:
+            K, _, gl = matrices(camera.spec, camera.pose)
+            picture = DepthPicture(seen.depth, rgb, K, gl)
+            points = cloud(picture, self.world.X_WT.inverse().matrix, CLOUD_POINTS)
+        segmented = "segmentation" in wanted
+        return Shot(
+            rgb,
+            seen.depth if "depth" in wanted else None,
+            self._identities.actors(seen.entities) if segmented else None,
+            self._identities.meshes(seen.shapes) if segmented else None,
+            points,
+        )
 
     def poses(self) -> dict[str, Pose]:
         """Official camera name -> world pose in the state shown, SAPIEN axes."""

@@ -18,8 +18,9 @@ from rtphys.data.jpeg import encode_png
 from rtphys.episode import begin
 from rtphys.episode.generate import attempt, start
 from rtphys.episode.instance import prepare
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
 from rtphys.policies import open_policy
+from rtphys.setting.filming import Filming
 from rtphys.setting.option import (
     Option,
     Positive,
@@ -222,6 +223,6 @@ def sheet(pack: Pack, score: Score) -> tuple[int, bytes]:
         recording = start(prepare(recipe, task, pack)).recorder.recording
     last = {row.stage: row for row in recording.rows}  # of each stage
     ends = replace(recording, rows=list(last.values()))
-    images = photograph(recipe, task, pack, ends, SHEET_CAMERAS).images
+    images = photograph(recipe, task, pack, Film.of(ends), Filming(SHEET_CAMERAS)).images
     columns = [np.concatenate(list(shown.values())) for shown in images]
     return seed, encode_png(np.concatenate(columns, axis=1))

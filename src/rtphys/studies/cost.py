@@ -11,7 +11,8 @@ from rtphys.core.timing import PhaseTimer
 from rtphys.data.staging import stage_episode
 from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
+from rtphys.setting.filming import Filming
 from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks, checked_dataclass
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
@@ -23,7 +24,6 @@ PICTURES = ("build", "render", "encode", "write")
 """Phases after it is accepted: the world built once more, to be drawn; drawing; both encoders,
 which run beside the renderer; writing, syncing, re-reading."""
 OUTSIDE = ("build", "write", "other")  # neither physics nor planning, nor rendering, nor encoding
-CAMERAS = ("head", "left", "right")
 
 
 @checked_dataclass(frozen=True)
@@ -114,7 +114,7 @@ class Meter:
 
     pack: Pack
     folder: Path  # for files that nobody keeps
-    cameras: tuple[str, ...] = CAMERAS
+    filming: Filming = field(default_factory=Filming)
     layout: str = "native"
     tasks: LoadedTasks = field(default_factory=LoadedTasks)
 
@@ -135,19 +135,20 @@ class Meter:
         """Fills the caches that a process fills once: an attempt, and the world of its pictures."""
         tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack)
         if pictures and tried.recording is not None:
-            task = self.tasks[setting.task]
-            photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
+            task, film = self.tasks[setting.task], Film.of(tried.recording)
+            photograph(tried.recipe, task, self.pack, film, self.filming)
 
     def _draw(self, tried: Attempt, cost: Cost) -> None:
         assert tried.recording is not None
         with (timer := cost.pictures.timer).phase("build"):
             task = self.tasks[tried.recipe.task]
-            taken = photograph(tried.recipe, task, self.pack, tried.recording, self.cameras)
+            film = Film.of(tried.recording)
+            taken = photograph(tried.recipe, task, self.pack, film, self.filming)
             episode = assemble(tried, taken, self.pack)
         staged = stage_episode(self.folder / "episode", episode, self.layout, timer)
         cost.pictures.count += 1
         cost.frames += staged.frames
-        cost.images += staged.frames * len(self.cameras)
+        cost.images += staged.frames * len(self.filming.cameras)
         cost.bytes += sum(facts.size for facts in staged.files.values())
 
 

@@ -1,14 +1,20 @@
 """Observations in the format of RoboTwin's `get_obs`: nested dicts, plain lists, RGB pictures."""
 
 from rtphys.assets.action_layout import SIDES
-from rtphys.episode import Observation
-from rtphys.sim.camera import SHORT
+from rtphys.data.hdf5_senses import to_mm
+from rtphys.data.palette import coloured
+from rtphys.episode import CameraView, Observation
+from rtphys.setting.filming import CAMERAS
 
 Robotwin = dict[str, object]
+MATRICES = ("intrinsic_cv", "extrinsic_cv", "cam2world_gl")
 
 
 def official(now: Observation, pictures: bool = True) -> Robotwin:
     """Convert an observation to RoboTwin's `observation`, `pointcloud`, `joint_action`, `endpose`.
+
+    Depth, segmentation and point cloud are there if the episode was begun with them: in mm, in the
+    palette's colours, and (1024, 6).
 
     Joint actions are drive targets, grippers 0 closed .. 1 open. End poses are lists, xyz [m] +
     wxyz in the world frame: adapters concatenate them with `+`.
@@ -17,7 +23,7 @@ def official(now: Observation, pictures: bool = True) -> Robotwin:
         pictures: False leaves `observation` empty and draws nothing.
     """
     views = now.cameras if pictures else {}
-    cameras = {SHORT[name]: vars(view).copy() for name, view in views.items()}
+    cameras = {CAMERAS[name]: official_view(view) for name, view in views.items()}
     joints: Robotwin = {}
     ends: Robotwin = {}
     for side, part in zip(SIDES, now.embodiment.action_layout.sides, strict=True):
@@ -26,7 +32,18 @@ def official(now: Observation, pictures: bool = True) -> Robotwin:
         ends[f"{side}_endpose"], ends[f"{side}_gripper"] = now.endposes[side].tolist(), gripper
     return {
         "observation": cameras,
-        "pointcloud": [],
+        "pointcloud": now.cloud if pictures and now.cloud is not None else [],
         "joint_action": {**joints, "vector": now.vector.copy()},
         "endpose": ends,
     }
+
+
+def official_view(view: CameraView) -> Robotwin:
+    """One camera under RoboTwin's keys, with those senses that there are."""
+    found: Robotwin = {"rgb": view.rgb, **{key: getattr(view, key) for key in MATRICES}}
+    if view.depth is not None:
+        found["depth"] = to_mm(view.depth)
+    if view.actors is not None and view.meshes is not None:
+        found["mesh_segmentation"] = coloured(view.meshes)
+        found["actor_segmentation"] = coloured(view.actors)
+    return found

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from rtphys.core.poses import Pose
 from rtphys.episode import PolicyEpisode
-from rtphys.sim.camera import SHORT
+from rtphys.policies.robotwin.observation import MATRICES
+from rtphys.setting.filming import CAMERAS
 from rtphys.sim.recorder import flat
 
 CLOSED, OPEN = 0.2, 0.8  # commanded openings that RoboTwin counts as closed (<) and open (>)
@@ -93,11 +94,11 @@ class Cameras:
 
     def get_rgb(self) -> dict[str, dict[str, NDArray[np.uint8]]]:
         """`{"head_camera": {"rgb": (240, 320, 3) uint8 RGB}, ...}`."""
-        return {SHORT[name]: {"rgb": view.rgb} for name, view in self._seen.cameras.items()}
+        return {CAMERAS[name]: {"rgb": view.rgb} for name, view in self._seen.cameras.items()}
 
     def get_config(self) -> dict[str, dict[str, NDArray[np.float32]]]:
         """Matrices of every camera by RoboTwin's name."""
         return {
-            SHORT[name]: {key: value for key, value in vars(view).items() if key != "rgb"}
+            CAMERAS[name]: {key: getattr(view, key) for key in MATRICES}
             for name, view in self._seen.cameras.items()
         }

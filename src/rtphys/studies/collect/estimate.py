@@ -163,7 +163,7 @@ class ProbeWorker(StudyWorker[TaskPlan, Measured]):
         start_cpu, self._start_cpu = self._start_cpu, 0.0
         began = time.process_time(), time.perf_counter()
         with tempfile.TemporaryDirectory(prefix="rtphys-probe-") as scratch:
-            meter = Meter(self.pack, Path(scratch), job.cameras, job.layout, self.tasks)
+            meter = Meter(self.pack, Path(scratch), job.filming, job.layout, self.tasks)
             costs = [_cost(meter, side.setting, job.first_seed) for side in job.sides]
         cpu, wall = time.process_time() - began[0], time.perf_counter() - began[1]
         return Measured.of(costs, start_cpu, wall / cpu)

@@ -15,6 +15,7 @@ from rtphys.data.layout import LAYOUTS, TaskDataset
 from rtphys.doctor import PROBE, check_disk, check_renderer
 from rtphys.physics.attribute import Part
 from rtphys.physics.registry import attributes
+from rtphys.setting.filming import HEAD, Cameras, CameraType, Filming, SenseNames, Size
 from rtphys.setting.option import (
     Option,
     Positive,
@@ -24,23 +25,20 @@ from rtphys.setting.option import (
     number_or_all,
     one_of,
 )
+from rtphys.setting.senses import drawn
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
 
 EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
+MOST_FRAMES = 250  # of most episodes; they have 60 to 250
+LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it in memory twice
 TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
 
 
-def _cameras() -> tuple[str, ...]:
-    from rtphys.sim.camera import SHORT  # imported here: a command line must not load SAPIEN
-
-    return (*SHORT, *SHORT.values())
-
-
 def _shaders() -> tuple[str, ...]:
-    from rtphys.sim.renderer import SHADERS  # likewise
+    from rtphys.sim.renderer import SHADERS  # imported here: a command line must not load SAPIEN
 
     return tuple(SHADERS)
 
@@ -55,9 +53,10 @@ class TaskPlan:
     twin: Annotated[
         str | None, Option("A second protocol: record each seed under both, keep only pairs.")
     ] = None
-    cameras: Annotated[
-        tuple[str, ...], one_of("camera", _cameras), Option("Any of head, left, right, front.")
-    ] = ("head", "left", "right")
+    cameras: Cameras = ("head", "left", "right")
+    senses: SenseNames = ()
+    camera_type: CameraType = None
+    size: Size = None
     layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
     most_attempts: Annotated[
         Positive | None,
@@ -72,11 +71,17 @@ class TaskPlan:
     twin_of: str | None = None  # config of the task dataset whose twin this is
 
     def __post_init__(self) -> None:
-        official = [f"{name.removesuffix('_camera')}_camera" for name in self.cameras]
-        if "head_camera" not in official:
+        if HEAD not in self.filming.official:
             raise BadValue("cameras", ",".join(self.cameras), "head is needed, for the video")
-        if len(set(official)) < len(official):
-            raise BadValue("cameras", ",".join(self.cameras), "name each camera once")
+        if (size := MOST_FRAMES * self.filming.frame_bytes()) > LARGEST:
+            most = f"an episode has {LARGEST / 1e9:g} GB of them at most, not {size / 1e9:.1f}"
+            cure = "name fewer `cameras` or senses, or a smaller `size`"
+            raise BadValue("senses", ",".join(self.senses), f"{most}; {cure}")
+
+    @property
+    def filming(self) -> Filming:
+        """What is drawn of each episode. Raises `BadValue`: it cannot be."""
+        return Filming(self.cameras, self.senses, self.camera_type, self.size)
 
     @property
     def folder(self) -> str:
@@ -158,9 +163,11 @@ class Run:
         for plan in plans:
             looks = [side.setting.visual() for side in plan.sides]
             shares = sum(TEXTURED if look and look.textures else 1 for look in looks)
+            pictures = len(plan.cameras) * shares * EPISODE_BYTES * plan.filming.picture_scale()
+            sensed = len(looks) * MOST_FRAMES * plan.filming.frame_bytes()
             failures = plan.keep_failures or "0"
             kept = plan.episodes if failures == "all" else int(failures)
-            needed += (plan.episodes + kept) * len(plan.cameras) * shares * EPISODE_BYTES
+            needed += (plan.episodes + kept) * (pictures + sensed)
         return needed
 
     def check_room(self, plans: Sequence[TaskPlan]) -> None:
@@ -199,6 +206,10 @@ def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
     tasks = [plan.check() for plan in plans]
     run.check_room(plans)
     run.size()
+    if any(drawn(plan.senses) for plan in plans):
+        from rtphys.sim.renderer import check_senses  # imported here: it loads SAPIEN
+
+        check_senses(run.shader)
     finding = check_renderer((*PROBE, run.shader))
     if finding.status == "fail":
         cure = f"; cure: {finding.cure}" if finding.cure else ""

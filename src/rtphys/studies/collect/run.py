@@ -18,7 +18,6 @@ from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
-from rtphys.sim.camera import camera_specs
 from rtphys.studies.collect.plan import Run, TaskPlan, check
 from rtphys.studies.collect.shard import Shard, claim
 from rtphys.studies.collect.work import (
@@ -106,14 +105,13 @@ def conditions_of(
 ) -> Conditions:
     """What makes two runs continue each other. `stride`: a shard's first attempt and step."""
     setting, rules = plan.setting, plan.setting.visual()
-    specs = camera_specs(pack.embodiment(setting.embodiment), plan.cameras)
     name = "builtin" if (pack.root / STAMP).is_file() else pack.root.name
     return Conditions(
         setting=setting,
         first_seed=plan.first_seed,
         domain=setting.domain.to_json(),
         visual=None if rules is None else rules.to_json(),
-        cameras=tuple(spec.name for spec in specs),
+        cameras=plan.filming.official,
         versions=versions(task),
         assets={"pack": name, "digest": pack.digest},
         layout=plan.layout,
@@ -122,6 +120,9 @@ def conditions_of(
         twin_of=plan.twin_of,
         keep_failures=plan.keep_failures,
         stride=stride if stride[1] > 1 else None,
+        senses=plan.senses or None,
+        camera_type=plan.camera_type,
+        size=plan.size,
     )
 
 
@@ -151,7 +152,7 @@ class TaskCollection(Study[Job, Results]):
     def job(self, seed: int) -> Job:
         recipes = tuple(side.setting.at(seed) for side in self.plan.sides)
         keep = tuple(writer.wants_failures for writer in self.writers)
-        return Job(recipes, self.folders(seed), self.plan.cameras, self.plan.layout, keep)
+        return Job(recipes, self.folders(seed), self.plan.filming, self.plan.layout, keep)
 
     def folders(self, seed: int) -> tuple[Path, ...]:
         """Where the files of a seed wait for their number, one folder a writer."""

@@ -27,7 +27,7 @@ from rtphys.studies.collect.plan import Run, TaskPlan, chosen, plan_of
 KEPT = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery", "pair_tasks")
 KEPT += ("first_seed", "cameras", "layout", "config", "twin", "most_attempts")
 KEPT += ("assets", "fallback", "shader")
-RARE = ("keep_failures",)  # kept where they are set
+RARE = ("keep_failures", "senses", "camera_type", "size")  # where they are asked for
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def stored_plan(plan: TaskPlan, run: Run) -> dict[str, JSON]:
     rare = {"ranges": None, "recovery": True, "pair_tasks": False}
     known = {**rare, **plan.setting.to_json(), **vars(plan), **vars(run)}
     known["assets"] = None if run.assets is None else str(run.assets)
-    named = [*KEPT, *(key for key in RARE if known[key] is not None)]
+    named = [*KEPT, *(key for key in RARE if known[key])]
     return {key: plain(known[key], key) for key in named}
 
 

@@ -17,7 +17,8 @@ from rtphys.data.task_writer import Rejection
 from rtphys.episode.assemble import assemble, assemble_failure, kept, values
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
-from rtphys.episode.photograph import photograph
+from rtphys.episode.photograph import Film, photograph
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
 from rtphys.studies.collect.plan import Run
@@ -37,7 +38,7 @@ class Job:
 
     recipes: tuple[Recipe, ...]
     folders: tuple[Path, ...]
-    cameras: tuple[str, ...]
+    filming: Filming
     layout: str
     keep: tuple[bool, ...] = ()  # of each recipe: draw it if it fails, too; empty: none
 
@@ -71,7 +72,7 @@ class CollectWorker(StudyWorker[Job, Results]):
         """Draws and encodes an attempt."""
         assert tried.recording is not None
         task = self.tasks[tried.recipe.task]
-        pictures = photograph(tried.recipe, task, self.pack, tried.recording, job.cameras)
+        pictures = photograph(tried.recipe, task, self.pack, Film.of(tried.recording), job.filming)
         put_together = assemble if tried.accepted else assemble_failure
         return stage_episode(folder, put_together(tried, pictures, self.pack), job.layout)
 

@@ -1,0 +1,121 @@
+"""How an episode is filmed: which cameras, their optics, and what they record beyond colours."""
+
+import re
+from dataclasses import replace
+from typing import Annotated, NamedTuple
+
+from rtphys.core.bounds import MOST_PIXELS
+from rtphys.core.errors import BadValue
+from rtphys.setting.option import Option, checked_dataclass, one_of
+from rtphys.setting.senses import SENSES
+
+KINDS = {  # width, height [px], vertical field of view [deg] (RoboTwin, _camera_config.yml)
+    "D435": (320, 240, 37.0),
+    "Large_D435": (640, 480, 37.0),
+    "L515": (320, 180, 45.0),
+    "Large_L515": (640, 360, 45.0),
+}
+CAMERAS = {  # short name -> official name
+    "head": "head_camera",
+    "left": "left_camera",
+    "right": "right_camera",
+    "front": "front_camera",
+}
+HEAD = CAMERAS["head"]
+SMALLEST, LARGEST = 16, 2048  # [px] of a picture's width and height
+
+Cameras = Annotated[
+    tuple[str, ...],
+    one_of("camera", (*CAMERAS, *CAMERAS.values())),
+    Option("Any of head, left, right, front."),
+]
+SenseNames = Annotated[
+    tuple[str, ...],
+    one_of("sense", SENSES),
+    Option(f"Also record any of {', '.join(SENSES)}; several with commas.", "sense"),
+]
+CameraType = Annotated[
+    str | None,
+    one_of("camera type", KINDS),
+    Option("D435, L515, Large_D435 or Large_L515, for every camera; default: D435."),
+]
+Size = Annotated[str | None, Option("WxH: size of the pictures; the vertical field of view stays.")]
+
+
+class Optics(NamedTuple):
+    """Of one camera."""
+
+    width: int  # [px]
+    height: int  # [px]
+    fovy_deg: float  # vertical field of view
+
+
+@checked_dataclass(frozen=True)
+class Filming:
+    """What is drawn of an episode. Senses, type and size count for every camera alike."""
+
+    cameras: Cameras = ("head", "left", "right")
+    senses: SenseNames = ()
+    camera_type: CameraType = None
+    size: Size = None
+    look: str | None = None  # protocol whose textures and lights are drawn; None: the recipe's own
+
+    def __post_init__(self) -> None:
+        if not self.cameras:
+            raise BadValue("cameras", "", f"name at least one of {', '.join(CAMERAS)}")
+        for key, names in (("cameras", self.official), ("senses", self.senses)):
+            if len(set(names)) < len(names):
+                raise BadValue(key, ",".join(getattr(self, key)), "name each once")
+        for name in self.senses:
+            if SENSES[name].scope == "head" and HEAD not in self.official:
+                allowed = f"it is the head camera's, and the cameras are {','.join(self.cameras)}"
+                raise BadValue("senses", name, allowed)
+        if self.size is not None:
+            parse_size(self.size)
+
+    @property
+    def official(self) -> tuple[str, ...]:
+        """Official names of the cameras, in the order asked for."""
+        return tuple(CAMERAS.get(name, name) for name in self.cameras)
+
+    def optics(self, own: str) -> Optics:
+        """Of a camera whose own type is `own`, one of `KINDS`."""
+        optics = Optics(*KINDS[self.camera_type or own])
+        if self.size is None:
+            return optics
+        width, height = parse_size(self.size)
+        return optics._replace(width=width, height=height)
+
+    def frame_bytes(self) -> float:
+        """What the senses of one frame take in a file [bytes]."""
+        width, height, _ = self.optics("D435")
+        pixels = width * height * len(self.cameras)
+        scopes = [(SENSES[name], SENSES[name].scope == "pixel") for name in self.senses]
+        return sum(sense.size * (pixels if each else 1) for sense, each in scopes)
+
+    def picture_scale(self) -> float:
+        """How many pixels a picture has, against the usual 320 x 240."""
+        width, height, _ = self.optics("D435")
+        return width * height / (320 * 240)
+
+    def blind(self) -> "Filming":
+        """The same without senses."""
+        return replace(self, senses=())
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Width and height [px] of "640x480".
+
+    Raises:
+        BadValue: it is not spelled so, or no picture or video can have this size.
+    """
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text)
+    if match is None:
+        raise BadValue("size", text, "write WIDTHxHEIGHT, such as 640x480")
+    width, height = int(match[1]), int(match[2])
+    inside = all(SMALLEST <= n <= LARGEST for n in (width, height))
+    if not inside or width * height > MOST_PIXELS:
+        raise BadValue("size", text, f"each from {SMALLEST} to {LARGEST} pixels")
+    if width % 2 or height % 2:
+        raise BadValue("size", text, "both must be even, for the video")
+    return width, height
