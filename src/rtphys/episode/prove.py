@@ -12,7 +12,7 @@ from rtphys.task.spec import load_task
 
 
 def replayed(dataset: Dataset, count: int) -> list[Problem]:
-    """Simulates `count` episodes again, spread evenly over the dataset, each with its own assets.
+    """Simulates `count` of the expert's episodes again, spread evenly, each with its own assets.
 
     Returns:
         One problem for each episode whose states are not the stored ones. Where the asset pack of
@@ -20,9 +20,11 @@ def replayed(dataset: Dataset, count: int) -> list[Problem]:
     """
     digests = {entry.assets.get("digest", "") for entry in dataset.task_datasets}
     packs = {digest: pack_with(digest) or default_pack() for digest in digests}
-    indices = np.unique(np.linspace(0, len(dataset) - 1, min(count, len(dataset))).astype(int))
+    # What a policy did cannot be made again without it.
+    own = [n for n in range(len(dataset)) if dataset.task_dataset(n).policy is None]
+    chosen = np.unique(np.linspace(0, len(own) - 1, min(count, len(own))).astype(int))
     problems: list[Problem] = []
-    for index in map(int, indices):
+    for index in (own[n] for n in chosen):
         episode, digest = dataset[index], dataset.task_dataset(index).assets.get("digest", "")
         try:
             recipe = Recipe.from_json(episode.meta.recipe)

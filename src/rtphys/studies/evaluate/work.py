@@ -13,6 +13,7 @@ from rtphys.policies import Policy, PolicyBroken, PolicyGone, PolicySetup, open_
 from rtphys.results import EpisodeRecord
 from rtphys.setting.setting import Recipe
 from rtphys.sim import renderer
+from rtphys.studies.evaluate.recorded import Recorded, stage, unplayed
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
 
@@ -24,16 +25,17 @@ class Job:
     recipe: Recipe
     setup: PolicySetup
     video: Path | None = None
+    staging: Path | None = None  # folder for the files of a recorded episode
 
 
 @dataclass
-class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
+class EvaluateWorker(StudyWorker[Job, EpisodeRecord | Recorded]):
     """Plays episodes with a policy, which stays open from one to the next of the same setup."""
 
     policy: str
     _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
 
-    def do(self, job: Job) -> EpisodeRecord:
+    def do(self, job: Job) -> EpisodeRecord | Recorded:
         """Plays one episode.
 
         Raises:
@@ -46,7 +48,8 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         try:
             episode = begin(recipe, self.tasks[recipe.task], self.pack)
         except Infeasible as problem:
-            return lost_record(recipe, "infeasible", str(problem))
+            lost = lost_record(recipe, "infeasible", str(problem))
+            return lost if job.staging is None else unplayed(lost, recipe.setting)
         trace = ""
         try:
             policy.play(episode)
@@ -61,7 +64,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         record = _judged(episode, trace)
         if job.video is not None:
             film(episode, self.pack, job.video)
-        return record
+        return record if job.staging is None else stage(episode, record, job.staging, self.pack)
 
     def _opened(self, setup: PolicySetup) -> Policy:
         if self._open is None or self._open[0] != setup:
