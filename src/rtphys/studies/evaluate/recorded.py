@@ -16,6 +16,7 @@ from rtphys.results import EpisodeRecord
 from rtphys.results.instances import InstanceList
 from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Setting
+from rtphys.sim import renderer
 from rtphys.studies.collect.plan import TaskPlan
 from rtphys.studies.collect.run import conditions_of
 from rtphys.studies.collect.work import CollectWorker, Job, rejection
@@ -83,6 +84,7 @@ def experience(
 
 def stage(episode: PolicyEpisode, record: EpisodeRecord, folder: Path, pack: Pack) -> Recorded:
     """Draws and encodes an episode that a policy has played. Raises `NoRenderer`."""
+    renderer.hold_anchor()
     lines = record.detail.strip().splitlines()
     detail = "" if record.success else (lines[-1] if lines else "")[:SHORT]
     tried = Attempt(
