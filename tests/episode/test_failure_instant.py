@@ -33,7 +33,7 @@ def frames_of(cup: np.ndarray, touched: np.ndarray, opening: np.ndarray | None =
         joint_names=(),
         object_poses={"cup": cup, "clutter0": np.tile([5.0, 0, 0, 1, 0, 0, 0], (T, 1))},
         contacts={
-            "cup": np.column_stack([touched, touched & False]),
+            "cup": np.column_stack([touched, nothing]),
             "clutter0": np.zeros((T, 2), bool),
         },
         stage=np.zeros(T, int),
