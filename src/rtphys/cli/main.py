@@ -16,6 +16,7 @@ from rtphys.cli.terminal import say
 
 COMMANDS = {
     "collect": "Collect verified episodes of one or more tasks.",
+    "render": "Draw a dataset again: other cameras, sizes, senses or looks.",
     "merge": "Merge the shards of a collection into one dataset.",
     "check": "Try a task's expert over many seeds, without pictures.",
     "certify": "Find the seeds on which policies are evaluated.",

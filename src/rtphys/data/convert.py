@@ -16,7 +16,7 @@ from rtphys.data.hdf5_legacy import read_legacy
 from rtphys.data.hdf5_native import read_native
 from rtphys.data.hdf5_senses import read_senses
 from rtphys.data.json_text import parse_mapping
-from rtphys.data.layout import LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
+from rtphys.data.layout import FAILURES, LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import (
     FailureMeta,
@@ -103,7 +103,7 @@ def conditions_of(
 
 def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Iterator[None]:
     """Yields after each episode that is committed."""
-    rejections = _rejections(source, entry)
+    rejections = rejections_of(source, entry)
     failures = [failure.seed for failure in entry.failures]
     number = 0
     for attempt in entry.attempts:
@@ -129,14 +129,13 @@ def _staged(source: TaskDataset, number: int, seed: int, task: TaskWriter) -> St
     """An episode in the layout that the writer writes. Raises `BadFile`: it is another seed's."""
     paths = source.episode(number)
     scenes = parse_mapping(files.read(source.scene_info), source.scene_info)
-    kind = FailureMeta if source.failed else PhysMeta
-    episode = _encoded(paths, source.layout, scenes.get(f"episode_{number}"), kind)
+    episode = encoded_episode(paths, source.layout, scenes.get(f"episode_{number}"))
     if episode.phys_meta["seed"] != seed:
         raise BadFile(paths.phys_meta, f"seed is not {seed}, as the manifest says")
     return stage_encoded(task.staging(seed), episode, task.conditions.layout)
 
 
-def _rejections(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
+def rejections_of(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
     """By seed; with detail and physics where the journal still is."""
     rejected = [attempt for attempt in entry.attempts if attempt.verdict == "rejected"]
     rejections = {a.seed: Rejection(a.seed, a.reason or "") for a in rejected}
@@ -155,10 +154,12 @@ def _plain(kind: type[Kind], path: Path) -> dict[str, JSON]:
     return content
 
 
-def _encoded(paths: EpisodePaths, layout: str, scene: JSON, kind: type[PhysMeta]) -> EncodedEpisode:
+def encoded_episode(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpisode:
+    """An episode as its files hold it. Raises `BadFile`."""
     frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
-    meta = _plain(kind, paths.phys_meta)
+    failed = paths.phys_meta.parents[1].name == FAILURES
+    meta = _plain(FailureMeta if failed else PhysMeta, paths.phys_meta)
     words = _plain(Instructions, paths.instruction)
     if not isinstance(scene, Mapping):
         raise BadFile(paths.hdf5, "scene_info.json has no entry for this episode")

@@ -19,6 +19,7 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
+from rtphys.data.hdf5_senses import SenseFile
 from rtphys.data.layout import MANIFEST, EpisodePaths
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import FailureMeta, Instructions, Manifest, PhysMeta, TaskDatasetEntry
@@ -93,6 +94,12 @@ class Episode:
     def instructions(self) -> Instructions:
         """Sentences, `seen` and `unseen`."""
         return schema.read(Instructions, self.paths.instruction)
+
+    @property
+    def senses(self) -> SenseFile:
+        """Depth, ids, point clouds and body poses, if they were recorded."""
+        files.check(self.paths.hdf5)
+        return SenseFile(self.paths.hdf5, self.layout, self.cameras)
 
     @property
     def cameras(self) -> tuple[str, ...]:

@@ -45,7 +45,7 @@ def row_of(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _codes(colours: NDArray[np.uint8]) -> NDArray[np.uint32]:
     red, green, blue = (colours[..., i].astype(np.uint32) for i in range(3))
-    return red << 16 | green << 8 | blue
+    return np.asarray(red << 16 | green << 8 | blue, np.uint32)
 
 
 _CODES = _codes(PALETTE)  # ascending, as the palette is sorted

@@ -39,9 +39,9 @@ class Mirror:
         cameras: dict[str, CameraView] = {}
         for spec in studio.specs:
             shot = shots[spec.name]
+            K, extrinsic, gl = matrices(spec, poses[spec.name])
             seen = (shot.depth, shot.actors, shot.meshes)
-            calibration = matrices(spec, poses[spec.name])
-            cameras[_SHORT_NAMES[spec.name]] = CameraView(shot.rgb, *calibration, *seen)
+            cameras[_SHORT_NAMES[spec.name]] = CameraView(shot.rgb, K, extrinsic, gl, *seen)
         cloud = shots[HEAD].cloud if HEAD in shots else None
         return View(cameras, cloud, studio.names)
 

@@ -18,9 +18,9 @@ from rtphys.sim import renderer
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.identities import body_names
 from rtphys.sim.recorder import FRAME_STEPS, Recording
-from rtphys.sim.studio import Shot, Studio, matrices
+from rtphys.sim.studio import Shot, Studio, matrices, packed_of, unpacked
 from rtphys.task.spec import Task
-from rtphys.visual import Backdrop
+from rtphys.visual import Backdrop, Look
 
 FRAME_TIME = FRAME_STEPS * TIME_STEP  # [s]
 
@@ -35,6 +35,7 @@ class Photographs:
     cameras: Mapping[str, CameraFrames]  # by official name
     first_poses: Mapping[str, Pose]  # world pose at the first row: x forward, y left, z up
     images: Iterator[Images]
+    look: Look
     sensed: Sensed | None = None  # complete once `images` is consumed; None: nothing asked for
 
 
@@ -49,6 +50,11 @@ class Film:
     def of(recording: Recording) -> "Film":
         """All rows of a recording."""
         return Film([row.time for row in recording.rows], [row.packed for row in recording.rows])
+
+    @staticmethod
+    def of_poses(times: Sequence[float], bodies: BodyPoses) -> "Film":
+        """What a file holds."""
+        return Film(times, [packed_of(poses) for poses in bodies.poses])
 
 
 def photograph(recipe: Recipe, task: Task, pack: Pack, film: Film, filming: Filming) -> Photographs:
@@ -72,15 +78,14 @@ def photograph(recipe: Recipe, task: Task, pack: Pack, film: Film, filming: Film
     first = {name: track[0] for name, track in poses.items()}
     sensed = _sensed(studio, film, filming) if filming.senses else None
     images = _draw(studio, film, instance.look.backdrop, sensed)
-    return Photographs(frames, first, images, sensed)
+    return Photographs(frames, first, images, instance.look, sensed)
 
 
 def _sensed(studio: Studio, film: Film, filming: Filming) -> Sensed:
     """What is known before anything is drawn."""
     bodies = None
     if "states" in filming.senses:
-        flat = np.frombuffer(b"".join(film.packed), np.float32)
-        poses = flat.reshape(len(film.packed), -1, 7)
+        poses = np.stack([unpacked(packed) for packed in film.packed])
         bodies = BodyPoses(body_names(studio.world, poses.shape[1]), poses)
     names = studio.names if "segmentation" in filming.senses else {}
     return Sensed(filming.senses, names=names, bodies=bodies)

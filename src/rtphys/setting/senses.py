@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Scope = Literal["pixel", "head", "world"]
+Scope = Literal["pixel", "head", "bodies", "world"]
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,8 @@ class Sense:
         name: what users call it.
         adds: what it is.
         scope: "pixel": a number or a colour for each pixel of each camera; "head": drawn too, by
-            the head camera alone; "world": taken from the simulation, nothing is drawn for it.
+            the head camera alone; "bodies": poses, known wherever pictures can be drawn; "world":
+            measured in the simulation, and to be had nowhere else.
         keys: official keys, legacy then native; those below `rtphys/` are our own.
         size: [bytes] of a pixel, or of a frame if the scope is not "pixel".
     """
@@ -58,7 +59,7 @@ SENSES = {
         Sense(
             "states",
             "the pose of every body to the last bit, from which `render` draws again",
-            "world",
+            "bodies",
             ("rtphys/body_poses", "rtphys/body_poses"),
             80 * 7 * 4,  # a scene has 24 bodies or more, with clutter up to about 80
         ),
@@ -66,6 +67,10 @@ SENSES = {
 }
 
 
+REDRAWN = tuple(sense.name for sense in SENSES.values() if sense.scope != "world")
+"""Those that `render` can add to an episode."""
+
+
 def drawn(names: tuple[str, ...]) -> bool:
     """Whether any of the senses is of what cameras see."""
-    return any(SENSES[name].scope != "world" for name in names)
+    return any(SENSES[name].scope in ("pixel", "head") for name in names)

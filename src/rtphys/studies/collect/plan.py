@@ -1,6 +1,5 @@
 """What to collect and on what; all that can be refused before any work is done."""
 
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, fields, replace
@@ -10,9 +9,9 @@ from typing import Annotated, Any
 from rtphys.assets.pack import FALLBACKS, Pack, chosen_pack
 from rtphys.campaign.workers.local import cores
 from rtphys.campaign.workers.pool import Limits
-from rtphys.core.errors import BadValue, Infeasible, NoRenderer, RtphysError
+from rtphys.core.errors import BadValue, Infeasible, NoRenderer
 from rtphys.data.layout import LAYOUTS, TaskDataset
-from rtphys.doctor import PROBE, check_disk, check_renderer
+from rtphys.doctor import PROBE, check_renderer
 from rtphys.physics.attribute import Part
 from rtphys.physics.registry import attributes
 from rtphys.setting.filming import HEAD, Cameras, CameraType, Filming, SenseNames, Size
@@ -27,17 +26,14 @@ from rtphys.setting.option import (
 )
 from rtphys.setting.senses import drawn
 from rtphys.setting.setting import Setting, check_varies
+from rtphys.studies.disk import LARGEST, check_space, episode_bytes, sensed_bytes
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
 
-EPISODE_BYTES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
-MOST_FRAMES = 250  # of most episodes; they have 60 to 250
-LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it in memory twice
-TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
 
-
-def _shaders() -> tuple[str, ...]:
+def shaders() -> tuple[str, ...]:
+    """Names of the shaders that pictures can be drawn with."""
     from rtphys.sim.renderer import SHADERS  # imported here: a command line must not load SAPIEN
 
     return tuple(SHADERS)
@@ -73,7 +69,7 @@ class TaskPlan:
     def __post_init__(self) -> None:
         if HEAD not in self.filming.official:
             raise BadValue("cameras", ",".join(self.cameras), "head is needed, for the video")
-        if (size := MOST_FRAMES * self.filming.frame_bytes()) > LARGEST:
+        if (size := sensed_bytes(self.filming)) > LARGEST:
             most = f"an episode has {LARGEST / 1e9:g} GB of them at most, not {size / 1e9:.1f}"
             cure = "name fewer `cameras` or senses, or a smaller `size`"
             raise BadValue("senses", ",".join(self.senses), f"{most}; {cure}")
@@ -97,6 +93,12 @@ class TaskPlan:
         own, setting = self.config or self.setting.protocol, self.setting.under(self.twin)
         name = f"{own}.twin={self.twin}"
         return self, replace(self, setting=setting, config=name, twin=None, twin_of=own)
+
+    @property
+    def failures_expected(self) -> int:
+        """How many failed attempts are kept at most; of all, no more than episodes are expected."""
+        kept = self.keep_failures or "0"
+        return self.episodes if kept == "all" else int(kept)
 
     def check(self) -> Task:
         """The task; refuses what no episode could be made under."""
@@ -125,7 +127,7 @@ class Run:
     ] = None
     shard: Annotated[str, Option("i/n: one part of n, for `rtphys merge` to join.")] = ""
     resume: Annotated[bool, Option("Continue what is in the folder.")] = True
-    shader: Annotated[str, one_of("shader", _shaders), Option("slim, default, minimal or rt.")] = (
+    shader: Annotated[str, one_of("shader", shaders), Option("slim, default, minimal or rt.")] = (
         "slim"
     )
     assets: Annotated[Path | None, Option("An asset pack, such as RoboTwin's own.")] = None
@@ -159,27 +161,12 @@ class Run:
 
     def room_needed(self, plans: Sequence[TaskPlan]) -> float:
         """Disk space that the plans' episodes need at most [bytes]."""
-        needed = 0.0
-        for plan in plans:
-            looks = [side.setting.visual() for side in plan.sides]
-            shares = sum(TEXTURED if look and look.textures else 1 for look in looks)
-            pictures = len(plan.cameras) * shares * EPISODE_BYTES * plan.filming.picture_scale()
-            sensed = len(looks) * MOST_FRAMES * plan.filming.frame_bytes()
-            failures = plan.keep_failures or "0"
-            kept = plan.episodes if failures == "all" else int(failures)
-            needed += (plan.episodes + kept) * (pictures + sensed)
-        return needed
-
-    def check_room(self, plans: Sequence[TaskPlan]) -> None:
-        """Refuses plans whose episodes will need more disk space than there is."""
-        finding = check_disk("space for data", self.out)
-        if finding.status == "fail":
-            raise RtphysError(f"{self.out}: {finding.detail}; {finding.cure}")
-        place = next(p for p in (self.out, *self.out.absolute().parents) if p.exists())
-        needed, free = self.room_needed(plans), shutil.disk_usage(place).free
-        if free < needed:
-            amounts = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
-            raise RtphysError(f"{self.out}: {amounts}; free some space, or ask for fewer episodes")
+        return sum(
+            (plan.episodes + plan.failures_expected)
+            * episode_bytes(side.filming, side.setting.visual())
+            for plan in plans
+            for side in plan.sides
+        )
 
 
 def chosen(kind: type, given: Mapping[str, object]) -> dict[str, Any]:
@@ -204,7 +191,7 @@ def check(plans: Sequence[TaskPlan], run: Run) -> list[Task]:
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")
     tasks = [plan.check() for plan in plans]
-    run.check_room(plans)
+    check_space(run.out, run.room_needed(plans))
     run.size()
     if any(drawn(plan.senses) for plan in plans):
         from rtphys.sim.renderer import check_senses  # imported here: it loads SAPIEN

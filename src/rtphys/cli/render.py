@@ -1,0 +1,29 @@
+"""`rtphys render`: a dataset drawn again from its stored states."""
+
+import shlex
+
+from rtphys.cli.derived import takes
+from rtphys.cli.stopping import resumable
+from rtphys.cli.terminal import say
+from rtphys.studies.render.plan import RenderPlan
+
+
+@takes(RenderPlan)
+def render(plan: RenderPlan) -> None:
+    """Draw a dataset again: other cameras, sizes, senses or looks, the same states.
+
+    An episode that was recorded with `--sense states` is drawn from them. Any other is simulated
+    again from its recipe, and drawn if that gives the very states that its label names.
+    """
+    from rtphys.cli.progress import campaign_progress
+    from rtphys.studies.render.run import render as draw_again
+
+    with resumable(), campaign_progress("episodes") as listener:
+        done = draw_again(plan, listener)
+    say(f"{done.episodes} episodes in {plan.out}")
+    if done.compared:
+        share = f"{done.compared - done.differing} of {done.compared}"
+        say(f"{share} pictures that were stored before have come out the same, byte for byte")
+    if done.differing:
+        say("another device or driver drew the others; `rtphys doctor` names this one's", err=True)
+    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(plan.out))}")

@@ -1,0 +1,37 @@
+"""Disk space that episodes need; refused before any work starts where there is less."""
+
+import shutil
+from pathlib import Path
+
+from rtphys.core.errors import RtphysError
+from rtphys.doctor import check_disk
+from rtphys.setting.filming import Filming
+from rtphys.setting.protocol import VisualRules
+
+PICTURES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
+TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
+MOST_FRAMES = 250  # of most episodes
+LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it in memory twice
+
+
+def sensed_bytes(filming: Filming) -> float:
+    """What the senses of one episode take at most [bytes]."""
+    return MOST_FRAMES * filming.frame_bytes()
+
+
+def episode_bytes(filming: Filming, visual: VisualRules | None) -> float:
+    """What one episode takes at most [bytes]. `visual`: the rules of its look."""
+    share = TEXTURED if visual is not None and visual.textures else 1
+    pictures = len(filming.cameras) * share * PICTURES * filming.picture_scale()
+    return pictures + sensed_bytes(filming)
+
+
+def check_space(out: Path, needed: float) -> None:
+    """Refuses what needs more [bytes] than there is. Raises `RtphysError`."""
+    finding = check_disk("space for data", out)
+    if finding.status == "fail":
+        raise RtphysError(f"{out}: {finding.detail}; {finding.cure}")
+    place = next(p for p in (out, *out.absolute().parents) if p.exists())
+    if (free := shutil.disk_usage(place).free) < needed:
+        amounts = f"about {needed / 1e9:.1f} GB are needed and {free / 1e9:.1f} GB are free"
+        raise RtphysError(f"{out}: {amounts}; free some space, or ask for fewer episodes")

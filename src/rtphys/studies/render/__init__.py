@@ -1,0 +1,1 @@
+"""`render`: a dataset drawn again from its stored states."""

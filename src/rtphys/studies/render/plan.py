@@ -1,0 +1,57 @@
+"""What to draw again of a dataset, and how."""
+
+from pathlib import Path
+from typing import Annotated
+
+from rtphys.core.errors import BadValue
+from rtphys.data.schema import TaskDatasetEntry
+from rtphys.setting.filming import CAMERAS, CameraType, Filming, Size
+from rtphys.setting.option import Option, Workers, checked_dataclass, one_of
+from rtphys.setting.protocol import protocol_names
+from rtphys.setting.senses import REDRAWN, SENSES
+from rtphys.studies.collect.plan import shaders
+
+
+@checked_dataclass(frozen=True)
+class RenderPlan:
+    """What is drawn again of a dataset, and how. What is left out stays as it is stored."""
+
+    data: Annotated[Path, Option("Folder that holds manifest.json.", positional=True)]
+    out: Annotated[Path, Option("Folder for the new dataset.")]
+    add: Annotated[
+        tuple[str, ...], one_of("sense", SENSES), Option(f"Also any of {', '.join(REDRAWN)}.")
+    ] = ()
+    cameras: Annotated[
+        tuple[str, ...],
+        one_of("camera", (*CAMERAS, *CAMERAS.values())),
+        Option("Other cameras: any of head, left, right, front."),
+    ] = ()
+    camera_type: CameraType = None
+    size: Size = None
+    look: Annotated[
+        str | None,
+        one_of("protocol", protocol_names),
+        Option("Textures and lights of this protocol."),
+    ] = None
+    shader: Annotated[str, one_of("shader", shaders), Option("slim, default, minimal or rt.")] = (
+        "slim"
+    )
+    workers: Workers = None
+
+    def __post_init__(self) -> None:
+        for name in self.add:
+            if name not in REDRAWN:
+                raise BadValue(
+                    "add", name, f"it is measured while simulating; allowed: {', '.join(REDRAWN)}"
+                )
+
+    def filming(self, entry: TaskDatasetEntry) -> Filming:
+        """Of one task dataset. Raises `BadValue`: it cannot be."""
+        senses = dict.fromkeys((*(entry.senses or ()), *self.add))
+        return Filming(
+            self.cameras or tuple(entry.cameras),
+            tuple(name for name in SENSES if name in senses),
+            self.camera_type or entry.camera_type,
+            self.size or (None if self.camera_type else entry.size),
+            self.look,
+        )
