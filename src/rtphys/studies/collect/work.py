@@ -55,7 +55,11 @@ class CollectWorker(StudyWorker[Job, Results]):
 
     def do(self, job: Job) -> Results:
         """Simulates all recipes; draws and stages if all succeed: half a pair is no episode."""
-        tries = [attempt(recipe, self.tasks[recipe.task], self.pack) for recipe in job.recipes]
+        touch = job.filming.touch
+        tries = [
+            attempt(recipe, self.tasks[recipe.task], self.pack, touch=touch)
+            for recipe in job.recipes
+        ]
         if failed := next((tried for tried in tries if not tried.accepted), None):
             why = f"under {failed.recipe.protocol}: {failed.reason}"
             half = {"reason": "untwinned", "detail": why}
