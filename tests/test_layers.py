@@ -33,6 +33,7 @@ OWNERS = {
     "sapien": {"sim"},
     "matplotlib": {"report"},
     "pyarrow": {"export"},
+    "rerun": {"view"},
     "gymnasium": {"gym"},
     "websockets": {"policies"},
     "msgpack": {"policies"},

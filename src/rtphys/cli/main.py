@@ -29,6 +29,7 @@ COMMANDS = {
     "convert": "Write a dataset again in the other official layout.",
     "export": "Write a dataset in the format of another tool.",
     "show": "Show one episode in the terminal or as a picture.",
+    "view": "Look at an episode in Rerun, a viewer of recordings.",
     "report": "Show a dataset on one HTML page.",
     "tasks": "List the tasks and what they need.",
     "new-task": "Write a task file to start from.",

@@ -97,6 +97,9 @@ def claims_of(out: Path, manifest: Manifest, proof: Proof) -> Iterator[Claim]:
     """What the dataset says of each seed; what cannot be read is a problem of the proof."""
     known: dict[str, Conditions] = {}
     for name, entry in manifest.task_datasets.items():
+        if entry.policy is not None:
+            proof.notes.append(f"{name}: what {entry.policy} did cannot be made again without it")
+            continue
         try:
             known[name] = stated(entry, manifest)
         except BadFile as error:
