@@ -93,9 +93,9 @@ class Plan:
                 "shape": [pixels],
                 "names": None,
             }
-        features["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
-        features |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
-        return features
+        kinds = {"timestamp": "float32", **dict.fromkeys(INDICES, "int64")}
+        own = {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in kinds.items()}
+        return features | own
 
 
 def plan_for(episode: Episode, version: str, camera_names: str, wanted: Sequence[str] = ()) -> Plan:
