@@ -14,6 +14,6 @@ def arm_kinematics(embodiment: Embodiment) -> dict[str, ArmKinematics]:
         BadFile, UnknownName: the URDF does not hold the arms that the embodiment names.
     """
     return {
-        limb.side: ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.bases[0])
+        limb.side: ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.base)
         for limb in embodiment.limbs
     }

@@ -109,7 +109,7 @@ def camera_specs(embodiment: Embodiment, names: Sequence[str]) -> tuple[CameraSp
 def _spec(embodiment: Embodiment, name: str) -> CameraSpec:
     for limb in embodiment.limbs:
         if name == f"{limb.side}_camera":
-            return _optics(name, "D435", Pose(), limb.camera_link)
+            return _optics(name, "D435", limb.camera.offset or Pose(), limb.camera.link)
     fixed = {camera.name: camera for camera in embodiment.cameras}
     if name in fixed:
         camera: StaticCamera = fixed[name]
