@@ -130,6 +130,16 @@ class Embodiment:
         return closed + g * (opened - closed)
 
 
+def canonical(name: str) -> str:
+    """The name as it is stored: without spaces, the distance in its shortest form.
+
+    Raises:
+        BadValue: it cannot be a robot's name.
+    """
+    model, distance = named_pair(name)
+    return model if distance is None else f"{model},{model},{distance:g}"
+
+
 def named_pair(name: str) -> tuple[str, float | None]:
     """Model and distance of the bases [m] that an embodiment's name states; None where it does not.
 

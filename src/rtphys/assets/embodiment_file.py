@@ -25,6 +25,7 @@ from rtphys.assets.embodiment import (
     Mimic,
     Mount,
     StaticCamera,
+    canonical,
 )
 from rtphys.assets.identity import cache_folder
 from rtphys.assets.pair_urdf import ArmUrdf, check_meshes, joint_limits, pair_urdf, parsed_urdf
@@ -136,7 +137,7 @@ def _pair(name: str, arm: ArmUrdf, config: Config, distance: float | None) -> Em
         shift = np.array([(i - 0.5) * apart, 0.0, 0.0])
         placed.append((side, arm, Pose(base[:3] + shift, base[3:7]).matrix))
     text = pair_urdf(placed)
-    full = name if distance is None else f"{name},{name},{distance:g}"
+    full = name if distance is None else canonical(f"{name},{name},{distance}")
     return _embodiment(full, (_cached(name, text), Pose()), config, arms)
 
 
@@ -231,9 +232,7 @@ def _limb(i: int, config: Config, names: _Names) -> tuple[Limb, float]:
         ee=names.ee,
         camera=names.camera,
         gripper_joint=prefix + fingers[0],
-        mimics=tuple(
-            Mimic(prefix + str(m[0]), _number(m[1]), _number(m[2])) for m in mimics
-        ),
+        mimics=tuple(Mimic(prefix + str(m[0]), _number(m[1]), _number(m[2])) for m in mimics),
         finger_signs=signs,
         home=home,
         limits=limits,

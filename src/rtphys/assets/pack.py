@@ -173,6 +173,15 @@ class Pack:
             raise MissingAsset(f"embodiment {model!r}", folder / "config.yml")
         raise UnknownName("embodiment", model, self.embodiments, self.root)
 
+    def embodiment_folder(self, name: str) -> Path:
+        """The folder of a robot's description. Raises UnknownName."""
+        folder = self.root / "embodiments" / name
+        if (folder / "config.yml").is_file():
+            return folder
+        if self.fallback:
+            return self.fallback.embodiment_folder(name)
+        raise UnknownName("embodiment", name, self.embodiments, self.root)
+
     def textures(self, split: str, place: Place) -> tuple[str, ...]:
         """Names of the textures of tables or walls, of a split, in a fixed order.
 

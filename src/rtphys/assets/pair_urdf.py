@@ -118,7 +118,10 @@ class ArmUrdf:
         if (inertial := _sum([_inertial(self.links[part], X) for part, X in parts])) is not None:
             link.append(inertial)
         for part, X in parts:
-            for shape in (*self.links[part].findall("visual"), *self.links[part].findall("collision")):
+            for shape in (
+                *self.links[part].findall("visual"),
+                *self.links[part].findall("collision"),
+            ):
                 own = copy.deepcopy(shape)
                 _set_origin(own, X @ _origin(shape))
                 for mesh in own.iter("mesh"):
@@ -248,7 +251,5 @@ def _sum(moments: Sequence[tuple[float, Array, Array] | None]) -> Element | None
     SubElement(element, "origin", xyz=_text(com), rpy="0 0 0")
     SubElement(element, "mass", value=f"{mass:.9g}")
     tensor = inertia[_ROWS, _COLUMNS]
-    SubElement(
-        element, "inertia", {k: f"{v:.9g}" for k, v in zip(_TENSOR, tensor, strict=True)}
-    )
+    SubElement(element, "inertia", {k: f"{v:.9g}" for k, v in zip(_TENSOR, tensor, strict=True)})
     return element

@@ -132,6 +132,10 @@ class ArmKinematics:
         """World pose of the end-effector frame at q (n,) as a (4, 4) matrix."""
         return self._forward(np.asarray(q, float)).homogeneous
 
+    def tool_points(self, tcp: float) -> Array:
+        """Points (k, 3) that the TCP, `tcp` ahead of the ee, has in the postures of the atlas."""
+        return self._atlas_p + tcp * self._atlas_R[:, 0::3]
+
     def solve(
         self,
         X_WE: Pose,

@@ -39,18 +39,50 @@ STROKE = 0.04  # [m]
 CAMERA = placed((0.062, 0.019, 0.020), (0.0, -1.35, 3.14159265))  # in the hand
 
 FIGURES = {
-    "panda_link0": (0.629769, (-0.041018, -0.00014, 0.049974), (3.15e-3, 3.88e-3, 4.285e-3, 0, 1.5e-4, 0)),
-    "panda_link1": (4.970684, (0.003875, 0.002081, -0.04762), (0.70337, 0.70661, 9.117e-3, -1.39e-4, 6.772e-3, 1.9169e-2)),
-    "panda_link2": (0.646926, (-0.003141, -0.02872, 0.003495), (7.962e-3, 2.811e-2, 2.5995e-2, -3.925e-3, 1.0254e-2, 7.04e-4)),
-    "panda_link3": (3.228604, (0.027518, 0.039252, -0.066502), (3.7242e-2, 3.6155e-2, 1.083e-2, -4.761e-3, -1.1396e-2, -1.2805e-2)),
-    "panda_link4": (3.587895, (-0.05317, 0.104419, 0.027454), (2.5853e-2, 1.9552e-2, 2.8323e-2, 7.796e-3, -1.332e-3, 8.641e-3)),
-    "panda_link5": (1.225946, (-0.011953, 0.041065, -0.038437), (3.5549e-2, 2.9474e-2, 8.627e-3, -2.117e-3, -4.037e-3, 2.29e-4)),
-    "panda_link6": (1.666555, (0.060149, -0.014117, -0.010517), (1.964e-3, 4.354e-3, 5.433e-3, 1.09e-4, -1.158e-3, 3.41e-4)),
-    "panda_link7": (0.735522, (0.010517, -0.004252, 0.061597), (1.2516e-2, 1.0027e-2, 4.815e-3, -4.28e-4, -1.196e-3, -7.41e-4)),
+    "panda_link0": (
+        0.629769,
+        (-0.041018, -0.00014, 0.049974),
+        (3.15e-3, 3.88e-3, 4.285e-3, 0, 1.5e-4, 0),
+    ),
+    "panda_link1": (
+        4.970684,
+        (0.003875, 0.002081, -0.04762),
+        (0.70337, 0.70661, 9.117e-3, -1.39e-4, 6.772e-3, 1.9169e-2),
+    ),
+    "panda_link2": (
+        0.646926,
+        (-0.003141, -0.02872, 0.003495),
+        (7.962e-3, 2.811e-2, 2.5995e-2, -3.925e-3, 1.0254e-2, 7.04e-4),
+    ),
+    "panda_link3": (
+        3.228604,
+        (0.027518, 0.039252, -0.066502),
+        (3.7242e-2, 3.6155e-2, 1.083e-2, -4.761e-3, -1.1396e-2, -1.2805e-2),
+    ),
+    "panda_link4": (
+        3.587895,
+        (-0.05317, 0.104419, 0.027454),
+        (2.5853e-2, 1.9552e-2, 2.8323e-2, 7.796e-3, -1.332e-3, 8.641e-3),
+    ),
+    "panda_link5": (
+        1.225946,
+        (-0.011953, 0.041065, -0.038437),
+        (3.5549e-2, 2.9474e-2, 8.627e-3, -2.117e-3, -4.037e-3, 2.29e-4),
+    ),
+    "panda_link6": (
+        1.666555,
+        (0.060149, -0.014117, -0.010517),
+        (1.964e-3, 4.354e-3, 5.433e-3, 1.09e-4, -1.158e-3, 3.41e-4),
+    ),
+    "panda_link7": (
+        0.735522,
+        (0.010517, -0.004252, 0.061597),
+        (1.2516e-2, 1.0027e-2, 4.815e-3, -4.28e-4, -1.196e-3, -7.41e-4),
+    ),
     "panda_hand": (0.73, (-0.01, 0, 0.03), (1.0e-3, 2.5e-3, 1.7e-3, 0, 0, 0)),
     "panda_leftfinger": (0.015, (0, 0, 0), (2.4e-6, 2.4e-6, 0.75e-6, 0, 0, 0)),
     "panda_rightfinger": (0.015, (0, 0, 0), (2.4e-6, 2.4e-6, 0.75e-6, 0, 0, 0)),
-}  # fmt: skip
+}
 
 WHITE = plastic((0.92, 0.93, 0.94), 0.35)
 GREY = plastic((0.35, 0.37, 0.40), 0.45)  # joint rings and the flange
@@ -64,7 +96,16 @@ def write_franka_panda(folder: Path) -> None:
 
 def franka_panda() -> ArticulatedModel:
     """The arm on its stand, root `panda_link0` at the arm's foot, x forward, z up."""
-    arm = (_base(), _shoulder(), _upper_arm(), _elbow(), _forearm_top(), _forearm(), _wrist(), _flange())
+    arm = (
+        _base(),
+        _shoulder(),
+        _upper_arm(),
+        _elbow(),
+        _forearm_top(),
+        _forearm(),
+        _wrist(),
+        _flange(),
+    )
     shapes = dict(zip(LINKS, arm, strict=True))
     shapes["panda_hand"] = _hand()
     shapes["panda_leftfinger"] = _finger()
@@ -107,7 +148,9 @@ def _upper_arm() -> Shape:
     """y down the arm: the elbow is at (0, -0.316, 0); z is the shoulder axis."""
     side = drum("z", 0.058, 0.11, SIDES).at(0, 0, 0.075)
     column = drum("y", 0.056, 0.12, SIDES).at(0, -0.135)
-    neck = prism([(-0.05, 0.02), (0.05, 0.02), (0.055, -0.10), (-0.055, -0.10)], 0.06).at(0, 0, 0.04)
+    neck = prism([(-0.05, 0.02), (0.05, 0.02), (0.055, -0.10), (-0.055, -0.10)], 0.06).at(
+        0, 0, 0.04
+    )
     ring = drum("y", 0.059, 0.010, SIDES).at(0, -0.198)
     solid = hull([*side.vertices, *column.vertices])
     return (Part(together(side, column, neck), WHITE), Part(ring, GREY)), (solid,)
@@ -151,13 +194,22 @@ def _flange() -> Shape:
     """z towards the hand at z = 0.107."""
     body = drum("z", 0.043, 0.040, SIDES).at(0, 0, 0.070)
     ring = drum("z", 0.038, 0.018, SIDES).at(0, 0, 0.098)
-    bracket = prism([(0.0, -0.02), (0.075, 0.02), (0.055, 0.065), (0.0, 0.06)], 0.02).at(0, 0, 0.085)
+    bracket = prism([(0.0, -0.02), (0.075, 0.02), (0.055, 0.065), (0.0, 0.06)], 0.02).at(
+        0, 0, 0.085
+    )
     return (Part(together(body, bracket), WHITE), Part(ring, GREY)), (body, ring)
 
 
 def _hand() -> Shape:
     """z is the approach, y the closing direction."""
-    outline = [(-0.102, 0.005), (-0.09, -0.002), (0.09, -0.002), (0.102, 0.005), (0.102, 0.060), (-0.102, 0.060)]  # fmt: skip
+    outline = [
+        (-0.102, 0.005),
+        (-0.09, -0.002),
+        (0.09, -0.002),
+        (0.102, 0.005),
+        (0.102, 0.060),
+        (-0.102, 0.060),
+    ]
     palm = prism(outline, 0.052).placed([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
     slot = box(0.030, 0.180, 0.006).at(0, 0, 0.0625)
     neck = box(0.040, 0.030, 0.014).at(0.042, 0.0, 0.012)
@@ -190,8 +242,10 @@ gripper_stiffness: 1000
 gripper_damping: 200
 move_group: ["panda_hand", "panda_hand"]
 arm_joints_name:
-  - ["panda_joint1", "panda_joint2", "panda_joint3", "panda_joint4", "panda_joint5", "panda_joint6", "panda_joint7"]
-  - ["panda_joint1", "panda_joint2", "panda_joint3", "panda_joint4", "panda_joint5", "panda_joint6", "panda_joint7"]
+  - [panda_joint1, panda_joint2, panda_joint3, panda_joint4,
+     panda_joint5, panda_joint6, panda_joint7]
+  - [panda_joint1, panda_joint2, panda_joint3, panda_joint4,
+     panda_joint5, panda_joint6, panda_joint7]
 gripper_name:
   - base: "panda_finger_joint1"
     mimic: [["panda_finger_joint2", 1.0, 0.0]]

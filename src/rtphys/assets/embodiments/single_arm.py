@@ -67,6 +67,8 @@ def stand(height: float, depth: float, width: float) -> tuple[Part, Solid]:
     return Part(column + plate, STAND, "aluminium"), column
 
 
-def by_name(names: Sequence[str], shapes: Mapping[str, Shape], figures: Mapping[str, Figures]) -> dict[str, Body]:
+def by_name(
+    names: Sequence[str], shapes: Mapping[str, Shape], figures: Mapping[str, Figures]
+) -> dict[str, Body]:
     """The bodies of these links, in their order."""
     return {name: body(shapes[name], figures[name]) for name in names}

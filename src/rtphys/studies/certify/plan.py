@@ -3,11 +3,13 @@
 from pathlib import Path
 from typing import Annotated
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.results.instances import FIRST_SEED
 from rtphys.setting.option import (
     Option,
     Positive,
     Protocols,
+    RobotName,
     Seed,
     Tasks,
     Workers,
@@ -39,4 +41,5 @@ class CertifyPlan:
     most_attempts: Annotated[
         Positive, Option("Number of seeds to try for one list.", "max_attempts")
     ] = 1000
+    embodiment: RobotName = DEFAULT
     workers: Workers = None

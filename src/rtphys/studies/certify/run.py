@@ -6,6 +6,7 @@ from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.data.files import make_folder
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.plan.arms import check_robot
 from rtphys.results.instances import HASH_LENGTH, Slot
 from rtphys.setting.setting import Setting
 from rtphys.studies.certify.certified_list import CertifiedList, Job
@@ -26,11 +27,14 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
             in a worker.
     """
     tasks, listener = [load_task(name) for name in plan.tasks], listener or Listener()
+    check_robot(pack, plan.embodiment)
     make_folder(plan.out)
     with FolderLock(plan.out):
         lists = [
             CertifiedList(
-                plan, Setting(task.name, name), fingerprint_of(task, name, pack).to_json()
+                plan,
+                Setting(task.name, name, embodiment=plan.embodiment),
+                fingerprint_of(task, name, pack, plan.embodiment).to_json(),
             )
             for name in plan.protocols
             for task in tasks

@@ -18,6 +18,7 @@ from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
+from rtphys.plan.arms import check_robot
 from rtphys.sim.camera import camera_specs
 from rtphys.studies.collect.plan import Run, TaskPlan, check
 from rtphys.studies.collect.shard import Shard, claim
@@ -106,7 +107,7 @@ def conditions_of(
 ) -> Conditions:
     """What makes two runs continue each other. `stride`: a shard's first attempt and step."""
     setting, rules = plan.setting, plan.setting.visual()
-    specs = camera_specs(pack.embodiment(setting.embodiment), plan.cameras)
+    specs = camera_specs(check_robot(pack, setting.embodiment), plan.cameras)
     name = "builtin" if (pack.root / STAMP).is_file() else pack.root.name
     return Conditions(
         setting=setting,
