@@ -43,7 +43,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         control: "official": each action is a motion from rest to rest and lasts until it ends;
             "tracking": each action lasts one frame (60 ms), and the arms continue at their present
             speed, as on a real robot.
-        embodiment: the robot, as `--embodiment` takes it; it decides the length of an action.
+        embodiment: the robot, a name of the asset pack or LEFT,RIGHT,DISTANCE; it decides the
+            length of an action.
 
     Raises:
         UnknownName: no such task, protocol, control, robot or kind of observation.

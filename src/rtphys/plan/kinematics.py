@@ -57,9 +57,8 @@ def ee_frame(model: pin.Model, limb: Limb) -> int:
     frame = model.getFrameId(limb.ee.link)
     if limb.ee.offset is None:
         return frame
-    name, offset = f"{limb.side} ee", limb.ee.offset
+    name, offset, host = f"{limb.side} ee", limb.ee.offset, model.frames[frame]
     if not model.existFrame(name):
-        host = model.frames[frame]
         placement = host.placement * pin.SE3(offset.R, offset.p)
         kind = pin.FrameType.OP_FRAME
         model.addFrame(pin.Frame(name, host.parentJoint, frame, placement, kind))
@@ -212,8 +211,7 @@ class ArmKinematics:
         diagonal += damping
         if self._redundant:
             # H⁻¹ damping is the projection onto what moves the joints but not the tool.
-            lean = np.minimum(np.maximum(self._bent - q, -_LEAN), _LEAN)
-            lean[J.any(axis=0) == 0] = 0
+            lean = np.minimum(np.maximum(self._bent - q, -_LEAN), _LEAN) * J.any(axis=0)
             push = push + damping * lean
         step = _SOLVE_POSITIVE(H, push)[1]
         size = max(map(abs, step.tolist()))

@@ -4,7 +4,7 @@ import numpy as np
 
 from rtphys.proofs.lab import Lab, floating, record, slope
 from rtphys.proofs.proof import Values
-from rtphys.sim.engine import RATE, from_sapien
+from rtphys.sim.engine import RATE
 from rtphys.sim.world import World
 from rtphys.task.props import Box
 
@@ -36,7 +36,7 @@ def finger_friction(lab: Lab, values: Values, mu: float) -> float:
     arm.grip(_opening(world, HALF - GRIP))
     for _ in range(CLOSE):
         world.step()
-    along = from_sapien(arm.ee_link.entity_pose).R[:, 2]
+    along = arm.ee().R[:, 2]
     force = 2 * mu * squeeze(world) + SPARE * body.mass
     push, none = (force * along).tolist(), [0.0, 0.0, 0.0]
     t, recorded = record(
@@ -62,5 +62,6 @@ def squeeze(world: World) -> float:
 
 def _opening(world: World, half_gap: float) -> float:
     """The gripper command that sends each finger to `half_gap` [m]."""
-    closed, fully = (world.robot.embodiment.finger_target(x) for x in (0.0, 1.0))
+    robot = world.robot.embodiment
+    closed, fully = (robot.left.finger_signs[0] * robot.finger_target(x) for x in (0.0, 1.0))
     return (half_gap - closed) / (fully - closed)
