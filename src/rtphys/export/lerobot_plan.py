@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data.dataset import Episode
 
@@ -20,7 +21,6 @@ CAMERA_NAMES: dict[str, dict[str, str]] = {
     | {"front_camera": "front_camera"},
 }
 RATE = Fraction(250, 15)  # [Hz] frames: one every 15 of 250 control steps per second
-ROBOT = "aloha-agilex"
 CHUNK = 1000  # files in a folder (v3.0), episodes in a folder (v2.1)
 
 POSE = [f"{side}_{part}" for side in SIDES for part in ("x", "y", "z", "qw", "qx", "qy", "qz")]
@@ -36,6 +36,7 @@ class Plan:
     size: tuple[int, int]  # height, width of every picture
     layout: ActionLayout  # of states and actions
     joints: tuple[str, ...]  # of efforts
+    robot: str  # name of the embodiment
 
     def video_key(self, camera: str) -> str:
         """Feature name of a camera's video."""
@@ -98,7 +99,8 @@ def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
         raise BadValue("cameras", sizes, "all pictures of an export must have one size")
     height, width, _ = next(iter(sizes.values()))
     frames = episode.frames
-    return Plan(version, chosen, (height, width), frames.layout, frames.joint_names)
+    robot = str(episode.meta.recipe.get("embodiment", DEFAULT))
+    return Plan(version, chosen, (height, width), frames.layout, frames.joint_names, robot)
 
 
 def _names(naming: str, cameras: tuple[str, ...]) -> dict[str, str]:

@@ -1,10 +1,10 @@
 """One AgileX Piper arm of 6 joints: joints, frames, limits and masses of the official model.
 
 Joint and link names are the official ones. Two stand side by side (`rtphys.assets.pair_urdf`).
-Figures: the maker's published URDF, as RoboTwin uses it. Two differ: the feet stand 10 cm higher
-than in RoboTwin's config, since the wrist's pitch of +-70 degrees then lets the hand point down
-on most of the table; and the elbow bends one way only, as the real one does (RoboTwin's URDF lets
-it bend both ways, which invites postures that face away from the table).
+Figures: the maker's published URDF, as RoboTwin uses it. Its config differs in where the feet stand,
+10 cm lower and, by default, 10 cm farther apart: the wrist pitches by 70 degrees only, and from
+here the hand can point down on most of the table. The elbow bends one way, as the real one does;
+RoboTwin's URDF lets it bend both ways, which invites postures that face away from the table.
 """
 
 from pathlib import Path
@@ -232,7 +232,7 @@ gripper_scale: [-0.01, 0.04]
 homestate: [[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]
 delta_matrix: [[0, 0, -1], [0, 1, 0], [1, 0, 0]]
 robot_pose: [[0, -0.45, 0.85, 0.707, 0, 0, 0.707]]
-pair_distance: 0.6
+pair_distance: 0.5
 joint_limits:
   [[-2.618, 2.618], [0, 3.14], [-2.697, 0], [-1.832, 1.832], [-1.22, 1.22], [-3.14, 3.14]]
 bent_posture: [0, 1.95, -1.35, 0, 0.95, 0]
