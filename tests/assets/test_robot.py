@@ -89,7 +89,7 @@ def seven_joints(source: Path, folder: Path) -> dict[str, object]:
         names.append(f"{arm}_joint7")
         home.append(0.0)
     per_joint = ("bent_posture", "joint_weights", "joint_velocity", "joint_acceleration")
-    hand = {"fingertip": 0.05, "pad_half_width": 0.01, "pad_half_thickness": 0.004}
+    hand = {"fingertip": 0.05, "palm": 0.03, "pad_half_width": 0.01, "pad_half_thickness": 0.004}
     return {
         **config,
         **{key: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0] for key in per_joint},

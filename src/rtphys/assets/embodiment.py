@@ -34,6 +34,7 @@ class Hand:
     pad_half_thickness: float  # of both closed fingers together, along y
     finger_open: float  # distance of each finger from closed when the gripper is open
     finger_travel: float  # greatest distance of a finger from closed
+    palm: float  # TCP back to the palm, along x: a thing between the fingers reaches no deeper
 
     @property
     def tip(self) -> float:

@@ -47,6 +47,7 @@ ALOHA: Config = {
     "joint_acceleration": [10.0, 10.0, 10.0, 12.0, 12.0, 14.0],
     "hand": {
         "fingertip": 0.0356,
+        "palm": 0.0445,
         "pad_half_width": 0.0305,
         "pad_half_thickness": 0.01,
         "finger_travel": 0.0475,
@@ -59,6 +60,7 @@ ALOHA: Config = {
 JOINT_ARMATURE, GRIPPER_ARMATURE = 0.35, 0.1
 VELOCITY, ACCELERATION = 2.5, 10.0  # [rad/s], [rad/s^2] of arms whose config states none
 DISTANCE = 0.6  # [m] between the bases of two arms whose config states none (RoboTwin)
+MEASURES = ("fingertip", "palm", "pad_half_width", "pad_half_thickness")
 VIRTUAL_TCP = 0.12  # [m] from the ee frame to the TCP, of every robot of two arms (RoboTwin)
 
 
@@ -245,7 +247,9 @@ def _limb(i: int, config: Config, names: _Names) -> tuple[Limb, float]:
 
 
 def _hand(config: Config, travel: float) -> Hand:
-    measures = cast(Config, config["hand"])
+    measures = config.get("hand")
+    if not isinstance(measures, Mapping) or not {*MEASURES} <= {*measures}:
+        raise ValueError(f"hand holds {', '.join(MEASURES)} [m]; see docs/robots.md")
     tcp = _number(config["gripper_bias"]) if config.get("dual_arm", False) else VIRTUAL_TCP
     travel = _number(measures.get("finger_travel", travel))
     opened = abs(_numbers(config["gripper_scale"])[1])
@@ -256,6 +260,7 @@ def _hand(config: Config, travel: float) -> Hand:
         pad_half_thickness=_number(measures["pad_half_thickness"]),
         finger_open=min(opened, travel),
         finger_travel=travel,
+        palm=_number(measures["palm"]),
     )
 
 

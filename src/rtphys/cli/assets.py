@@ -1,6 +1,7 @@
 """`rtphys assets`: build the builtin pack, look at a pack, check it, link the official one."""
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -75,20 +76,35 @@ def check(
 
     pack = _pack() if folder is None else Pack(folder, _fallback(fallback))
     report = check_pack(pack)
+    problems = [*report.problems, *_unfit(pack, report.loaded)]
     out = Screen()
     out.print(f"{pack.root}", soft_wrap=True)
     for name, count in report.loaded.items():
         out.print(f"  {name}: {count}")
     out.print(f"  textures: {report.textures['seen']} seen, {report.textures['unseen']} unseen")
-    for problem in report.problems:
-        out.print(str(problem), style="red", soft_wrap=True)
+    for problem in problems:
+        out.print(problem, style="red", soft_wrap=True)
     able = {name: lacking(pack, name) for name in task_names()}
     out.print("tasks that can run: " + (", ".join(n for n, no in able.items() if not no) or "none"))
     for name, no in able.items():
         if no:
             out.print(f"  {name} lacks {', '.join(no)}")
-    if report.problems:
+    if problems:
         raise typer.Exit(1)
+
+
+def _unfit(pack: Pack, loaded: Mapping[str, int]) -> list[str]:
+    """One sentence for each robot that loads, but with which no episode can be tried."""
+    from rtphys.plan.arms import check_robot
+
+    problems: list[str] = []
+    for name in pack.embodiments:
+        try:
+            if name in loaded:
+                check_robot(pack, name)
+        except RtphysError as problem:
+            problems.append(str(problem))
+    return problems
 
 
 @app.command()

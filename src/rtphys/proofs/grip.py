@@ -10,6 +10,7 @@ from rtphys.task.props import Box
 
 HALF = 0.02  # [m] thickness between the fingers
 LONG = 0.03  # [m] along the pull: stays between the pads while it is pulled
+FREE = 0.002  # [m] between the block and the palm
 GRIP = 0.004  # [m] depth of the finger targets inside the block: a few newtons, which the arm bears
 DENSITY = 5000.0  # [kg/m³] heavy enough that a 4 ms step does not jerk it
 SPARE = 8.0  # [m/s²] of the pull beyond friction: the pads yield a little, the block must slide
@@ -24,7 +25,7 @@ def finger_friction(lab: Lab, values: Values, mu: float) -> float:
     """
     empty = lab.world([], values)  # a name keeps it alive: its robot dies with it
     tcp = empty.robot.left.tcp()
-    size = (LONG, HALF, LONG)
+    size = (min(LONG, empty.robot.embodiment.hand.palm - FREE), HALF, LONG)
     block = Box(
         name="block", pose=tcp, half_size=size, resting=False, on_table=False, density=DENSITY
     )

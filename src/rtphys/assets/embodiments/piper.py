@@ -1,9 +1,9 @@
 """One AgileX Piper arm of 6 joints: joints, frames, limits and masses of the official model.
 
 Joint and link names are the official ones. Two stand side by side (`rtphys.assets.pair_urdf`).
-Figures: the maker's published URDF, as RoboTwin uses it. Its config differs in where the feet stand,
-10 cm lower and, by default, 10 cm farther apart: the wrist pitches by 70 degrees only, and from
-here the hand can point down on most of the table. The elbow bends one way, as the real one does;
+Figures: the maker's published URDF, as RoboTwin uses it. Its config differs in where the feet
+stand, 10 cm lower and, by default, 10 cm farther apart: the wrist pitches by 70 degrees only, and
+from here the hand can point down on most of the table. The elbow bends one way, as the real one does;
 RoboTwin's URDF lets it bend both ways, which invites postures that face away from the table.
 """
 
@@ -236,7 +236,7 @@ pair_distance: 0.5
 joint_limits:
   [[-2.618, 2.618], [0, 3.14], [-2.697, 0], [-1.832, 1.832], [-1.22, 1.22], [-3.14, 3.14]]
 bent_posture: [0, 1.95, -1.35, 0, 0.95, 0]
-hand: {fingertip: 0.0356, pad_half_width: 0.0305, pad_half_thickness: 0.01}
+hand: {fingertip: 0.0356, palm: 0.0455, pad_half_width: 0.0305, pad_half_thickness: 0.01}
 static_camera_list:
   - name: head_camera
     type: D435
