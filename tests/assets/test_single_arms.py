@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from rtphys.assets.embodiment import canonical, named_pair
 from rtphys.assets.embodiment_file import read_embodiment
 from rtphys.assets.embodiments import EMBODIMENTS
+from rtphys.assets.known_robots import PIPER
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError, UnknownName
 
@@ -110,7 +112,7 @@ def without_limits(folder: Path) -> None:
         (lambda f: change(f, "config.yml", "joint8", "joint3"), BadFile, "joint3.*prismatic"),
         (without_limits, BadFile, "joint3.*no limits"),
         (lambda f: (f / "meshes" / "link2.glb").unlink(), MissingAsset, "link2.glb"),
-        (lambda f: change(f, "config.yml", "hand:", "hands:"), BadFile, "hand holds fingertip"),
+        (lambda f: change(f, "config.yml", "palm:", "plam:"), BadFile, "hand holds fingertip"),
         (lambda f: change(f, "config.yml", "homestate:", "home:"), BadFile, "homestate"),
         (lambda f: change(f, "config.yml", "[[0, 0, 0, 0, 0, 0]", "[[0]"), BadFile, "homestate"),
         (lambda f: change(f, "config.yml", '"./piper', '"./pipr'), MissingAsset, "pipr.urdf"),
@@ -125,12 +127,14 @@ def test_what_cannot_be_a_robot_is_refused_by_name(
     error: type[RtphysError],
     says: str,
 ) -> None:
-    folder = tmp_path / "embodiments" / "piper"
+    folder = tmp_path / "embodiments" / "my-arm"  # no name that is known beforehand
     shutil.copytree(folders["piper"], folder)
+    with (folder / "config.yml").open("a") as file:
+        file.write(f"hand: {yaml.safe_dump(PIPER['hand'], default_flow_style=True)}")
     read_embodiment(folder)
     spoil(folder)
     with pytest.raises(error, match=says):
-        Pack(tmp_path).embodiment("piper")
+        Pack(tmp_path).embodiment("my-arm")
 
 
 def test_fingers_may_open_towards_smaller_numbers(folders: dict[str, Path], tmp_path: Path) -> None:

@@ -17,8 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import (
-    ALOHA_LIMITS,
-    DEFAULT,
     Embodiment,
     Hand,
     Limb,
@@ -28,6 +26,7 @@ from rtphys.assets.embodiment import (
     canonical,
 )
 from rtphys.assets.identity import cache_folder
+from rtphys.assets.known_robots import KNOWN
 from rtphys.assets.pair_urdf import ArmUrdf, check_meshes, joint_limits, pair_urdf, parsed_urdf
 from rtphys.core.errors import BadFile, BadValue, MissingAsset
 from rtphys.core.library import read_yaml
@@ -36,23 +35,6 @@ from rtphys.core.poses import Pose
 Array = NDArray[np.float64]
 Config = Mapping[str, object]
 
-# What the official config of the aloha does not say. The config of another robot says it itself,
-# under the same keys, or it is `_defaults`.
-ALOHA: Config = {
-    "joint_limits": [list(pair) for pair in ALOHA_LIMITS],
-    "bent_posture": [0.0, 1.2, 1.0, -0.8, 0.0, 0.0],
-    "joint_weights": [1.5, 1.5, 1.25, 1.0, 0.75, 0.5],
-    # The arm's real servos reach about 3 rad/s; accelerations keep finger loads near 1 g.
-    "joint_velocity": [2.5, 2.5, 2.5, 3.0, 3.0, 3.0],
-    "joint_acceleration": [10.0, 10.0, 10.0, 12.0, 12.0, 14.0],
-    "hand": {
-        "fingertip": 0.0356,
-        "palm": 0.0445,
-        "pad_half_width": 0.0305,
-        "pad_half_thickness": 0.01,
-        "finger_travel": 0.0475,
-    },
-}
 # Inertia of the motors' rotors behind their gears, such as 3.5e-5 kg m^2 times 100 squared.
 # Without it a servo at rest presses with less than k * error, by 40 % at thrice the damping:
 # PhysX does not converge on a stiff drive of a light link. Less than 0.3 in the arm lets it
@@ -80,8 +62,9 @@ def read_embodiment(folder: Path, distance: float | None = None) -> Embodiment:
     if not path.is_file():
         raise MissingAsset(f"embodiment {folder.name!r}", path)
     config = cast(Config, read_yaml(path))
-    if folder.name.startswith(DEFAULT):
-        config = {**config, **ALOHA}
+    for name, unsaid in KNOWN.items():
+        if folder.name.startswith(name):
+            config = {**unsaid, **config}
     try:
         urdf = folder / str(config["urdf_path"])
         if not urdf.is_file():

@@ -181,17 +181,19 @@ def _stated(path: Path, joint: str, limit: Element | None) -> tuple[float, float
 
 
 def check_meshes(path: Path, urdf: Element) -> None:
-    """Raises `MissingAsset`: a mesh of the URDF is not there."""
-    for mesh in urdf.iter("mesh"):
-        file = mesh_file(path, mesh)
-        if not file.is_file():
-            raise MissingAsset(f"mesh {mesh.get('filename')!r}", file, path.name)
+    """Raises `MissingAsset`: meshes of the URDF are not there; it names them all."""
+    meshes = dict.fromkeys(mesh.get("filename", "") for mesh in urdf.iter("mesh"))
+    if missing := [name for name in meshes if not _mesh_path(path, name).is_file()]:
+        raise MissingAsset(f"mesh {', '.join(missing)}", path.parent, path.name)
 
 
 def mesh_file(urdf: Path, mesh: Element) -> Path:
     """The file that a <mesh> names."""
-    name = mesh.get("filename", "").removeprefix("package://").removeprefix("file://")
-    return (urdf.parent / name).resolve()
+    return _mesh_path(urdf, mesh.get("filename", ""))
+
+
+def _mesh_path(urdf: Path, name: str) -> Path:
+    return (urdf.parent / name.removeprefix("package://").removeprefix("file://")).resolve()
 
 
 def _end(joint: Element, which: str) -> str:

@@ -256,11 +256,8 @@ gripper_scale: [-0.01, 0.05]
 homestate:
   - [0, 0.19634954, 0, -2.61799388, 0, 2.94159265, 0.78539816]
   - [0, 0.19634954, 0, -2.61799388, 0, 2.94159265, 0.78539816]
-joint_velocity: [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61]
 delta_matrix: [[0, 0, 1], [0, -1, 0], [1, 0, 0]]
 robot_pose: [[0, -0.65, 0.75, 0.707, 0, 0, 0.707]]
-pair_distance: 0.8
-hand: {fingertip: 0.0322, palm: 0.0145, pad_half_width: 0.011, pad_half_thickness: 0.012}
 static_camera_list:
   - name: head_camera
     type: D435

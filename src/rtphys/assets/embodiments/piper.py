@@ -3,8 +3,8 @@
 Joint and link names are the official ones. Two stand side by side (`rtphys.assets.pair_urdf`).
 Figures: the maker's published URDF, as RoboTwin uses it. Its config differs in where the feet
 stand, 10 cm lower and, by default, 10 cm farther apart: the wrist pitches by 70 degrees only, and
-from here the hand can point down on most of the table. The elbow bends one way, as the real one does;
-RoboTwin's URDF lets it bend both ways, which invites postures that face away from the table.
+from here the hand can point down on most of the table. The elbow bends one way, as the real one
+does; RoboTwin's URDF lets it bend both ways, which invites postures that face away from the table.
 """
 
 from pathlib import Path
@@ -232,11 +232,6 @@ gripper_scale: [-0.01, 0.04]
 homestate: [[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]
 delta_matrix: [[0, 0, -1], [0, 1, 0], [1, 0, 0]]
 robot_pose: [[0, -0.45, 0.85, 0.707, 0, 0, 0.707]]
-pair_distance: 0.5
-joint_limits:
-  [[-2.618, 2.618], [0, 3.14], [-2.697, 0], [-1.832, 1.832], [-1.22, 1.22], [-3.14, 3.14]]
-bent_posture: [0, 1.95, -1.35, 0, 0.95, 0]
-hand: {fingertip: 0.0356, palm: 0.0455, pad_half_width: 0.0305, pad_half_thickness: 0.01}
 static_camera_list:
   - name: head_camera
     type: D435
