@@ -5,7 +5,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-import forgeries
+import forger as forging
 import pytest
 from test_dataset_writer import collect
 
@@ -235,7 +235,7 @@ def test_what_was_sound_under_other_conditions_is_looked_at_again(
 ) -> None:
     memory = tmp_path / "cache" / "verified.txt"
     assert verify(copy, memory=memory).sound
-    forgeries.forge(copy, lambda forger: change(forger.header))
+    forging.forge(copy, lambda forger: change(forger.header))
     assert text in words(verify(copy, memory=memory))
 
 

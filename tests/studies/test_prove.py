@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from forgeries import FORGERIES, Forger, forge
+from forger import Forger, forge
+from forgeries import FORGERIES
 
+from rtphys.assets.pack import Pack
 from rtphys.campaign.workers.pool import Lost
 from rtphys.data.check_episode import Effort
 from rtphys.data.convert import convert
@@ -22,6 +24,7 @@ from rtphys.setting.setting import Recipe, Setting
 from rtphys.studies.collect.plan import Run, TaskPlan
 from rtphys.studies.collect.run import collect
 from rtphys.studies.prove import Proof, ProveClaims, ProveWorker, Replay, claims_of, replayed
+from rtphys.task.spec import Task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 # Its seed 0 is rejected, since clutter does not come to rest; 1 and 2 have 74 frames each.
@@ -46,13 +49,11 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     made: dict[str, proving.Made] = {}
     attempt, made_again = proving.attempt, proving.made_again
 
-    def attempt_once(recipe: Recipe, *rest: object, touch: bool = False) -> Attempt:
-        key = json.dumps(recipe.to_json(), sort_keys=True)
-        return (
-            tried[key]
-            if key in tried
-            else tried.setdefault(key, attempt(recipe, *rest, touch=touch))
-        )  # type: ignore[arg-type]
+    def attempt_once(recipe: Recipe, task: Task, pack: Pack, touch: bool = False) -> Attempt:
+        key = json.dumps([recipe.to_json(), touch], sort_keys=True)
+        if key not in tried:
+            tried[key] = attempt(recipe, task, pack, touch=touch)
+        return tried[key]
 
     def made_once(done: Attempt, scene: proving.Scene) -> proving.Made:
         key = json.dumps([done.recipe.to_json(), proving.pictures_ready()], sort_keys=True)

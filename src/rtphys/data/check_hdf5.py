@@ -1,6 +1,6 @@
 """Checks an HDF5 file against its layout: keys, types, shapes, values, pictures."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -61,7 +61,7 @@ def _facts(file: h5py.File, layout: str, *, decode: bool) -> Hdf5Facts:
         problems = _same_arrays(file, expected)
     else:
         streams_of, seen = native_streams, native_sentences(file)
-        problems = _same_arrays(file, shifted(frames)) + _constants(file)
+        problems = _same_arrays(file, shifted(frames)) + _constants(file, seen)
     shapes = {}
     for name in frames.cameras:  # one at a time, so that the memory of one serves the next
         streams = streams_of(file, name)
@@ -88,8 +88,7 @@ def _same_arrays(file: h5py.File, expected: Mapping[str, np.ndarray]) -> list[st
     return problems
 
 
-def _constants(file: h5py.File) -> list[str]:
-    seen = native_sentences(file)
+def _constants(file: h5py.File, seen: Sequence[str]) -> list[str]:
     pairs = {
         "source_format": (note(file, "source_format"), "RoboTwin"),
         "data_format_version": (text(file, "data_format_version"), FORMAT_VERSION),

@@ -172,7 +172,7 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         for instances in lists:
             copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
             write_instances(copy, instances)
-        known, n = {task.name: task for task in tasks}, robot.action_layout.numbers_per_arm
+        known, joints = {task.name: task for task in tasks}, robot.action_layout.numbers_per_arm
         studies = [
             TaskEvaluation(
                 plan,
