@@ -5,8 +5,8 @@ OUT ?= data
 PYTEST ?=
 BIN := .venv/bin
 
-.PHONY: setup setup-test setup-dev collect test test-all check format ci smoke reprove wheel bench tables \
-        pictures clean
+.PHONY: setup setup-test setup-dev setup-docs collect test test-all check format ci smoke reprove \
+        wheel bench tables pictures docs clean
 
 setup:            ## environment, Vulkan driver, assets (quick when nothing is to do)
 	@scripts/setup.sh
@@ -16,6 +16,9 @@ setup-test:       ## the same, and what the tests need
 
 setup-dev:        ## the same, and ruff and pyright
 	@scripts/setup.sh dev
+
+setup-docs:       ## the same as for collecting, and what builds the site
+	@scripts/setup.sh docs
 
 collect: setup    ## EPISODES verified episodes of TASK in OUT
 	$(BIN)/rtphys collect --task $(TASK) --episodes $(EPISODES) --out $(OUT)
@@ -65,6 +68,11 @@ tables: setup     ## write the generated tables into the documents
 
 pictures: setup   ## README's picture: every task solved once
 	$(BIN)/python scripts/contact_sheet.py docs/images/contact_sheet.png
+
+docs: setup-docs  ## the documentation site in build/site
+	$(BIN)/python scripts/site.py build/site_pages
+	$(BIN)/python -m mkdocs build --strict --quiet
+	@echo "build/site/index.html"
 
 clean:            ## remove what was built, not what was collected
 	rm -rf .venv dist build .pytest_cache .ruff_cache .hypothesis

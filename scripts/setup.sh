@@ -4,6 +4,7 @@
 #   scripts/setup.sh                       what collecting needs
 #   scripts/setup.sh test                  and what the tests need
 #   scripts/setup.sh dev                   and ruff and pyright
+#   scripts/setup.sh docs                  and what builds the documentation site
 #   PYTHON=python3.12 scripts/setup.sh     use that interpreter
 #   RTPHYS_SETUP=venv scripts/setup.sh     take no system-wide step at all
 set -euo pipefail
@@ -14,7 +15,8 @@ case ${1:-run} in  # an extra of pyproject.toml, and the levels that it includes
     run) EXTRA="" LEVELS="run" ;;
     test) EXTRA="[test]" LEVELS="run test" ;;
     dev) EXTRA="[dev]" LEVELS="run test dev" ;;
-    *) die "$1 is not a level of the set-up: run, test or dev" ;;
+    docs) EXTRA="[docs]" LEVELS="run docs" ;;
+    *) die "$1 is not a level of the set-up: run, test, dev or docs" ;;
 esac
 LEVEL=${1:-run}
 VENV=.venv
@@ -22,7 +24,7 @@ STAMP=$VENV/.setup-stamp          # one for each level: installed for these vers
 DRIVER_STAMP=$VENV/.driver-stamp  # a frame was rendered with this set of drivers
 
 hash_of() { { cat "$@" 2>/dev/null || true; } | sha256sum | cut -d" " -f1; }
-environment_key() { hash_of pyproject.toml scripts/setup.sh scripts/system.sh; }
+environment_key() { hash_of pyproject.toml manifests/constraints.txt scripts/setup.sh scripts/system.sh; }
 driver_key() { hash_of /etc/os-release /usr/share/vulkan/icd.d/* /etc/vulkan/icd.d/*; }
 stamped() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; }
 
@@ -53,10 +55,11 @@ create_environment() {
 
 install_dependencies() {
     say "installing rtphys$EXTRA and what it depends on into $VENV"
-    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check -e ".$EXTRA"
+    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
+        -c manifests/constraints.txt -e ".$EXTRA"
     headless_opencv ||
         "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
-            --force-reinstall --no-deps opencv-contrib-python-headless
+            -c manifests/constraints.txt --force-reinstall --no-deps opencv-contrib-python-headless
 }
 
 # sapien pulls in opencv-python, which needs libGL and owns the same cv2/ folder as the headless

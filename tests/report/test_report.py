@@ -41,6 +41,7 @@ def test_data_is_the_dataset(page: Path, dataset: Dataset) -> None:
     assert len(facts["episodes"]) == 5
     assert [a[1] for a in facts["attempts"]] == [1, 1, 0, 1, 1, 1]
     friction = [axis.key for axis in axes()].index("friction")
+    assert facts["leaves"][0]["spans"][friction] == [0.01, 1.25]
     for row, episode in zip(facts["episodes"], dataset, strict=True):
         assert row["values"][friction] == episode.physics["friction"]
         assert row["video"].startswith("data:video/mp4;base64,")
@@ -73,7 +74,7 @@ def test_in_a_browser(page: Path) -> None:
         tab.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
         tab.goto(page.as_uri())
         assert tab.locator(".episode").count() == 5
-        assert tab.locator("#physics svg").count() == len(axes())
+        assert tab.locator("#physics .box").count() == len(axes())
         tab.select_option("#axis", label="friction")
         values = sorted(
             float(t.split()[0])

@@ -46,9 +46,13 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     made: dict[str, proving.Made] = {}
     attempt, made_again = proving.attempt, proving.made_again
 
-    def attempt_once(recipe: Recipe, *rest: object) -> Attempt:
+    def attempt_once(recipe: Recipe, *rest: object, touch: bool = False) -> Attempt:
         key = json.dumps(recipe.to_json(), sort_keys=True)
-        return tried[key] if key in tried else tried.setdefault(key, attempt(recipe, *rest))  # type: ignore[arg-type]
+        return (
+            tried[key]
+            if key in tried
+            else tried.setdefault(key, attempt(recipe, *rest, touch=touch))
+        )  # type: ignore[arg-type]
 
     def made_once(done: Attempt, scene: proving.Scene) -> proving.Made:
         key = json.dumps([done.recipe.to_json(), proving.pictures_ready()], sort_keys=True)

@@ -1,11 +1,13 @@
 """`rtphys certify`: which seeds a benchmark is made of."""
 
+import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import typer
 
 from rtphys.cli.derived import takes
+from rtphys.cli.options import AsJson
 from rtphys.cli.stopping import Incomplete, resumable
 from rtphys.studies.certify.plan import CertifyPlan
 
@@ -13,8 +15,8 @@ if TYPE_CHECKING:
     from rtphys.studies.certify.certified_list import CertifiedList
 
 
-@takes(CertifyPlan)
-def certify(plan: CertifyPlan) -> None:
+@takes(CertifyPlan, AsJson)
+def certify(plan: CertifyPlan, output: AsJson) -> None:
     """Find the seeds on which policies are evaluated: those that the expert solves.
 
     No pictures are drawn. One list a task and protocol, with every seed that was tried. It may be
@@ -32,7 +34,10 @@ def certify(plan: CertifyPlan) -> None:
         return
     with resumable(), campaign_progress("feasible seeds") as listener:
         lists = run_certification(plan, default_pack(listener.building), listener)
-    _show(lists)
+    if output.as_json:
+        typer.echo(json.dumps([_plain(certified) for certified in lists], indent=2))
+    else:
+        _show(lists)
     all_series = [certified.series for certified in lists]
     ends = [(series.tally.name, series.halted or series.tally.stopped) for series in all_series]
     if given_up := [f"{name}: {text}" for name, text in ends if text]:
@@ -60,8 +65,21 @@ def _reprove(plan: CertifyPlan) -> None:
         raise typer.Exit(1)
 
 
+def _plain(certified: "CertifiedList") -> dict[str, object]:
+    instances = certified.instances
+    return {
+        "task": instances.task,
+        "protocol": instances.protocol,
+        "feasible": [slot.seed for slot in instances.feasible],
+        "attempts": instances.attempts,
+        "rejected": dict(instances.rejected),
+        "replayed": [slot.replay for slot in instances.feasible],
+        "twin": [slot.twin for slot in instances.feasible],
+    }
+
+
 def _show(lists: "Sequence[CertifiedList]") -> None:
-    from rtphys.cli.fitting import fitting_table, wide_console
+    from rtphys.cli.fitting import fitting_table, print_table
     from rtphys.cli.progress import reasons
 
     columns = ("feasible", "attempts", "replay", "twin", "infeasible, by reason")
@@ -77,7 +95,7 @@ def _show(lists: "Sequence[CertifiedList]") -> None:
             _share([slot.twin for slot in instances.feasible]),
             reasons(instances.rejected),
         )
-    wide_console().print(table)
+    print_table(table)
 
 
 def _share(flags: "Sequence[bool | None]") -> str:

@@ -56,7 +56,7 @@ def sensitivity(plan: SensitivityPlan, output: Output) -> None:
 
 
 def _show(found: Sequence[Mapping[str, JSON]]) -> None:
-    from rtphys.cli.fitting import fitting_table, wide_console
+    from rtphys.cli.fitting import fitting_table, print_table
     from rtphys.physics.registry import attribute
 
     table = fitting_table(["task", "attribute"], ("from", "to", "of its range", "unit"))
@@ -68,4 +68,4 @@ def _show(found: Sequence[Mapping[str, JSON]]) -> None:
             (low, high), share = cast(list[float], answer["tolerance"]), answer["share"]
             bounds = f"{low:.3g}", f"{high:.3g}", f"{100 * cast(float, share):.0f} %"
             table.add_row(str(result["task"]), key, *bounds, attribute(key).unit)
-    wide_console().print(table)
+    print_table(table)

@@ -91,6 +91,9 @@ def verify_manifest(looks: Looks, origin: Origin, again: Again) -> None:
     """
     out = looks.out
     report = _with_bar(out, looks.effort, None if looks.fresh else default_path())
+    if report.sound and not report.episodes:
+        empty = "it holds no episode: the run was aborted, or no attempt was accepted"
+        report.problems.append(Problem(out / MANIFEST, empty))
     signed = _origin(out, origin, report) if report.digest else ""
     made = _replay(out, again, report) if again.replay and report.sound else ""
     for problem in report.problems:

@@ -3,12 +3,17 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.assets.embodiment import Embodiment
+from rtphys.core.errors import UnknownName
 from rtphys.core.poses import Array
+from rtphys.data.touch import Touch
+
+V = TypeVar("V")
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +39,16 @@ class View:
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # "actor", "mesh": of ids
 
 
+class ByCamera(dict[str, V]):
+    """By short name, `head`; the official one, `head_camera`, finds the same."""
+
+    def __missing__(self, name: str) -> V:
+        short = name.removesuffix("_camera")
+        if short in self:
+            return self[short]
+        raise UnknownName("camera", name, self)
+
+
 @dataclass(frozen=True, eq=False)
 class Observation:
     """One instant. Pictures show this instant; they are drawn when they are first asked for.
@@ -51,6 +66,7 @@ class Observation:
     # when they press on something between them; in the order of `vector`.
     efforts: Array
     draw: Callable[[], View] = field(repr=False)
+    feel: Callable[[], Touch] | None = field(default=None, repr=False)  # None: without that sense
 
     @property
     def grippers(self) -> tuple[float, float]:
@@ -63,6 +79,11 @@ class Observation:
         """All that is drawn of this instant, senses included. Raises as `cameras`."""
         return self.draw()
 
+    @cached_property
+    def touch(self) -> Touch | None:
+        """What the fingers felt since the last frame, at most 60 ms ago; T = 1."""
+        return None if self.feel is None else self.feel()
+
     @property
     def cameras(self) -> Mapping[str, CameraView]:
         """Pictures and matrices by short name: head, left, right (and front if asked for).
@@ -71,7 +92,7 @@ class Observation:
             NoRenderer: this machine cannot draw.
             BadValue: senses are asked for, and the process's shader gives none.
         """
-        return self.view.cameras
+        return ByCamera(self.view.cameras)
 
     @property
     def cloud(self) -> NDArray[np.float32] | None:
@@ -81,4 +102,4 @@ class Observation:
     @property
     def images(self) -> Mapping[str, NDArray[np.uint8]]:
         """Pictures alone, (240, 320, 3) RGB by short name. Raises `NoRenderer`."""
-        return {name: view.rgb for name, view in self.cameras.items()}
+        return ByCamera({name: view.rgb for name, view in self.cameras.items()})

@@ -1,6 +1,6 @@
 """Data of the report page as plain JSON, gathered from manifest, journals and episodes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,6 +13,8 @@ from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.episode import JSON
 from rtphys.data.schema import TaskDatasetEntry
 from rtphys.physics import attributes
+from rtphys.physics.distribution import extremes
+from rtphys.setting.rules import Rules
 
 Progress = Callable[[int, int], None]
 
@@ -85,6 +87,7 @@ def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
                 "episodes": entry.episodes,
                 "attempts": len(entry.attempts),
                 "rejections": dict(entry.rejections),
+                "spans": _spans(Redraw(entry, dataset.manifest).rules, shown),
             }
         )
         for accepted, values in _tried(dataset, entry):
@@ -96,6 +99,21 @@ def gather(dataset: Dataset, progress: Progress | None = None) -> Facts:
         if progress:
             progress(done, len(dataset))
     return facts
+
+
+def _spans(rules: Rules | None, shown: list[Axis]) -> list[JSON]:
+    """Lowest and highest value that each axis could have drawn; null where nothing is drawn."""
+    spans: list[JSON] = []
+    for axis in shown:
+        rule = rules.domain.rule(axis.key) if rules else None
+        drawn = rules and axis.key not in rules.held and _among(axis.key, rules.only)
+        ends = [v for v in extremes(rule) if isinstance(v, float)] if rule and drawn else []
+        spans.append([min(ends), max(ends)] if ends else None)
+    return spans
+
+
+def _among(key: str, only: Collection[str] | None) -> bool:
+    return only is None or key in only
 
 
 def _tried(dataset: Dataset, entry: TaskDatasetEntry) -> list[tuple[bool, Mapping[str, JSON]]]:

@@ -98,6 +98,11 @@ class Filming:
         width, height, _ = self.optics("D435")
         return width * height / (320 * 240)
 
+    @property
+    def touch(self) -> bool:
+        """Whether what the fingers feel is recorded."""
+        return "touch" in self.senses
+
     def blind(self) -> "Filming":
         """The same without senses."""
         return replace(self, senses=())

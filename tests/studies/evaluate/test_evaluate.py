@@ -142,6 +142,10 @@ def test_a_crash_of_the_policy_is_its_failure(pack: Pack) -> None:
 def test_a_policy_that_is_gone_stops_the_run_and_can_be_resumed(
     tmp_path: Path, lists: Path, pack: Pack
 ) -> None:
+    first = {str(SEEDS[0]): "gone"}
+    with pytest.raises(WorkerFailed, match="its server does not answer"):
+        evaluate(plan(tmp_path, lists, protocols=("clean",), options=first, workers=1), pack)
+    # A start that came to no result does not claim the folder for its options.
     gone = {str(SEEDS[1]): "gone"}
     with pytest.raises(WorkerFailed, match="its server does not answer") as told:
         evaluate(plan(tmp_path, lists, protocols=("clean",), options=gone, workers=1), pack)

@@ -15,7 +15,6 @@ from pathlib import Path
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName, shortened
 from rtphys.data import files, schema
-from rtphys.data.conditions import FILMED
 from rtphys.data.episode import JSON
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import parse_mapping, plain, pretty
@@ -27,7 +26,8 @@ from rtphys.studies.collect.plan import Run, TaskPlan, chosen, plan_of
 # What a shard's file keeps: fields of a setting, of a plan and of a run.
 KEPT = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery", "pair_tasks")
 KEPT += ("first_seed", "cameras", "layout", "config", "twin", "most_attempts")
-KEPT += ("assets", "fallback", "shader", *FILMED)
+KEPT += ("assets", "fallback", "shader")
+RARE = ("keep_failures", "senses", "camera_type", "size")  # where they are asked for
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,8 @@ def stored_plan(plan: TaskPlan, run: Run) -> dict[str, JSON]:
     rare = {"ranges": None, "recovery": True, "pair_tasks": False}
     known = {**rare, **plan.setting.to_json(), **vars(plan), **vars(run)}
     known["assets"] = None if run.assets is None else str(run.assets)
-    kept = [key for key in KEPT if known[key] or key not in FILMED]
-    return {key: plain(known[key], key) for key in kept}
+    named = [*KEPT, *(key for key in RARE if known[key])]
+    return {key: plain(known[key], key) for key in named}
 
 
 def claim(out: Path, shard: Shard | None) -> None:

@@ -9,6 +9,7 @@ from rtphys.data.conditions import differences
 from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
 from rtphys.data.layout import MANIFEST
+from rtphys.episode.fingerprint import packages
 from rtphys.results.instance_file import instance_file, read_instances
 from rtphys.results.instances import BENCHMARK, InstanceList, Slot
 from rtphys.studies.evaluate.plan import EvaluatePlan
@@ -64,6 +65,20 @@ def certified(
     return found.first(plan.episodes or held)
 
 
+def other_versions(fingerprint: Mapping[str, JSON]) -> list[str]:
+    """One clause for each package whose version is not the list's; they are allowed to differ.
+
+    Python's own version moves no bit, and what rtphys does is compared by its code.
+    """
+    stored = fingerprint.get("versions")
+    known = stored if isinstance(stored, Mapping) else {}
+    return [
+        f"{name} was {known[name]}, now {version}"
+        for name, version in packages().items()
+        if name in known and known[name] != version and name not in ("rtphys", "python")
+    ]
+
+
 def _file(folder: Path | None, task: str, protocol: str) -> Path:
     shipped = [root / "manifests" / BENCHMARK for root in library.roots()]
     places = [instance_file(root, protocol, task) for root in ([folder] if folder else shipped)]
@@ -88,6 +103,9 @@ def _of_dataset(
     entry = (own or entries)[0]
     if entry.only is not None or entry.overrides:
         problem = "attributes were picked or held in it, which an evaluation does not know"
+        raise BadValue("instances", str(folder), problem)
+    if entry.policy is not None:
+        problem = f"its episodes are those of {entry.policy}, which says nothing of feasibility"
         raise BadValue("instances", str(folder), problem)
     if entry.pair_tasks:
         problem = "its tasks share one draw, and an evaluation draws for each task by itself"

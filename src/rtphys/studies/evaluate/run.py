@@ -2,12 +2,13 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.row_journal import RowJournal
 from rtphys.campaign.series import Series, Study, Tally
-from rtphys.campaign.workers.local import LocalPool, cores
+from rtphys.campaign.workers.local import LocalPool, cores, memory_share
 from rtphys.campaign.workers.pool import Limits, Lost
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
@@ -22,17 +23,22 @@ from rtphys.results import EpisodeRecord, summarise
 from rtphys.results.folder import INSTANCES, RUN, SUMMARY, record_file, short_name, video_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import InstanceList
-from rtphys.results.official import result_file, write_result
+from rtphys.results.official import result_folder, write_result
 from rtphys.results.record_file import read_records, write_records
 from rtphys.results.summary import Summary
 from rtphys.setting.setting import Setting
-from rtphys.studies.evaluate.lists import certified
+from rtphys.studies.evaluate.lists import certified, other_versions
 from rtphys.studies.evaluate.plan import EvaluatePlan
+from rtphys.studies.evaluate.recorded import (
+    Experience,
+    Recorded,
+    dataset_of,
+    experience,
+    unplayed,
+)
 from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
 
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
-# Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
-MOST_MEMORY = 256e9  # [bytes]
 CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
 """Fields of a plan that two runs must share to continue each other, but for the episodes."""
 
@@ -41,14 +47,19 @@ class OtherRun(RtphysError):
     """The folder holds results of another evaluation."""
 
 
-class TaskEvaluation(Study[Job, EpisodeRecord]):
+Result = EpisodeRecord | Recorded
+
+
+class TaskEvaluation(Study[Job, Result]):
     """One task under one protocol: its instances in order, and their records.
 
     A journal takes each record; the file that people read follows every few seconds.
     """
 
-    def __init__(self, plan: EvaluatePlan, instances: InstanceList) -> None:
-        self.plan, self.instances = plan, instances
+    def __init__(
+        self, plan: EvaluatePlan, instances: InstanceList, experience: Experience | None = None
+    ) -> None:
+        self.plan, self.instances, self.experience = plan, instances, experience
         self.setting = setting = Setting(instances.task, instances.protocol, split=plan.split)
         self.path = record_file(plan.folder, setting.protocol, setting.task)
         there = read_records(self.path) if self.path.exists() else []
@@ -66,6 +77,8 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
         done = min(len(known), len(seeds))
         tally = Tally(f"{setting.task}, {setting.protocol}", len(seeds), done, done)
         self.series = Series(self, tally, seeds[done:])
+        if experience is not None:
+            experience.check(seeds[:done])
 
     @property
     def records(self) -> Sequence[EpisodeRecord]:
@@ -76,20 +89,25 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
         plan, setting = self.plan, self.setting
         setup = PolicySetup(setting.task, setting.protocol, plan.split, plan.seed, plan.options)
         video = video_file(plan.folder, setting.protocol, setting.task, seed)
-        return Job(setting.at(seed), setup, video if plan.video else None)
+        staging = self.experience.writer.staging(seed) if self.experience else None
+        return Job(setting.at(seed), setup, video if plan.video else None, staging)
 
-    def reason(self, result: EpisodeRecord) -> str:
+    def reason(self, result: Result) -> str:
         return ""  # a failure is a result too
 
-    def commit(self, seed: int, result: EpisodeRecord) -> str:
-        self._journal.append(result.to_json())
-        self._all.append(result)
+    def commit(self, seed: int, result: Result) -> str:
+        record = result.record if isinstance(result, Recorded) else result
+        if self.experience is not None and isinstance(result, Recorded):
+            self.experience.record(seed, result.outcome)
+        self._journal.append(record.to_json())
+        self._all.append(record)
         if time.monotonic() - self._written_at > WRITE_SECONDS:
             self.write()
         return ""
 
-    def lost(self, seed: int, loss: Lost) -> EpisodeRecord:
-        return lost_record(self.setting.at(seed), loss.reason, loss.detail)
+    def lost(self, seed: int, loss: Lost) -> Result:
+        record = lost_record(self.setting.at(seed), loss.reason, loss.detail)
+        return record if self.experience is None else unplayed(record, self.setting)
 
     def write(self) -> None:
         """Brings the file that people read up to date. Raises `CannotWrite`."""
@@ -122,18 +140,29 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         for protocol, fingerprints in ground.items()
         for task, fingerprint in fingerprints.items()
     ]
+    if clauses := {clause for one in lists for clause in other_versions(one.fingerprint)}:
+        text = "the lists were certified with other versions, last bits of states may differ: "
+        listener.noticed(text + "; ".join(sorted(clauses)))
     files.make_folder(plan.folder)
-    with FolderLock(plan.folder):
+    with FolderLock(plan.folder), dataset_of(plan) as dataset:
         _claim(plan, ground)
         for instances in lists:
             copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
             write_instances(copy, instances)
-        studies = [TaskEvaluation(plan, instances) for instances in lists]
+        known = {task.name: task for task in tasks}
+        studies = [
+            TaskEvaluation(
+                plan, one, dataset and experience(plan, one, (known[one.task], pack), dataset)
+            )
+            for one in lists
+        ]
         worker, size = EvaluateWorker(pack, plan.policy, plan.filming), plan.workers or cores()
-        limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
+        share = max(memory_share(size), Limits().most_memory)
+        limits = Limits(plan.timeout, memory=share, most_memory=share)
         try:
-            with LocalPool[Job, EpisodeRecord](worker, size, limits, listener.noticed) as pool:
-                run_all([study.series for study in studies], pool, listener, plan.folder)
+            with LocalPool[Job, Result](worker, size, limits, listener.noticed) as pool:
+                saved = dataset.checkpoint_if_due if dataset else lambda: None
+                run_all([study.series for study in studies], pool, listener, plan.folder, saved)
         finally:
             for study in studies:
                 study.write()
@@ -146,7 +175,7 @@ def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
     if plan.senses:  # which older runs did not know
         run["senses"] = list(plan.senses)
     path = plan.folder / RUN
-    if path.exists():
+    if path.exists() and _has_records(plan.folder):
         clauses = ["and `resume` is off"]
         if plan.resume:
             before = {**parse_mapping(files.read(path), path), "episodes": plan.episodes}
@@ -157,6 +186,12 @@ def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
                 "Choose another folder, or ask for the same again"
             )
     files.replace_file(path, pretty(run))
+
+
+def _has_records(folder: Path) -> bool:
+    """Whether an evaluation has come as far as a result: a start that failed claims nothing."""
+    kept = (*folder.glob("*/*.jsonl"), *folder.glob("*/.*.journal"))
+    return any(path.stat().st_size for path in kept)
 
 
 def _conclude(plan: EvaluatePlan, studies: Sequence[TaskEvaluation]) -> Summary:
@@ -173,7 +208,7 @@ def _conclude(plan: EvaluatePlan, studies: Sequence[TaskEvaluation]) -> Summary:
             place = out / f"attributes_{protocol}.png"
             draw_breaks(found, f"{policy} under {protocol}", place)
     for row in summary.tasks:
-        path = result_file(out, row.task, policy, row.protocol)
+        folder = result_folder(out, row.task, policy, row.protocol)
         counts = row.counts.rollouts, row.counts.slots, row.counts.successes
-        write_result(path, plan.split, counts)
+        write_result(folder, row.protocol, plan.split, counts)
     return summary

@@ -45,6 +45,9 @@ class SensitivityWorker(StudyWorker[Job, bool]):
         super().__post_init__()
         self._session = PolicySession(self.policy)
 
+    def finish(self) -> None:
+        self._session.close()
+
     def do(self, job: Job) -> bool:
         setting = job.recipe.setting
         held: dict[str, Value] = {}

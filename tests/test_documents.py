@@ -1,0 +1,140 @@
+"""The documents: every link leads somewhere, every command and every example is one that exists."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+import pytest
+import typer
+import yaml
+
+from rtphys.cli.main import app
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = (
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
+    *sorted((ROOT / "examples").rglob("*.md")),
+)
+GENERATED = {"tasks.md"}  # scripts/site.py writes it when the site is built
+FAST = ("tasks", "protocols", "domains", "doctor", "new-task", "physics sample")
+SMALLER = ((r"(--episodes) \d+", r"\1 1"), (r"(--seeds) \d+", r"\1 2"))
+
+
+def blocks(page: Path, *languages: str) -> Iterator[str]:
+    found = re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
+    return (text for language, text in found if language in languages)
+
+
+def commands(page: Path) -> Iterator[list[str]]:
+    """Command lines of rtphys in the blocks of a page, as words; comments left out."""
+    for text in blocks(page, "sh", "bash"):
+        for line in text.replace("\\\n", " ").splitlines():
+            line = re.sub(r"\$\w+", "1", line)
+            for part in re.split(r"&&|;|\|", line):
+                words = shlex.split(part, comments=True)
+                if words and words[0] == "rtphys":
+                    yield words[1:]
+
+
+def heading_anchors(page: Path) -> set[str]:
+    titles = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)
+    plain = (re.sub(r"[`*]|\]\([^)]*\)|\[", "", title).strip().lower() for title in titles)
+    return {re.sub(r"[^\w\- ]", "", title).replace(" ", "-") for title in plain}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page: Path) -> None:
+    broken = []
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+        place, _, anchor = target.partition("#")
+        if "://" in place or Path(place).name in GENERATED:
+            continue
+        path = (page.parent / place).resolve() if place else page
+        there = path.exists()
+        if not there or (anchor and path.suffix == ".md" and anchor not in heading_anchors(path)):
+            broken.append(target)
+    assert not broken
+
+
+@lru_cache
+def root_command():
+    return typer.main.get_command(app)
+
+
+def parse(words: list[str]) -> None:
+    """Raises click's `UsageError` where the command line has what the program does not know."""
+    root = root_command()
+    with root.make_context("rtphys", list(words)) as context:
+        # Where click keeps the command's name depends on its version.
+        rest = [*getattr(context, "_protected_args", []), *context.args]
+        _, command, rest = root.resolve_command(context, rest)
+        while hasattr(command, "commands") and rest and not rest[0].startswith("-"):
+            _, command, rest = command.resolve_command(context, rest)
+        with command.make_context("command", rest, parent=context):
+            pass
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_commands_and_their_options_exist(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    wrong = []
+    for words in commands(page):
+        try:
+            parse(words)
+        except Exception as error:
+            wrong.append(f"{shlex.join(words)}: {error}")
+    assert not wrong
+
+
+def test_a_wrong_command_line_is_seen() -> None:
+    for line in ("tasks --jsn", "colect --task click_bell", "domains shw click_bell"):
+        with pytest.raises(Exception, match=r"(?i)no such|unknown"):
+            parse(line.split())
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_examples_can_be_read(page: Path) -> None:
+    for text in blocks(page, "python"):
+        compile(text, str(page), "exec")
+    for text in blocks(page, "yaml"):
+        if "…" not in text:  # an excerpt
+            list(yaml.safe_load_all(text))
+
+
+def test_the_site_has_every_page() -> None:
+    nav = (ROOT / "mkdocs.yml").read_text()
+    missing = [p.name for p in (ROOT / "docs").rglob("*.md") if str(p.relative_to(ROOT)) not in nav]
+    assert not missing
+
+
+@pytest.mark.slow
+@pytest.mark.sim
+def test_commands_do_what_they_say(tmp_path: Path) -> None:
+    """What needs no policy and no dataset of one's own, with as few episodes as there can be."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    failed, done = [], 0
+    for page in PAGES:
+        for words in commands(page):
+            line = shlex.join(words)
+            if page.name != "extend.md" and not line.startswith(FAST):
+                continue
+            for pattern, fewer in SMALLER:
+                line = re.sub(pattern, fewer, line)
+            command = [sys.executable, "-m", "rtphys.cli.main", *shlex.split(line)]
+            run = subprocess.run(
+                command, cwd=tmp_path, env=environment, capture_output=True, text=True
+            )
+            done += 1
+            if run.returncode:
+                failed.append(f"{page.name}: {line}: {run.stderr[-500:]}")
+    assert not failed
+    assert done >= 8

@@ -1,0 +1,53 @@
+"""The files that hosts and tools read: they parse, and speak of what exists."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+
+pytestmark = pytest.mark.skipif(not WORKFLOWS, reason="not a checkout")
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
+def test_workflows_call_make_targets_that_exist(path: Path) -> None:
+    targets = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    jobs = yaml.safe_load(path.read_text())["jobs"]
+    commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
+    called = {word for line in commands for word in re.findall(r"^make ([\w-]+)", line)}
+    assert called and called <= targets
+
+
+def test_every_supported_python_is_tested() -> None:
+    jobs = yaml.safe_load((ROOT / ".github" / "workflows" / "ci.yml").read_text())["jobs"]
+    versions = jobs["test"]["strategy"]["matrix"]["python"]
+    assert versions == ["3.11", "3.12", "3.13"]
+    assert PROJECT["requires-python"] == f">={versions[0]}"
+
+
+def test_the_certified_versions_are_above_the_floors() -> None:
+    pinned = dict(
+        line.split("==")
+        for line in (ROOT / "manifests" / "constraints.txt").read_text().splitlines()
+        if "==" in line and not line.startswith("#")
+    )
+    floors = dict(re.fullmatch(r"([\w.-]+)>=([\d.]+)", d).groups() for d in PROJECT["dependencies"])
+    shared = pinned.keys() & floors.keys()
+    assert {"numpy", "sapien", "pin", "h5py"} <= shared
+    for name in shared:
+        assert numbers(pinned[name]) >= numbers(floors[name]), name
+
+
+def numbers(version: str) -> list[int]:
+    return [int(part) for part in version.split(".")]
+
+
+@pytest.mark.parametrize("name", ["CITATION.cff", ".pre-commit-config.yaml"])
+def test_it_is_yaml(name: str) -> None:
+    content = yaml.safe_load((ROOT / name).read_text())
+    assert content.get("license", "Apache-2.0") == PROJECT["license"]
