@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "rtphys"
-TASKS = sorted((ROOT / "tasks").glob("*.py"))
+TASKS = sorted([*(ROOT / "tasks").glob("*.py"), *(ROOT / "probes" / "tasks").glob("*.py")])
 
 FREE = {"numpy", "scipy"}
 # Import name -> the layers that may use it. What is not here may not be imported at all.
@@ -33,10 +33,13 @@ OWNERS = {
     "sapien": {"sim"},
     "matplotlib": {"report"},
     "pyarrow": {"export"},
+    "rerun": {"view"},
     "gymnasium": {"gym"},
     "websockets": {"policies"},
     "msgpack": {"policies"},
     "ray": {"campaign"},
+    "sklearn": {"identification"},
+    "threadpoolctl": {"identification"},
     "typer": {"cli"},
     "rich": {"cli"},
 }

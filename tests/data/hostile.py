@@ -57,6 +57,32 @@ def corpus() -> Iterator[Hostile]:
     yield from _strange_files()
 
 
+def hostile_shards(whole: JSON) -> Iterator[Hostile]:
+    """A file `shard.json` with a value in each place that does not belong there."""
+    units: tuple[tuple[str | int, ...], ...] = (("index",), ("of",), ("units",), ("units", 0))
+    units += tuple(("units", 0, key) for key in ("leaf", "twin", "episodes", "plan"))
+    units += tuple(("units", 0, "plan", key) for key in ("task", "protocol", "config", "layout"))
+    units += tuple(("units", 0, "plan", key) for key in ("cameras", "overrides", "first_seed"))
+    for place in units:
+        for value in (*VALUES, *NAMES):
+            label = f"shard {'.'.join(map(str, place))} = {str(value)[:20]!r}"
+            yield Hostile(label, _shard(whole, place, value))
+    for text in RAW:
+        yield Hostile(f"shard {text[:20]}", lambda d, _, t=text: _write(d / "shard.json", t))
+
+
+def _shard(whole: JSON, place: tuple[str | int, ...], value: object) -> Change:
+    def change(dataset: Path, _: Path) -> None:
+        _write(dataset / "shard.json", json.dumps(whole))
+        _edit(dataset / "shard.json", place, value)
+
+    return change
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text)
+
+
 OF_LEAF: tuple[tuple[str | int, ...], ...] = (
     *(("episodes",), ("seeds",), ("seeds", 0), ("attempts",), ("attempts", 0, "seed")),
     *(("stride",), ("cameras",), ("domain", "digest"), ("overrides",), ("first_seed",)),

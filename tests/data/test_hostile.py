@@ -1,26 +1,44 @@
 """A corpus of hostile datasets through the readers: an error of ours, soon, and nothing outside."""
 
+import json
 import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 import synthetic
-from hostile import Hostile, corpus
+from hostile import Hostile, corpus, hostile_shards
 from test_dataset_writer import collect
 from time_limit import Hang, at_most
+from typer.testing import CliRunner
 
-from rtphys.core.errors import RtphysError
+from rtphys.cli.main import app
+from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.convert import convert
 from rtphys.data.dataset import Dataset
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
 from rtphys.export.croissant import CardText, croissant
+from rtphys.policies.policy import PolicyGone
+from rtphys.policies.replay import Replay
 from rtphys.report.facts import gather
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.merge import merge
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.shard import stored_plan
+from rtphys.studies.evaluate.lists import certified
+from rtphys.studies.evaluate.plan import EvaluatePlan
 
 SECONDS = 10
 SECRET = "the secret of another folder"
 CASES = tuple(corpus())
+PLAN = TaskPlan(Setting("click_bell", "phys_random"), 1, most_attempts=1)
+SHARD = {  # the only one of its collection
+    "index": 1,
+    "of": 1,
+    "units": [{"leaf": PLAN.folder, "twin": None, "episodes": 1, "plan": stored_plan(PLAN, Run())}],
+}
 
 
 def _collect(dataset: Path, _: Path) -> None:
@@ -33,6 +51,41 @@ def _read(dataset: Path, _: Path) -> None:
         _ = (episode.frames, episode.physics, episode.instructions, len(episode))
 
 
+def _show(dataset: Path, out: Path) -> None:
+    result = CliRunner().invoke(app, ["show", str(dataset), "--out", str(out)])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    assert SECRET not in result.output and "\x1b" not in result.output
+
+
+class _Anywhere:
+    """An episode that takes every action."""
+
+    task, seed, over = "click_bell", 0, False
+
+    def act(self, action: np.ndarray) -> None:
+        assert action.ndim == 1
+
+
+def _replay(dataset: Path, _: Path) -> None:
+    try:
+        Replay(dataset, "click_bell", "phys_random").play(_Anywhere())  # type: ignore[arg-type]
+    except PolicyGone as gone:
+        raise BadFile(dataset, str(gone)) from gone
+
+
+def _instances(dataset: Path, _: Path) -> None:
+    cell = ("click_bell",), ("phys_random",)
+    plan = EvaluatePlan("idle", *cell, 1, instances=dataset, accept_changes=True)
+    certified(plan, "click_bell", "phys_random", {})
+
+
+def _merge(dataset: Path, out: Path) -> None:
+    if not (dataset / "shard.json").exists():
+        (dataset / "shard.json").write_text(json.dumps(SHARD))
+    merge([dataset], out, workers=1)
+
+
 READERS: dict[str, Callable[[Path, Path], object]] = {
     "verify-manifest": lambda dataset, _: verify(dataset),
     "Dataset": _read,
@@ -40,6 +93,10 @@ READERS: dict[str, Callable[[Path, Path], object]] = {
     "report": lambda dataset, _: gather(Dataset(dataset)),
     "export": lambda dataset, _: croissant(Dataset(dataset), CardText("name")),
     "collect": _collect,
+    "show": _show,
+    "replay": _replay,
+    "instances": _instances,
+    "merge": _merge,
 }
 
 
@@ -88,10 +145,21 @@ def check(cases: Sequence[Hostile], reader: str, sound: Path, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("reader", READERS)
+def test_a_sound_dataset_is_read(reader: str, sound: Path, tmp_path: Path) -> None:
+    dataset = Path(shutil.copytree(sound, tmp_path / "dataset"))
+    READERS[reader](dataset, tmp_path / "out")
+
+
+@pytest.mark.parametrize("reader", READERS)
 def test_some_hostile_datasets(reader: str, sound: Path, tmp_path: Path) -> None:
-    """Every sixth case, each by one reader."""
-    first = 6 * list(READERS).index(reader)
-    check(CASES[first :: 6 * len(READERS)], reader, sound, tmp_path)
+    """A case in ten, each by one reader; few by `show`, which draws a plot."""
+    step = (100 if reader == "show" else 10) * len(READERS)
+    check(CASES[10 * list(READERS).index(reader) :: step], reader, sound, tmp_path)
+
+
+@pytest.mark.parametrize("step", [10, pytest.param(1, marks=pytest.mark.slow)])
+def test_hostile_shards(step: int, sound: Path, tmp_path: Path) -> None:
+    check([*hostile_shards(SHARD)][::step], "merge", sound, tmp_path)
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from rtphys.assets.model import read_json
 from rtphys.assets.pack import STAMP, Pack, builtin_pack, cache_folder, default_pack
 from rtphys.cli.screen import Screen
 from rtphys.cli.terminal import say
@@ -40,7 +41,7 @@ def build(
 
     root = out or cache_folder() / source_digest()[:16]
     stamp = root / STAMP
-    if not force and stamp.is_file() and json.loads(stamp.read_text())["source"] == source_digest():
+    if not force and stamp.is_file() and read_json(stamp).get("source") == source_digest():
         pack = Pack(root)
     else:
         with BuildBar() as bar:

@@ -9,7 +9,9 @@ import typer
 from rich.table import Table
 
 from rtphys.cli.fitting import fitting_table, print_table
+from rtphys.cli.identify_tables import compare_results
 from rtphys.cli.terminal import say
+from rtphys.identification.result_file import read_result
 from rtphys.report.figures.rates import draw_rates
 from rtphys.results import read_results
 from rtphys.results.comparison import (
@@ -24,7 +26,10 @@ from rtphys.results.statistics import Rate
 
 def compare(
     folders: Annotated[
-        list[Path] | None, typer.Argument(help="Folders that rtphys evaluate has written.")
+        list[Path] | None,
+        typer.Argument(
+            help="Folders that rtphys evaluate has written, or files of rtphys identify."
+        ),
     ] = None,
     protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
     paper: Annotated[
@@ -35,10 +40,14 @@ def compare(
 ) -> None:
     """Success by task and policy with 95 % intervals, and a paired test on common seeds.
 
-    Without a folder, --paper shows the paper's tables.
+    Without a folder, --paper shows the paper's tables. Result files of `rtphys identify` (.json)
+    are shown side by side instead: the mean R2 of each attribute.
     """
     if not folders and not paper:
         raise typer.BadParameter("name a result folder, or say --paper")
+    if folders and all(path.suffix == ".json" for path in folders):
+        compare_results([read_result(path) for path in folders])
+        return
     evaluations = [read_results(folder) for folder in folders or []]
     columns = columns_of(evaluations, protocol) if evaluations else []
     tasks = list(dict.fromkeys(task for column in columns for task in column.rates))

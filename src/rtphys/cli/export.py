@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 from rich.progress import Progress
 
+from rtphys.cli.derived import names_in
 from rtphys.cli.screen import Screen
 from rtphys.cli.terminal import say
 from rtphys.data.dataset import Dataset
@@ -32,6 +33,10 @@ def lerobot(
     camera_names: Annotated[
         str, typer.Option(help="aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
     ] = "aloha",
+    features: Annotated[
+        list[str] | None,
+        typer.Option(help="Also in each frame: physics, contact, touch, depth; with commas."),
+    ] = None,
 ) -> None:
     """Write a LeRobot dataset with each episode's physics in columns phys/<attribute>."""
     # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
@@ -45,6 +50,7 @@ def lerobot(
             out,
             version=version,
             camera_names=camera_names,
+            features=names_in(features or []),
             progress=lambda done, _: bar.update(row, completed=done),
         )
     say(f"{out}: {len(chosen)} episodes, LeRobot {version}")

@@ -20,6 +20,7 @@ EXTRAS = {
     "msgpack": "serve",
     "gymnasium": "gym",
     "ray": "ray",
+    "sklearn": "identify",
 }
 RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
 INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C

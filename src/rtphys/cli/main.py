@@ -21,6 +21,7 @@ COMMANDS = {
     "check": "Try a task's expert over many seeds, without pictures.",
     "certify": "Find the seeds on which policies are evaluated.",
     "evaluate": "Run a policy on certified instances and say how often it succeeds.",
+    "identify": "Find which physics can be told from what a robot senses.",
     "sensitivity": "Measure how far physics may be from nominal before a task is lost.",
     "compare": "Show evaluations side by side, and beside the paper's.",
     "robotwin-root": "Write a folder that RoboTwin's launch scripts take for RoboTwin.",
@@ -28,6 +29,7 @@ COMMANDS = {
     "convert": "Write a dataset again in the other official layout.",
     "export": "Write a dataset in the format of another tool.",
     "show": "Show one episode in the terminal or as a picture.",
+    "view": "Look at an episode in Rerun, a viewer of recordings.",
     "report": "Show a dataset on one HTML page.",
     "tasks": "List the tasks and what they need.",
     "new-task": "Write a task file to start from.",
@@ -38,6 +40,8 @@ COMMANDS = {
     "bench": "Measure what an episode costs on this machine.",
     "doctor": "Find what keeps this machine from working, and how to cure it.",
 }
+
+PROBES = "probes"  # a library of its own that ships with rtphys
 
 EPILOG = """Examples:
 
@@ -64,11 +68,21 @@ def _version(wanted: bool) -> None:
         raise typer.Exit()
 
 
+def _folder(path: Path) -> Path:
+    """A library's folder; that of the probes, which ships with rtphys, is found from anywhere."""
+    from rtphys.core.library import bundled
+
+    return bundled() / PROBES if str(path) == PROBES and not path.exists() else path.resolve()
+
+
 @app.callback()
 def main(
     library: Annotated[
         list[Path] | None,
-        typer.Option(help="A folder with tasks/, domains/, manifests/ of your own; repeatable."),
+        typer.Option(
+            help="A folder with tasks/, domains/, manifests/ of your own; repeatable. "
+            "`probes`: the short tasks that find physics out."
+        ),
     ] = None,
     assets: Annotated[
         Path | None, typer.Option(help="An asset pack to use instead of the builtin one.")
@@ -86,7 +100,7 @@ def main(
     if library:
         known = os.environ.get("RTPHYS_LIBRARY")
         os.environ["RTPHYS_LIBRARY"] = os.pathsep.join(
-            [*([known] if known else []), *(str(path.resolve()) for path in library)]
+            [*([known] if known else []), *(str(_folder(path)) for path in library)]
         )
     if assets:
         os.environ["RTPHYS_ASSETS"] = str(assets.resolve())

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, JsonValue
+from pydantic import ConfigDict, Field, FiniteFloat, JsonValue
 
 from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import BadFile
@@ -14,7 +14,7 @@ from rtphys.data.files import FileFacts
 from rtphys.data.journal import Contents, Line, read_journal
 from rtphys.data.layout import TaskDataset
 from rtphys.data.manifest import task_dataset_of
-from rtphys.data.schema_model import Model, Name, RelativePath, Seed, Stride
+from rtphys.data.schema_model import KeepFailures, Model, Name, RelativePath, Seed, Stride
 
 
 class _Entry(Model):
@@ -38,6 +38,8 @@ class Header(_Entry):
     split: Literal["seen", "unseen"] | None = None
     recovery: bool | None = None
     pair_tasks: bool = False
+    keep_failures: KeepFailures | None = None
+    policy: str | None = None
     twin: Name | None = None
     twin_of: Name | None = None
     domain: dict[str, JsonValue]
@@ -63,6 +65,17 @@ class Accepted(_Entry):
     files: dict[RelativePath, FileFacts]
 
 
+class Kept(_Entry):
+    """A failed attempt whose files were kept."""
+
+    number: Annotated[int, Field(ge=0, le=EPISODES)]
+    frames: Annotated[int, Field(ge=0, le=EPISODES)]
+    event: str
+    time: FiniteFloat
+    scene_info: dict[str, JsonValue]
+    files: dict[RelativePath, FileFacts]
+
+
 class Rejected(_Entry):
     """An attempt that gave none."""
 
@@ -71,6 +84,7 @@ class Rejected(_Entry):
     reason: str
     detail: str
     physics: dict[str, JsonValue] | None = None
+    kept: Kept | None = None
 
 
 class _Attempt(_Entry):
@@ -90,7 +104,7 @@ def read_attempts(path: Path) -> Contents:
 
 def check_entries(path: Path, entries: Sequence[Mapping[str, JSON]]) -> None:
     """Raises `BadFile`: an entry has not what every entry has; names the line."""
-    number = 0
+    numbers = {"episode": 0, "failure": 0}
     for place, entry in enumerate(entries, start=1):
         with schema.problems_of(Path(f"{path} line {place}")):
             if place == 1:
@@ -98,10 +112,15 @@ def check_entries(path: Path, entries: Sequence[Mapping[str, JSON]]) -> None:
                 continue
             attempt = _Attempt.model_validate({"attempt": entry}).attempt
         if isinstance(attempt, Accepted):
-            if attempt.episode != number:
-                problem = f"episode is {attempt.episode}, but it is number {number} here"
-                raise BadFile(f"{path} line {place}", problem)
-            number += 1
+            kind, number = "episode", attempt.episode
+        elif attempt.kept is not None:
+            kind, number = "failure", attempt.kept.number
+        else:
+            continue
+        if number != numbers[kind]:
+            problem = f"{kind} is {number}, but it is number {numbers[kind]} here"
+            raise BadFile(f"{path} line {place}", problem)
+        numbers[kind] += 1
 
 
 def own_place(out: Path, path: Path, lines: Sequence[Line]) -> TaskDataset:

@@ -11,7 +11,7 @@ from rtphys.data.check_meaning import check_meaning, check_video
 from rtphys.data.check_tree import Findings
 from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.layout import EpisodePaths
-from rtphys.data.schema import Instructions, Kind, PhysMeta, TaskDatasetEntry
+from rtphys.data.schema import FailureMeta, Instructions, Kind, PhysMeta, TaskDatasetEntry
 from rtphys.setting.filming import Filming
 
 
@@ -30,6 +30,7 @@ class EpisodeClaim:
     entry: TaskDatasetEntry
     number: int
     seed: int | None  # None: newer than the manifest
+    failed: bool = False  # one of the failures that were kept, of which `number` is the index
 
 
 def check_episode(
@@ -43,7 +44,7 @@ def check_episode(
     words = _model(Instructions, paths.instruction, findings)
     if words is not None and facts.seen and words.seen not in ([], [*facts.seen]):
         findings.problem(paths.instruction, "its sentences are not those in the HDF5 file")
-    meta = _model(PhysMeta, paths.phys_meta, findings)
+    meta = _model(FailureMeta if claim.failed else PhysMeta, paths.phys_meta, findings)
     if meta is None:
         return None
     _check_meta(meta, paths.phys_meta, claim, findings)
@@ -108,9 +109,16 @@ def _check_meta(meta: PhysMeta, path: Path, claim: EpisodeClaim, findings: Findi
         "task": (meta.task, entry.task),
         "protocol": (meta.protocol, entry.protocol or entry.config),
         "domain": (meta.domain, entry.domain),
-        "verdict.accepted": (meta.verdict.accepted, True),
-        "verdict.recovered": (meta.verdict.recovered, meta.verdict.recovered and entry.recovery),
+        "verdict.accepted": (meta.verdict.accepted, not claim.failed),
+        "verdict.recovered": (
+            meta.verdict.recovered,
+            meta.verdict.recovered and (entry.recovery or claim.failed),
+        ),
     }
+    if isinstance(meta, FailureMeta) and claim.number < len(entry.failures):
+        listed, told = entry.failures[claim.number], meta.failure
+        for key in ("reason", "event", "time"):
+            pairs[f"failure.{key}"] = (getattr(told, key), getattr(listed, key))
     for key, (stored, expected) in pairs.items():
         if stored != expected:
             findings.problem(path, f"{key} is {stored!r}, the manifest says {expected!r}")

@@ -7,6 +7,8 @@ import h5py
 import numpy as np
 
 from rtphys.data.episode import Frames
+from rtphys.data.hdf5_file import group
+from rtphys.data.hdf5_record import GROUP
 from rtphys.data.hdf5_senses import (
     KINDS,
     Array,
@@ -18,6 +20,7 @@ from rtphys.data.hdf5_senses import (
     id_names,
     segmentation_stream,
 )
+from rtphys.data.touch import read_touch
 from rtphys.setting.senses import CLOUD_POINTS, SENSES
 
 UNIT = 1e-3  # how far a stored quaternion's length may be from 1
@@ -56,6 +59,10 @@ def check_senses(
             problems.append(f"body_poses has {len(poses)} rows for {len(frames)} frames")
         if not np.allclose(np.linalg.norm(poses[..., 3:], axis=-1), 1, atol=UNIT):
             problems.append("body_poses holds quaternions that are not of unit length")
+    if "touch" in senses:
+        problems += read_touch(group(file, GROUP)).problems(len(frames))
+    elif f"{GROUP}/touch" in file:
+        problems.append(f"{GROUP}/touch is there, and touch is not declared")
     return problems, senses
 
 

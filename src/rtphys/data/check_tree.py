@@ -9,7 +9,7 @@ from rtphys.data import files
 from rtphys.data.attempts import own_place, read_attempts
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import START, Line
-from rtphys.data.layout import JOURNAL, MANIFEST, STAGING, TaskDataset, episode_number
+from rtphys.data.layout import FAILURES, JOURNAL, MANIFEST, STAGING, TaskDataset, episode_number
 from rtphys.data.manifest import (
     TaskDatasetHistory,
     journals_below,
@@ -47,6 +47,7 @@ class Tree:
     data: bytes  # of the manifest's file
     task_datasets: dict[str, TaskDataset] = field(default_factory=dict)
     episodes: dict[str, int] = field(default_factory=dict)  # by task dataset, journal included
+    failures: dict[str, int] = field(default_factory=dict)  # likewise: those that were kept
     files: dict[str, ListedFile] = field(default_factory=dict)  # by path below `out`
     newer: int = 0  # attempts that the journals have and the manifest has not
 
@@ -78,6 +79,7 @@ def read_tree(out: Path, findings: Findings) -> Tree:
     for name, facts in manifest.files.items():
         tree.files[name] = ListedFile(out / name, (facts,))
     tree.episodes = {name: entry.episodes for name, entry in manifest.task_datasets.items()}
+    tree.failures = {name: len(e.failures) for name, e in manifest.task_datasets.items()}
     _compare(tree, data, histories, findings)
     _unlisted(tree, findings)
     _twins(tree, findings)
@@ -147,10 +149,12 @@ def _extend(tree: Tree, history: TaskDatasetHistory, counted: int, findings: Fin
         "still goes on"
     )
     tree.episodes[name] = len(history.accepted)
+    tree.failures[name] = len(history.kept)
     for key, facts in history.files().items():
         tree.files[key] = ListedFile(tree.out / key, (FileFacts.model_validate(facts),))
     for path in history.side_files():
-        states = [history.until(n).side_files()[path] for n in range(counted, total + 1)]
+        past = [history.until(n).side_files() for n in range(counted, total + 1)]
+        states = [files_then[path] for files_then in past if path in files_then]
         allowed = tuple(dict.fromkeys(FileFacts.of(state) for state in states))
         tree.files[path.relative_to(tree.out).as_posix()] = ListedFile(path, allowed)
 
@@ -189,7 +193,9 @@ def _unlisted(tree: Tree, findings: Findings) -> None:
                 continue
             if path.relative_to(tree.out).as_posix() in tree.files:
                 continue
-            if episode_number(path) == tree.episodes[name] or path.suffix == files.TEMPORARY:
+            failed = inside.parts[0] == FAILURES
+            next_number = (tree.failures if failed else tree.episodes)[name]
+            if episode_number(path) == next_number or path.suffix == files.TEMPORARY:
                 findings.notes.append(f"{path}: of a commit that was cut off; resuming removes it")
             else:
                 findings.problem(path, "is in no manifest")

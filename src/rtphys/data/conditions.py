@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import BadFile, RtphysError, UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
@@ -33,6 +34,8 @@ class Conditions:
     twin: str | None = None  # config of the task dataset with the same seeds, another protocol
     twin_of: str | None = None  # config of the task dataset whose twin this is
     stride: tuple[int, int] | None = None  # of a shard: its first attempt, its step; None: 0, 1
+    keep_failures: str | None = None  # how many failed attempts are kept, or "all"; None: none
+    policy: str | None = None  # who acted; None: the expert
     senses: tuple[str, ...] | None = None  # recorded beyond colours; None: none
     camera_type: str | None = None  # of every camera; None: each one's own
     size: str | None = None  # of pictures, such as 640x480; None: the camera type's
@@ -58,6 +61,12 @@ class Conditions:
         config = self.config or setting.protocol
         folder = embodiment_folder(setting.embodiment)
         return TaskDataset(out, config, setting.task, folder, self.layout)
+
+    @property
+    def most_failures(self) -> int:
+        """How many failed attempts are kept at most."""
+        kept = self.keep_failures or "0"
+        return EPISODES if kept == "all" else int(kept)
 
     def unsharded(self) -> "Conditions":
         """The same for a whole collection."""
@@ -87,7 +96,7 @@ class Conditions:
         }
         if not self.setting.pair_tasks:  # which version 1 did not know
             del header["pair_tasks"]
-        for key in FILMED:  # likewise
+        for key in RARE:
             if header[key] is None:
                 del header[key]
         return {key: plain(value, key) for key, value in header.items()}
@@ -128,7 +137,10 @@ SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "reco
 """Fields of a setting that are stored as they are; its ranges are part of the domain."""
 
 FILMED = ("senses", "camera_type", "size")
-"""Conditions of how it is filmed, in a header only where they were asked for."""
+"""Conditions of how it is filmed."""
+
+RARE = (*FILMED, "keep_failures", "policy")
+"""Conditions that are in a header only where they were asked for."""
 
 
 def differences(stored: Mapping[str, JSON], wanted: Mapping[str, JSON]) -> list[str]:

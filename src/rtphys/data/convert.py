@@ -16,11 +16,18 @@ from rtphys.data.hdf5_legacy import read_legacy
 from rtphys.data.hdf5_native import read_native
 from rtphys.data.hdf5_senses import read_senses
 from rtphys.data.json_text import parse_mapping
-from rtphys.data.layout import LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
+from rtphys.data.layout import FAILURES, LAYOUTS, MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
-from rtphys.data.schema import Instructions, Kind, PhysMeta, SceneEntry, TaskDatasetEntry
+from rtphys.data.schema import (
+    FailureMeta,
+    Instructions,
+    Kind,
+    PhysMeta,
+    SceneEntry,
+    TaskDatasetEntry,
+)
 from rtphys.data.sensed import Sensed
-from rtphys.data.staging import EncodedEpisode, stage_encoded
+from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
@@ -96,7 +103,7 @@ def conditions_of(
 def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Iterator[None]:
     """Yields after each episode that is committed."""
     rejections = rejections_of(source, entry)
-    scenes = parse_mapping(files.read(source.scene_info), source.scene_info)
+    failures = [failure.seed for failure in entry.failures]
     number = 0
     for attempt in entry.attempts:
         if attempt.seed < task.next_seed:  # done by an earlier call
@@ -106,17 +113,25 @@ def _copy(source: TaskDataset, entry: TaskDatasetEntry, task: TaskWriter) -> Ite
             problem = f"{entry.task}: seed {attempt.seed} stands where {task.next_seed} belongs"
             raise BadFile(source.out / MANIFEST, problem)
         if attempt.verdict == "rejected":
-            task.record(rejections[attempt.seed])
+            rejection = rejections[attempt.seed]
+            if attempt.seed in failures:
+                kept = _staged(source.failures, failures.index(attempt.seed), attempt.seed, task)
+                rejection = replace(rejection, kept=kept)
+            task.record(rejection)
             continue
-        scene = scenes.get(f"episode_{number}")
-        episode = encoded_episode(source.episode(number), source.layout, scene)
-        if episode.phys_meta["seed"] != attempt.seed:
-            path = source.episode(number).phys_meta
-            raise BadFile(path, f"seed is not {attempt.seed}, as the manifest says")
-        folder = task.staging(attempt.seed)
-        task.record(stage_encoded(folder, episode, task.conditions.layout))
+        task.record(_staged(source, number, attempt.seed, task))
         number += 1
         yield
+
+
+def _staged(source: TaskDataset, number: int, seed: int, task: TaskWriter) -> StagedEpisode:
+    """An episode in the layout that the writer writes. Raises `BadFile`: it is another seed's."""
+    paths = source.episode(number)
+    scenes = parse_mapping(files.read(source.scene_info), source.scene_info)
+    episode = encoded_episode(paths, source.layout, scenes.get(f"episode_{number}"))
+    if episode.phys_meta["seed"] != seed:
+        raise BadFile(paths.phys_meta, f"seed is not {seed}, as the manifest says")
+    return stage_encoded(task.staging(seed), episode, task.conditions.layout)
 
 
 def rejections_of(source: TaskDataset, entry: TaskDatasetEntry) -> dict[int, Rejection]:
@@ -142,7 +157,8 @@ def encoded_episode(paths: EpisodePaths, layout: str, scene: JSON) -> EncodedEpi
     """An episode as its files hold it. Raises `BadFile`."""
     frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
-    meta = _plain(PhysMeta, paths.phys_meta)
+    failed = paths.phys_meta.parents[1].name == FAILURES
+    meta = _plain(FailureMeta if failed else PhysMeta, paths.phys_meta)
     words = _plain(Instructions, paths.instruction)
     if not isinstance(scene, Mapping):
         raise BadFile(paths.hdf5, "scene_info.json has no entry for this episode")

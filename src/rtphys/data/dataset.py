@@ -22,7 +22,8 @@ from rtphys.data.hdf5_pictures import EpisodeFile
 from rtphys.data.hdf5_senses import SenseFile
 from rtphys.data.layout import MANIFEST, EpisodePaths
 from rtphys.data.manifest import read_manifest
-from rtphys.data.schema import Instructions, Manifest, PhysMeta, TaskDatasetEntry
+from rtphys.data.schema import FailureMeta, Instructions, Manifest, PhysMeta, TaskDatasetEntry
+from rtphys.data.schema_attempts import Failure
 from rtphys.physics import Physics
 from rtphys.physics.values import plain_value
 
@@ -43,6 +44,7 @@ class Episode:
     seed: int
     layout: str
     paths: EpisodePaths
+    failed: bool = False  # one of `Dataset.failures`
 
     def __getstate__(self) -> dict[str, object]:
         # What was read stays behind: a data loader's workers read for themselves.
@@ -65,7 +67,13 @@ class Episode:
     @cached_property
     def meta(self) -> PhysMeta:
         """The label file as a typed object. Raises `SchemaError`, `BadFile`."""
-        return schema.read(PhysMeta, self.paths.phys_meta)
+        return schema.read(FailureMeta if self.failed else PhysMeta, self.paths.phys_meta)
+
+    @cached_property
+    def failure(self) -> Failure | None:
+        """Why and when it went wrong; None for a success. Raises `SchemaError`, `BadFile`."""
+        meta = self.meta
+        return meta.failure if isinstance(meta, FailureMeta) else None
 
     @property
     def physics(self) -> Physics:
@@ -158,11 +166,14 @@ class Pair(NamedTuple):
     twin: Episode
 
 
-def _episodes(path: Path, entry: TaskDatasetEntry) -> Iterator[Episode]:
-    place = entry.below(path)
+def _episodes(path: Path, entry: TaskDatasetEntry, failed: bool = False) -> Iterator[Episode]:
+    place, seeds = entry.below(path), entry.seeds
     place.check_links()
-    for number, seed in enumerate(entry.seeds):
-        yield Episode(entry.task, entry.config, number, seed, entry.layout, place.episode(number))
+    if failed:
+        place, seeds = place.failures, [failure.seed for failure in entry.failures]
+    for number, seed in enumerate(seeds):
+        paths = place.episode(number)
+        yield Episode(entry.task, entry.config, number, seed, entry.layout, paths, failed)
 
 
 class Dataset(Sequence[Episode]):
@@ -235,6 +246,18 @@ class Dataset(Sequence[Episode]):
                 pairs += map(Pair, _episodes(self.path, entry), _episodes(self.path, twin))
         return tuple(pairs)
 
+    def failures(self) -> tuple[Episode, ...]:
+        """Attempts that failed and were kept, never among the episodes.
+
+        They have everything that an episode has, and `failure`, which tells why and when it went
+        wrong. Works after `where` too.
+        """
+        return tuple(
+            failure
+            for entry in self.task_datasets
+            for failure in _episodes(self.path, entry, failed=True)
+        )
+
     def __len__(self) -> int:
         return len(self._episodes)
 
@@ -258,7 +281,8 @@ def find_episode(path: Path) -> Episode:
     wanted = path.resolve()
     for folder in wanted.parents:
         if (folder / MANIFEST).is_file():
-            for episode in Dataset(folder):
+            dataset = Dataset(folder)
+            for episode in (*dataset, *dataset.failures()):
                 if wanted in [p.resolve() for p in episode.paths.all()]:
                     return episode
             raise BadFile(path, f"is no episode of the dataset {folder}")

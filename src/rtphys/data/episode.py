@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.errors import BadFile, shortened
+from rtphys.core.json_text import JSON as JSON
 from rtphys.data.sensed import Sensed
 
-JSON: TypeAlias = Mapping[str, "JSON"] | Sequence["JSON"] | str | int | float | bool | None
 Floats: TypeAlias = NDArray[np.floating]
 Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
 

@@ -20,6 +20,7 @@ from rtphys.data.hdf5_file import DAMAGED, array, dataset, group, note, open_rea
 from rtphys.data.hdf5_record import GROUP, POSE
 from rtphys.data.palette import PALETTE, coloured, row_of
 from rtphys.data.sensed import MM, BodyPoses, Sensed, Track
+from rtphys.data.touch import Touch, read_touch, write_touch
 
 Array = NDArray[Any]
 Coder = Callable[[Array], Array]
@@ -56,9 +57,8 @@ class Stream:
         """Frame by frame, so that no second copy of all is in memory."""
         head = frames[:-1] if self.last else frames
         first = self.encode(frames[0])
-        made = file.create_dataset(
-            self.key, (len(head), *first.shape), first.dtype, track_times=False
-        )
+        shape = (len(head), *first.shape)
+        made = file.create_dataset(self.key, shape, first.dtype, track_times=False)
         for t, frame in enumerate(head):
             made[t] = self.encode(frame)
         if self.last:
@@ -135,6 +135,8 @@ def write_senses(file: h5py.File, sensed: Sensed, layout: str) -> None:
     if sensed.bodies is not None:
         names = json.dumps(list(sensed.bodies.names))
         put(file, BODIES, sensed.bodies.poses, {"names": names, "unit": POSE})
+    if sensed.touch is not None:
+        write_touch(group(file, GROUP), sensed.touch)
 
 
 def declared(file: h5py.File) -> tuple[str, ...]:
@@ -189,6 +191,8 @@ def read_senses(file: h5py.File, layout: str, cameras: list[str]) -> Sensed | No
             sensed.clouds = cloud_stream(layout).read(file)
         if "states" in senses:
             sensed.bodies = body_poses(file)
+        if "touch" in senses:
+            sensed.touch = read_touch(group(file, GROUP))
     except DAMAGED as error:
         raise BadFile(file.filename, f"what cameras sensed is damaged ({error})") from error
     return sensed
@@ -235,6 +239,11 @@ class SenseFile:
         """Poses of every body at every frame."""
         self._check("states")
         return self._read(body_poses)
+
+    def touch(self) -> Touch:
+        """What the fingers felt in every frame."""
+        self._check("touch")
+        return self._read(lambda file: read_touch(group(file, GROUP)))
 
     def _check(self, sense: str, camera: str | None = None, kind: str = "actor") -> None:
         if camera is not None and camera not in self.cameras:

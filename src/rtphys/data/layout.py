@@ -1,7 +1,7 @@
 """Paths of the files of a dataset; no other module spells them."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -17,7 +17,8 @@ STAGING = ".staging"
 EMBODIMENT = "aloha_agilex"
 LAYOUTS = ("native", "legacy")
 EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
-FOLDERS = (*EPISODE_FOLDERS, STAGING)
+FAILURES = "failures"  # beside the episodes of a task dataset: attempts that failed, if kept
+FOLDERS = (*EPISODE_FOLDERS, STAGING, FAILURES)
 
 
 def embodiment_folder(name: str) -> str:
@@ -47,6 +48,7 @@ class TaskDataset:
     task: str
     embodiment: str = EMBODIMENT
     layout: str = "native"
+    failed: bool = False  # the folder in it that holds the failures that were kept
 
     def __post_init__(self) -> None:
         for key in ("config", "task", "embodiment"):
@@ -58,9 +60,15 @@ class TaskDataset:
     @cached_property
     def name(self) -> str:
         """Path below `out`, with forward slashes; its key in the manifest."""
+        inner = f"/{FAILURES}" if self.failed else ""
         if self.layout == "legacy":
-            return f"{self.task}/{self.config}"
-        return f"{self.config}/{self.task}/{embodiment_folder(self.embodiment)}"
+            return f"{self.task}/{self.config}{inner}"
+        return f"{self.config}/{self.task}/{embodiment_folder(self.embodiment)}{inner}"
+
+    @property
+    def failures(self) -> "TaskDataset":
+        """Where failed attempts lie that were kept: the same files, numbered by themselves."""
+        return replace(self, failed=True)
 
     @cached_property
     def folder(self) -> Path:
@@ -85,6 +93,8 @@ class TaskDataset:
         own = (self.journal, self.scene_info, self.seed_txt, self.seeds_txt)
         for path in (*(folder / name for name in FOLDERS), *own):
             check_inside(folder, path)
+        if not self.failed:
+            self.failures.check_links()
 
     @property
     def scene_info(self) -> Path:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtphys.data import files, schema
-from rtphys.data.conditions import FILMED
+from rtphys.data.conditions import RARE
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import Line
@@ -24,7 +24,7 @@ OPTIONAL = (
     "stride",
     "recovery",
     "pair_tasks",
-    *FILMED,
+    *RARE,
 )  # conditions that most task datasets do without
 
 
@@ -58,6 +58,12 @@ class TaskDatasetHistory:
     def accepted(self) -> list[Entry]:
         return [entry for entry in self.attempts if entry["verdict"] == "accepted"]
 
+    @property
+    def kept(self) -> list[tuple[Entry, Entry]]:
+        """Failed attempts whose files were kept: the attempt, and what is said of its files."""
+        found = [(entry, entry.get("kept")) for entry in self.attempts]
+        return [(entry, kept) for entry, kept in found if isinstance(kept, Mapping)]
+
     def until(self, lines: int) -> "TaskDatasetHistory":
         """The same task dataset when its journal had that many lines."""
         return TaskDatasetHistory(self.task_dataset, self.lines[:lines])
@@ -66,17 +72,17 @@ class TaskDatasetHistory:
         """scene_info.json, seed.txt and seeds.txt."""
         seeds = [str(entry["seed"]) for entry in self.accepted]
         scenes = {f"episode_{entry['episode']}": entry["scene_info"] for entry in self.accepted}
-        legacy = self.task_dataset.layout == "legacy"
-        return {
-            self.task_dataset.scene_info: pretty(scenes, ascii_only=legacy, indent=4, sort=False),
-            self.task_dataset.seed_txt: "".join(f"{seed} " for seed in seeds).encode(),
-            self.task_dataset.seeds_txt: "".join(f"{seed}\n" for seed in seeds).encode(),
-        }
+        found = _side_files(self.task_dataset, seeds, scenes)
+        if self.kept:
+            seeds = [str(entry["seed"]) for entry, _ in self.kept]
+            scenes = {f"episode_{kept['number']}": kept["scene_info"] for _, kept in self.kept}
+            found |= _side_files(self.task_dataset.failures, seeds, scenes)
+        return found
 
     def files(self) -> dict[str, JSON]:
         """Every file of the task dataset below `out`, with size and SHA-256."""
         listed: dict[str, JSON] = {}
-        for entry in self.accepted:
+        for entry in (*self.accepted, *(kept for _, kept in self.kept)):
             stored = entry["files"]
             assert isinstance(stored, Mapping)
             listed |= {f"{self.task_dataset.name}/{name}": facts for name, facts in stored.items()}
@@ -103,8 +109,30 @@ class TaskDatasetHistory:
             "seeds": [entry["seed"] for entry in accepted],
             "attempts": [_attempt(entry) for entry in self.attempts],
             "rejections": dict(sorted(reasons.items())),
+            **self._failures(),
             "journal": {"entries": len(self.lines), "check": self.lines[-1].check},
         }
+
+    def _failures(self) -> dict[str, JSON]:
+        if self.header.get("keep_failures") is None:
+            return {}
+        told = ("event", "time", "frames")
+        kept = [
+            {"seed": entry["seed"], "reason": entry["reason"], **{key: kept[key] for key in told}}
+            for entry, kept in self.kept
+        ]
+        return {"failures": kept}
+
+
+def _side_files(
+    place: TaskDataset, seeds: Sequence[str], scenes: Mapping[str, JSON]
+) -> dict[Path, bytes]:
+    legacy = place.layout == "legacy"
+    return {
+        place.scene_info: pretty(scenes, ascii_only=legacy, indent=4, sort=False),
+        place.seed_txt: "".join(f"{seed} " for seed in seeds).encode(),
+        place.seeds_txt: "".join(f"{seed}\n" for seed in seeds).encode(),
+    }
 
 
 def _count(value: JSON) -> int:

@@ -2,14 +2,16 @@
 
 import shutil
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
+from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import BadFile
 from rtphys.data import files, staging
 from rtphys.data.episode import JSON
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import parse_mapping
-from rtphys.data.layout import TaskDataset
+from rtphys.data.layout import EpisodePaths, TaskDataset
 from rtphys.data.staging import StagedEpisode
 from rtphys.data.task_writer import Rejection
 
@@ -29,18 +31,25 @@ def restage(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode | 
         CannotWrite: the disk refuses.
     """
     if entry["verdict"] == "accepted":
-        return _episode(source, entry, folder)
-    return Rejection.of(entry)
+        return _episode(source, entry, source.episode(_number(entry["episode"])), folder)
+    rejection, kept = Rejection.of(entry), entry.get("kept")
+    if not isinstance(kept, Mapping):
+        return rejection
+    paths = source.failures.episode(_number(kept["number"]))
+    listed = {**kept, "seed": entry["seed"]}
+    return replace(rejection, kept=_episode(source, listed, paths, folder))
 
 
-def _episode(source: TaskDataset, entry: Entry, folder: Path) -> StagedEpisode:
-    seed, number = entry["seed"], entry["episode"]
+def _number(value: JSON) -> int:
+    assert isinstance(value, int)
+    return value
+
+
+def _episode(source: TaskDataset, entry: Entry, paths: EpisodePaths, folder: Path) -> StagedEpisode:
+    seed = _number(entry["seed"])
     frames, scene = entry["frames"], entry["scene_info"]
-    assert isinstance(seed, int)
-    assert isinstance(number, int)
     assert isinstance(frames, int)
     assert isinstance(scene, Mapping)
-    paths = source.episode(number)
     sources = {
         staging.HDF5: paths.hdf5,
         staging.VIDEO: paths.video,
@@ -71,7 +80,7 @@ def _sound(source: TaskDataset, entry: Entry, path: Path) -> bytes:
     """A file's content, if it is what the journal says."""
     listed = entry["files"]
     assert isinstance(listed, Mapping)
-    data = files.read(path)
+    data = files.read(path, LARGEST_EPISODE)
     if FileFacts.of(data).model_dump() != listed.get(path.relative_to(source.folder).as_posix()):
         raise BadFile(path, "is not what its journal says")
     return data

@@ -17,16 +17,17 @@ from rtphys.data import files
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.layout import TaskDataset
+from rtphys.data.schema_attempts import AttemptEntry, Failure, FailureEntry, JournalState
 from rtphys.data.schema_collect import Collection, ShardFile
 from rtphys.data.schema_model import (
     Count,
+    KeepFailures,
     Model,
     Name,
     Quaternion,
     RelativePath,
     SchemaError,
     Seed,
-    Sha256,
     Stride,
     Vector3,
 )
@@ -138,6 +139,12 @@ class PhysMeta(Model):
     state_hash: str
 
 
+class FailureMeta(PhysMeta):
+    """`failures/phys_meta/*.json`: the label of an attempt that failed and was kept."""
+
+    failure: Failure
+
+
 class SceneEntry(Model):
     """One episode of `scene_info.json`, the official keys."""
 
@@ -153,22 +160,6 @@ class Instructions(Model):
 
     seen: list[str]
     unseen: list[str]
-
-
-class AttemptEntry(Model):
-    """One seed that was tried."""
-
-    seed: Seed
-    verdict: Literal["accepted", "rejected"]
-    reason: str | None = None
-    recovered: bool = Field(default=False, description="a load was lost and taken again")
-
-
-class JournalState(Model):
-    """How much of a task dataset's journal this manifest tells."""
-
-    entries: Count
-    check: Sha256
 
 
 class TaskDatasetEntry(Model):
@@ -204,6 +195,9 @@ class TaskDatasetEntry(Model):
         description="config of the one whose episode i has the same seed",
     )
     twin_of: str | None = Field(default=None, description="config of the one whose twin this is")
+    keep_failures: KeepFailures | None = Field(default=None, description="how many; null: none")
+    failures: list[FailureEntry] = Field(default=[], description="kept, by seed")
+    policy: str | None = Field(default=None, description="who acted; null: the expert")
     stride: Stride | None = Field(
         default=None, description="of a shard: its first attempt after first_seed, and its step"
     )
@@ -222,6 +216,9 @@ class TaskDatasetEntry(Model):
         accepted = [one.seed for one in self.attempts if one.verdict == "accepted"]
         if not self.episodes == len(self.seeds) or self.seeds != accepted:
             raise ValueError("seeds, attempts and the number of episodes disagree")
+        failed = {(one.seed, one.reason) for one in self.attempts if one.verdict == "rejected"}
+        if any((one.seed, one.reason) not in failed for one in self.failures):
+            raise ValueError("failures and attempts disagree")
         return self
 
     def below(self, out: Path) -> TaskDataset:
@@ -255,6 +252,7 @@ class Manifest(Model):
 
 MODELS: dict[str, type[BaseModel]] = {
     "phys_meta": PhysMeta,
+    "failure": FailureMeta,
     "manifest": Manifest,
     "scene_info": SceneEntry,
     "instruction": Instructions,

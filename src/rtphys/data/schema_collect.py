@@ -49,6 +49,9 @@ class CollectionRun(Model):
     camera_type: str | None = Field(default=None, description="of every camera, such as L515")
     size: str | None = Field(default=None, description="of pictures, such as 640x480")
     layout: Literal["native", "legacy"] = "native"
+    keep_failures: Annotated[int, Field(ge=1, le=EPISODES)] | Literal["all"] | None = Field(
+        default=None, description="failed attempts to keep, of each task"
+    )
     split: Literal["seen", "unseen"] = "seen"
     max_attempts: Annotated[int, Field(ge=1, le=EPISODES)] | None = Field(
         default=None, description="a task"

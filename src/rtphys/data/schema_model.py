@@ -25,6 +25,7 @@ def _stepping(stride: list[int]) -> list[int]:
 
 # First attempt, and step.
 Stride = Annotated[list[Count], Field(min_length=2, max_length=2), AfterValidator(_stepping)]
+KeepFailures = Annotated[str, Field(pattern=r"^(all|[1-9][0-9]{0,7})$")]  # how many, or all
 Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 Vector3 = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[FiniteFloat], Field(min_length=4, max_length=4)]

@@ -7,6 +7,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.data.touch import Touch
+
 MM = 1000.0  # official depths are in millimetres
 Track: TypeAlias = Sequence[NDArray[Any]]  # one array a frame, T of them
 
@@ -30,3 +32,4 @@ class Sensed:
     names: dict[str, tuple[str, ...]] = field(default_factory=dict)  # "actor", "mesh": of each id
     clouds: list[NDArray[np.float32]] = field(default_factory=list)  # (1024, 6) x y z [m] r g b
     bodies: BodyPoses | None = None
+    touch: Touch | None = None

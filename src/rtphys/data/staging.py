@@ -1,4 +1,4 @@
-"""Files of an accepted attempt that has no number yet; made in a worker, committed elsewhere."""
+"""Files of an attempt that has no number yet; made in a worker, committed elsewhere."""
 
 import shutil
 from collections.abc import Mapping
@@ -64,7 +64,7 @@ def stage_episode(
     """
     meta = {"recipe": episode.recipe, **episode.phys_meta, "episode": 0}
     parts = (
-        checked("phys_meta", meta),
+        checked("failure" if "failure" in meta else "phys_meta", meta),
         checked("scene_info", episode.scene_info),
         checked("instruction", episode.instructions),
     )

@@ -27,6 +27,7 @@ class Rejection:
     reason: str
     detail: str = ""  # deterministic text: it enters the journal
     physics: Mapping[str, object] = field(default_factory=dict)  # value of what acts, for reports
+    kept: StagedEpisode | None = None  # its files, which lie beside the episodes if there is room
 
     @staticmethod
     def of(entry: Mapping[str, JSON]) -> "Rejection":
@@ -55,6 +56,7 @@ class TaskWriter:
         self.wanted = 0
         self._journal = Journal(task_dataset.journal)
         self.episodes = 0
+        self.failures = 0  # failed attempts that are kept
         self.fruitless = 0  # attempts since the last episode
         self._open(resume)
 
@@ -62,7 +64,8 @@ class TaskWriter:
         header = self.conditions.to_json()
         stored = self._journal.entries()
         if not stored:
-            if self._episode_files(0):  # somebody else's: they must not be taken for leftovers
+            # Somebody else's: they must not be taken for leftovers.
+            if self._episode_files(self.task_dataset, 0):
                 raise DatasetMismatch(self.task_dataset.folder, ["its episodes have no journal"])
             files.make_folder(self.task_dataset.folder)
             self._journal.append(header, durable=True)
@@ -72,6 +75,7 @@ class TaskWriter:
             raise DatasetMismatch(self.task_dataset.folder, found)
         verdicts = [entry["verdict"] for entry in stored[1:]]
         self.episodes = verdicts.count("accepted")
+        self.failures = sum("kept" in entry for entry in stored[1:])
         self.fruitless = (["accepted", *verdicts][::-1]).index("accepted")
         if not resume and len(stored) > 1:
             raise DatasetExists(self.task_dataset.folder, self.episodes)
@@ -82,21 +86,27 @@ class TaskWriter:
     def _remove_leftovers(self) -> None:
         """Removes what a killed run left: staged attempts, files that the journal does not list."""
         shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
-        for path in self._episode_files(self.episodes):
+        place = self.task_dataset
+        for path in [
+            *self._episode_files(place, self.episodes),
+            *self._episode_files(place.failures, self.failures),
+        ]:
             with files.refusals(path):
                 path.unlink()
         for path in self.task_dataset.folder.rglob(f".*{files.TEMPORARY}"):
             path.unlink(missing_ok=True)
 
-    def _episode_files(self, first: int) -> list[Path]:
+    @staticmethod
+    def _episode_files(place: TaskDataset, first: int) -> list[Path]:
         """Files of episodes with that number or a higher one."""
-        folders = [self.task_dataset.folder / name for name in EPISODE_FOLDERS]
+        folders = [place.folder / name for name in EPISODE_FOLDERS]
         paths = [path for folder in folders for path in folder.glob("*")]
         numbered = [(episode_number(path), path) for path in paths]
         return [path for number, path in numbered if number is not None and number >= first]
 
     def _check_present(self, entry: Mapping[str, JSON]) -> None:
-        stored = entry.get("files")
+        kept = entry.get("kept")
+        stored = (kept if isinstance(kept, Mapping) else entry).get("files")
         for name, facts in (stored if isinstance(stored, Mapping) else {}).items():
             path = self.task_dataset.folder / name
             size = facts["size"] if isinstance(facts, Mapping) else None
@@ -122,6 +132,11 @@ class TaskWriter:
     def done(self) -> bool:
         return self.episodes >= self.wanted
 
+    @property
+    def wants_failures(self) -> bool:
+        """Whether there is room for another failed attempt."""
+        return self.failures < self.conditions.most_failures
+
     def staging(self, seed: int) -> Path:
         """Folder into which a worker stages the attempt of a seed."""
         return self.task_dataset.staged(seed)
@@ -137,14 +152,18 @@ class TaskWriter:
             raise ValueError(f"the outcome of seed {outcome.seed} is not that of {self.next_seed}")
         self._commit(outcome)
 
+    def check_there(self) -> None:
+        """Raises `CannotWrite`: somebody has removed the folder meanwhile."""
+        self._journal.check_there()
+
     def discard(self) -> None:
         """Removes staged files that nobody will number."""
         shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
 
     def _commit(self, outcome: StagedEpisode | Rejection) -> None:
+        self.check_there()
         if isinstance(outcome, Rejection):
-            self._journal.append(outcome.entry(), durable=False)
-            self.fruitless += 1
+            self._reject(outcome)
             return
         number = self.episodes
         listed = self._place(outcome, self.task_dataset.episode(number), number)
@@ -164,6 +183,25 @@ class TaskWriter:
         self.episodes += 1
         self.fruitless = 0
         shutil.rmtree(outcome.folder, ignore_errors=True)
+
+    def _reject(self, outcome: Rejection) -> None:
+        entry, staged = outcome.entry(), outcome.kept
+        if staged is not None and self.wants_failures:
+            number, failure = self.failures, staged.phys_meta["failure"]
+            assert isinstance(failure, Mapping)
+            entry["kept"] = {
+                "number": number,
+                "frames": staged.frames,
+                "event": failure["event"],
+                "time": failure["time"],
+                "scene_info": staged.scene_info,
+                "files": self._place(staged, self.task_dataset.failures.episode(number), number),
+            }
+        self._journal.append(entry, durable="kept" in entry)
+        self.failures += "kept" in entry
+        self.fruitless += 1
+        if staged is not None:
+            shutil.rmtree(staged.folder, ignore_errors=True)
 
     def _place(self, staged: StagedEpisode, paths: EpisodePaths, number: int) -> dict[str, JSON]:
         meta = pretty({**staged.phys_meta, "episode": number})

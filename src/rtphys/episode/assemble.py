@@ -1,7 +1,8 @@
-"""Assembles an accepted attempt and its pictures into the episode that the files hold."""
+"""Assembles an attempt and its pictures into the episode that the files hold."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import asdict
 
 import numpy as np
 
@@ -10,13 +11,13 @@ from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.core.poses import Pose
 from rtphys.data.episode import Episode, Frames
 from rtphys.data.task_writer import Rejection
+from rtphys.episode.failure import went_wrong
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
 from rtphys.episode.instance import Instance
 from rtphys.episode.photograph import Photographs
 from rtphys.physics import Physics, acting, attributes, disagreements, readback
 from rtphys.sim.recorder import Recording
-from rtphys.sim.rollout import Outcome
 from rtphys.task.instructions import instructions, scene_info
 from rtphys.task.props import Articulated, Mesh, Prop, parts
 from rtphys.task.spec import load_task
@@ -36,9 +37,40 @@ def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
         FalseLabel: the physics in force is not the physics that was drawn.
         ValueError: the attempt was rejected.
     """
-    instance, recording, outcome = attempt.instance, attempt.recording, attempt.outcome
-    if not attempt.accepted or instance is None or recording is None or outcome is None:
+    if not attempt.accepted or attempt.outcome is None:
         raise ValueError(f"{attempt.recipe} was rejected: {attempt.reason}")
+    return _episode(attempt, photographs, pack, {})
+
+
+def kept(attempt: Attempt) -> bool:
+    """Whether a failed attempt can be assembled: something has happened in it."""
+    rows = attempt.recording.rows if attempt.recording else ()
+    return not attempt.accepted and attempt.instance is not None and len(rows) > 1
+
+
+def assemble_failure(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
+    """The same of a failed attempt, with `failure`: why and when it went wrong.
+
+    Raises:
+        FalseLabel: as `assemble`.
+        ValueError: it was accepted, or nothing has happened in it (see `kept`).
+    """
+    if not kept(attempt) or attempt.recording is None or attempt.instance is None:
+        raise ValueError(f"{attempt.recipe} is no failure that could be kept")
+    rows, frames = attempt.recording.rows, _frames(attempt.recording, photographs)
+    scenery = [piece.name for piece in attempt.instance.look.clutter]
+    instant = went_wrong(frames, attempt.reason, attempt.detail, scenery)
+    when = {**asdict(instant), "time": rows[instant.frame].time}
+    failure = {"reason": attempt.reason, "detail": attempt.detail, **when}
+    return _episode(attempt, photographs, pack, {"failure": failure})
+
+
+def _episode(
+    attempt: Attempt, photographs: Photographs, pack: Pack, more: Mapping[str, object]
+) -> Episode:
+    instance, recording = attempt.instance, attempt.recording
+    assert instance is not None
+    assert recording is not None
     if wrong := disagreements(instance.world, instance.physics):
         raise FalseLabel(f"{attempt.recipe.task}, seed {attempt.recipe.seed}: {'; '.join(wrong)}")
     seed, task = attempt.recipe.seed, instance.task
@@ -48,9 +80,10 @@ def assemble(attempt: Attempt, photographs: Photographs, pack: Pack) -> Episode:
         phys_meta={
             **label(instance),
             "cameras": {name: _camera(X) for name, X in photographs.first_poses.items()},
-            "verdict": {**_verdict(recording, outcome), **_clutter(instance, recording)},
+            "verdict": {**_verdict(attempt, recording), **_clutter(instance, recording)},
             "versions": dict(versions(task)),
             "state_hash": recording.hash,
+            **more,
         },
         instructions=instructions(task, seed, describer(pack)),
         scene_info={**instance.look.scene_info(), "info": scene_info(task, seed)},
@@ -113,17 +146,18 @@ def _camera(X_WC: Pose) -> dict[str, list[float]]:
     return {"position": X_WC.p.tolist(), "quaternion_wxyz": X_WC.q.tolist()}
 
 
-def _verdict(recording: Recording, outcome: Outcome) -> dict[str, object]:
+def _verdict(attempt: Attempt, recording: Recording) -> dict[str, object]:
     """Stages with the time [s] of their first frame; one shorter than a frame has none."""
     first: dict[int, float] = {}
     for row in recording.rows:
         first.setdefault(row.stage, row.time)
     stages = [{"name": recording.stages[i], "time": time} for i, time in first.items()]
+    outcome = attempt.outcome  # None where it ended before it could be judged
     return {
-        "accepted": True,
+        "accepted": attempt.accepted,
         "recovered": recording.recovered,
-        "first_success_time": outcome.first_success,
-        "held": outcome.held,
+        "first_success_time": outcome.first_success if outcome else None,
+        "held": outcome.held if outcome else None,
         "stages": stages,
     }
 

@@ -32,13 +32,20 @@ class Attempt:
         return not self.reason
 
 
-def attempt(recipe: Recipe, task: Task, pack: Pack, timer: PhaseTimer | None = None) -> Attempt:
+def attempt(
+    recipe: Recipe,
+    task: Task,
+    pack: Pack,
+    timer: PhaseTimer | None = None,
+    touch: bool = False,
+) -> Attempt:
     """Let the scripted expert try one episode. Never renders.
 
     Infeasibility is a result, not an error: this is the only place that catches it.
 
     Args:
         timer: takes the time of the phases build, settle, plan and simulate.
+        touch: record what the fingers feel, too; it moves nothing.
     """
     instance = rollout = None
     phases = timer or PhaseTimer()
@@ -49,7 +56,9 @@ def attempt(recipe: Recipe, task: Task, pack: Pack, timer: PhaseTimer | None = N
             settle(instance)
         with phases.phase("plan"):
             # The rollout times every step, which is too often for those who do not ask.
-            rollout = start(instance, RolloutOptions(task.step_limit, POLL, timer=timer))
+            rollout = start(
+                instance, RolloutOptions(task.step_limit, POLL, touch=touch, timer=timer)
+            )
             chance = recipe.stream("expert")
             task.script(ExpertRobot(rollout, chance, recipe.setting.recovery))
         with phases.phase("simulate"):

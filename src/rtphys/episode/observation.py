@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import UnknownName
 from rtphys.core.poses import Array
+from rtphys.data.touch import Touch
 
 V = TypeVar("V")
 
@@ -65,6 +66,7 @@ class Observation:
     # when they press on something between them; in the order of `vector`.
     efforts: Array
     draw: Callable[[], View] = field(repr=False)
+    feel: Callable[[], Touch] | None = field(default=None, repr=False)  # None: without that sense
 
     @property
     def grippers(self) -> tuple[float, float]:
@@ -76,6 +78,11 @@ class Observation:
     def view(self) -> View:
         """All that is drawn of this instant, senses included. Raises as `cameras`."""
         return self.draw()
+
+    @cached_property
+    def touch(self) -> Touch | None:
+        """What the fingers felt since the last frame, at most 60 ms ago; T = 1."""
+        return None if self.feel is None else self.feel()
 
     @property
     def cameras(self) -> Mapping[str, CameraView]:

@@ -10,7 +10,9 @@ from rtphys.core.errors import NoRenderer
 from rtphys.core.poses import Pose
 from rtphys.data.episode import CameraFrames, Images
 from rtphys.data.sensed import BodyPoses, Sensed
+from rtphys.data.touch import Touch
 from rtphys.episode.instance import prepare
+from rtphys.episode.touch import felt
 from rtphys.setting.filming import Filming
 from rtphys.setting.senses import drawn
 from rtphys.setting.setting import Recipe
@@ -45,11 +47,14 @@ class Film:
 
     times: Sequence[float]  # [s] since the policy stage began
     packed: Sequence[bytes]  # `scene.pack_poses()` of each
+    touch: Touch | None = None  # what the fingers felt, if it was recorded
 
     @staticmethod
     def of(recording: Recording) -> "Film":
         """All rows of a recording."""
-        return Film([row.time for row in recording.rows], [row.packed for row in recording.rows])
+        rows, track = recording.rows, recording.touch
+        touch = None if track is None else felt(track)
+        return Film([row.time for row in rows], [row.packed for row in rows], touch)
 
     @staticmethod
     def of_poses(times: Sequence[float], bodies: BodyPoses) -> "Film":
@@ -88,7 +93,8 @@ def _sensed(studio: Studio, film: Film, filming: Filming) -> Sensed:
         poses = np.stack([unpacked(packed) for packed in film.packed])
         bodies = BodyPoses(body_names(studio.world, poses.shape[1]), poses)
     names = studio.names if "segmentation" in filming.senses else {}
-    return Sensed(filming.senses, names=names, bodies=bodies)
+    touch = film.touch if "touch" in filming.senses else None
+    return Sensed(filming.senses, names=names, bodies=bodies, touch=touch)
 
 
 def _draw(

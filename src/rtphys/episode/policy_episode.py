@@ -1,15 +1,19 @@
 """One evaluation episode: a settled world that a policy observes and acts in."""
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 
 from rtphys.assets.pack import Pack
 from rtphys.core.poses import Array
 from rtphys.episode.assemble import describer
 from rtphys.episode.control import ActionKind, PolicyControl
-from rtphys.episode.generate import start
+from rtphys.episode.generate import NO_LIMIT, start
 from rtphys.episode.instance import Instance, prepare, settle
 from rtphys.episode.mirror import Mirror
 from rtphys.episode.observation import Observation
+from rtphys.episode.touch import felt_now
 from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
 from rtphys.sim.recorder import FRAME_STEPS, flat
@@ -54,7 +58,7 @@ class PolicyEpisode:
         self.instance, self.recipe = instance, recipe
         self.task, self.protocol, self.seed = task.name, recipe.protocol, recipe.seed
         self.step_limit = task.step_limit
-        self.rollout: Rollout = start(instance)
+        self.rollout: Rollout = start(instance, replace(NO_LIMIT, touch=filming.touch))
         self._control = PolicyControl(self.rollout, recipe.seed)
         self.filming = filming
         self._mirror = Mirror(instance, pack, filming)
@@ -101,6 +105,10 @@ class PolicyEpisode:
         effort = robot.effort()
         packed = self.rollout.world.scene.pack_poses()
         frame = self.rollout.steps // FRAME_STEPS
+        recorder = self.rollout.recorder.touch
+        feel = None
+        if recorder is not None:
+            feel = partial(felt_now, recorder.track, recorder.last())
         return Observation(
             time=self.rollout.scene.time,
             embodiment=robot.embodiment,
@@ -112,6 +120,7 @@ class PolicyEpisode:
                 [np.append(effort[a.index], effort[a.finger_index].mean()) for a in robot.arms]
             ),
             draw=lambda: self._mirror.view(packed, frame),
+            feel=feel,
         )
 
     def act(self, action: Array, kind: ActionKind = "qpos") -> bool:

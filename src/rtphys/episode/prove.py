@@ -94,7 +94,8 @@ def prove(claim: Claim, folder: Path) -> Comparison:
         found = _accepted(scene) if claim.number is not None else _rejected(scene)
         others = scene.others()
     except RtphysError as error:
-        return Comparison([(place, f"seed {claim.seed} cannot be made again: {error}")])
+        text = f"seed {claim.seed} cannot be made again: {error}"
+        return Comparison([(place, text)], made=False)
     if others:
         named = ", ".join(clause.partition(" was ")[0] for clause in others)
         suffix = f" (others here than in the collection: {named})"
@@ -135,7 +136,7 @@ def _accepted(scene: Scene) -> Comparison:
     claim, number = scene.claim, scene.claim.number
     assert number is not None
     paths = claim.place.episode(number)
-    tried = attempt(scene.recipe, scene.task, scene.pack)
+    tried = attempt(scene.recipe, scene.task, scene.pack, touch=_filming(claim.conditions).touch)
     if not tried.accepted:
         text = f"made again it is rejected: {tried.reason} ({tried.detail})"
         return Comparison([(paths.phys_meta, text)])
@@ -163,9 +164,7 @@ def made_again(tried: Attempt, scene: Scene) -> Made:
         scene_info = checked("scene_info", episode.scene_info)
         words = checked("instruction", episode.instructions)
         return Made(episode.frames, label, scene_info, words, None)
-    asked = scene.claim.conditions
-    filming = Filming(asked.cameras, asked.senses or (), asked.camera_type, asked.size)
-    film = Film.of(tried.recording)
+    film, filming = Film.of(tried.recording), _filming(scene.claim.conditions)
     pictures = photograph(scene.recipe, scene.task, scene.pack, film, filming)
     episode = assemble(tried, pictures, scene.pack)
     staged = stage_episode(scene.folder, episode, scene.claim.place.layout)
@@ -173,6 +172,10 @@ def made_again(tried: Attempt, scene: Scene) -> Made:
         frames = read_record(file)
     words = checked("instruction", episode.instructions)
     return Made(frames, staged.phys_meta, staged.scene_info, words, scene.folder)
+
+
+def _filming(asked: Conditions) -> Filming:
+    return Filming(asked.cameras, asked.senses or (), asked.camera_type, asked.size)
 
 
 def _as_given(label: Mapping[str, JSON], claim: Claim) -> dict[str, JSON]:

@@ -5,7 +5,7 @@ instant t + 1. `fps` and time stamps hold the true rate, 16.67 Hz; LeRobot only 
 """
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from rtphys.core.errors import BadFile
@@ -26,6 +26,7 @@ def export_lerobot(
     *,
     version: str = "v3.0",
     camera_names: str = "aloha",
+    features: Sequence[str] = (),
     progress: Progress | None = None,
 ) -> Path:
     """Write a LeRobot dataset into a new folder, which appears complete or not at all.
@@ -35,6 +36,7 @@ def export_lerobot(
         out: new folder.
         version: "v3.0" or "v2.1" (openpi, GR00T).
         camera_names: "aloha", "robotwin" or pairs, see `lerobot_plan.plan_for`.
+        features: further ones, any of physics, contact, touch, depth (`lerobot_plan.WANTED`).
         progress: called after each episode.
 
     Raises:
@@ -46,7 +48,7 @@ def export_lerobot(
         raise BadFile(dataset.path, "the dataset has no episode to export")
     if out.exists() and any(out.iterdir()):
         raise DatasetExists(out, len(list(out.iterdir())))
-    plan = plan_for(dataset[0], version, camera_names)
+    plan = plan_for(dataset[0], version, camera_names, features)
     part = out.with_name(f".{out.name}{PART}")
     shutil.rmtree(part, ignore_errors=True)
     make_folder(part)

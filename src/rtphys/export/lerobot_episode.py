@@ -7,9 +7,17 @@ from itertools import islice
 
 import numpy as np
 
+from rtphys.core.errors import BadFile
 from rtphys.data.dataset import Episode
 from rtphys.data.video import VideoWriter
-from rtphys.export.lerobot_plan import RATE, Plan
+from rtphys.export.lerobot_plan import (
+    DEPTH_STEP,
+    RATE,
+    TOUCH,
+    Plan,
+    physics_names,
+    physics_numbers,
+)
 from rtphys.export.statistics import PixelCounts, Stats, of_numbers, sampled
 
 Columns = dict[str, np.ndarray]
@@ -24,7 +32,7 @@ class Position:
     task: int
 
 
-def columns_of(episode: Episode, at: Position) -> Columns:
+def columns_of(episode: Episode, at: Position, plan: Plan) -> Columns:
     """Frame columns of an episode, T - 1 rows: the last frame has no action and is left out."""
     frames = episode.frames
     rows = len(frames) - 1
@@ -35,12 +43,37 @@ def columns_of(episode: Episode, at: Position) -> Columns:
         "observation.ee_pose": ee[:-1].astype(np.float32),
         "observation.effort": frames.effort[:-1].astype(np.float32),
         "action": frames.vector[1:].astype(np.float32),
+        **_more(episode, plan, rows),
         "timestamp": (order / float(RATE)).astype(np.float32),
         "frame_index": order,
         "episode_index": np.full(rows, at.episode),
         "index": at.first + order,
         "task_index": np.full(rows, at.task),
     }
+
+
+def _more(episode: Episode, plan: Plan, rows: int) -> Columns:
+    """What was asked for beyond the usual."""
+    found: Columns = {}
+    if "observation.physics" in plan.more:
+        if physics_names(episode) != list(plan.more["observation.physics"]):
+            raise BadFile(episode.paths.phys_meta, "has other attributes than the first episode")
+        numbers = np.array(physics_numbers(episode), np.float32)
+        if not np.isfinite(numbers).all():
+            raise BadFile(episode.paths.phys_meta, "an attribute is the asset's own, no number")
+        found["observation.physics"] = np.tile(numbers, (rows, 1))
+    if "observation.contact" in plan.more:
+        touched = np.any(list(episode.frames.contacts.values()), axis=0)
+        found["observation.contact"] = touched[:-1].astype(np.float32)
+    if "observation.touch" in plan.more:
+        touch = episode.senses.touch()
+        parts = np.stack([getattr(touch, part) for part in TOUCH], axis=2)
+        found["observation.touch"] = parts[:-1].reshape(rows, -1)
+    for camera in plan.depth:
+        pictures = (episode.senses.depth(camera, t) for t in range(rows))
+        sparse = [picture[::DEPTH_STEP, ::DEPTH_STEP].ravel() for picture in pictures]
+        found[plan.depth_key(camera)] = np.array(sparse, np.float32)
+    return found
 
 
 def encode(

@@ -1,7 +1,7 @@
 """Layout of a LeRobot export: features, camera names and rates."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
@@ -25,6 +25,11 @@ ROBOT = "aloha-agilex"
 CHUNK = 1000  # files in a folder (v3.0), episodes in a folder (v2.1)
 
 POSE = [f"{side}_{part}" for side in SIDES for part in ("x", "y", "z", "qw", "qx", "qy", "qz")]
+# Features on request. Numbers of an episode repeat in each of its frames, because lerobot's tools
+# keep the columns of frames, and drop those of episodes that they do not know.
+WANTED = ("physics", "contact", "touch", "depth")
+DEPTH_STEP = 4  # every fourth row and column, in metres, row after row: (60, 80) of (240, 320)
+TOUCH = ("normal", "tangential", "slip", "margin")
 INDICES = ("frame_index", "episode_index", "index", "task_index")
 
 
@@ -37,10 +42,17 @@ class Plan:
     size: tuple[int, int]  # height, width of every picture
     layout: ActionLayout  # of states and actions
     joints: tuple[str, ...]  # of efforts
+    more: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
+    """Features that were asked for -> names of their numbers."""
+    depth: tuple[str, ...] = ()  # cameras whose depth was asked for
 
     def video_key(self, camera: str) -> str:
         """Feature name of a camera's video."""
         return f"observation.images.{self.cameras[camera]}"
+
+    def depth_key(self, camera: str) -> str:
+        """Feature name of a camera's depth."""
+        return f"observation.depth.{self.cameras[camera]}"
 
     def features(self) -> dict[str, dict[str, object]]:
         """Value of `features` in info.json."""
@@ -61,6 +73,7 @@ class Plan:
             "observation.ee_pose": POSE,
             "observation.effort": list(self.joints),
             "action": commands,
+            **{name: list(parts) for name, parts in self.more.items()},
         }
         features: dict[str, dict[str, object]] = {
             name: {"dtype": "float32", "shape": [len(parts)], "names": parts}
@@ -73,12 +86,19 @@ class Plan:
                 "names": ["height", "width", "channels"],
                 "info": info,
             }
+        for camera in self.depth:
+            pixels = len(range(0, height, DEPTH_STEP)) * len(range(0, width, DEPTH_STEP))
+            features[self.depth_key(camera)] = {
+                "dtype": "float32",
+                "shape": [pixels],
+                "names": None,
+            }
         features["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
         features |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
         return features
 
 
-def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
+def plan_for(episode: Episode, version: str, camera_names: str, wanted: Sequence[str] = ()) -> Plan:
     """Reads one episode to see which cameras there are, how large their pictures, how many joints.
 
     Args:
@@ -86,9 +106,10 @@ def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
         version: "v3.0" or "v2.1".
         camera_names: "aloha", "robotwin", or pairs such as "head_camera=top,left_camera=wrist";
             with pairs, only the named cameras are exported.
+        wanted: further features, any of `WANTED`.
 
     Raises:
-        UnknownName: no such version or camera.
+        UnknownName: no such version, camera or feature, or the episode has no such sense.
         BadValue: cameras of different sizes, or two cameras with one name.
     """
     if version not in VERSIONS:
@@ -98,8 +119,44 @@ def plan_for(episode: Episode, version: str, camera_names: str) -> Plan:
     if len({*sizes.values()}) != 1:
         raise BadValue("cameras", sizes, "all pictures of an export must have one size")
     height, width, _ = next(iter(sizes.values()))
+    for name in wanted:
+        if name not in WANTED:
+            raise UnknownName("feature", name, WANTED)
+    for name in set(wanted) & {"touch", "depth"}:
+        if name not in (senses := episode.senses.senses):
+            raise UnknownName("sense", name, senses, episode.paths.hdf5)
     frames = episode.frames
-    return Plan(version, chosen, (height, width), frames.layout, frames.joint_names)
+    more = {feature: names for feature, names in _more(episode, wanted).items() if names}
+    depth = tuple(chosen) if "depth" in wanted else ()
+    return Plan(version, chosen, (height, width), frames.layout, frames.joint_names, more, depth)
+
+
+def _more(episode: Episode, wanted: Sequence[str]) -> dict[str, list[str]]:
+    """Feature -> names of its numbers."""
+    found: dict[str, list[str]] = {}
+    if "physics" in wanted:
+        found["observation.physics"] = physics_names(episode)
+    if "contact" in wanted:
+        found["observation.contact"] = [f"{side}_gripper" for side in SIDES]
+    if "touch" in wanted:
+        fingers = episode.senses.touch().fingers
+        found["observation.touch"] = [f"{f}_{part}" for f in fingers for part in TOUCH]
+    return found
+
+
+def physics_names(episode: Episode) -> list[str]:
+    """Names of the numbers of `physics_numbers`."""
+    labels = episode.meta.attributes
+    vectors = {key for key, label in labels.items() if isinstance(label.value, list)}
+    named = [[f"{key}_{axis}" for axis in "xyz"] if key in vectors else [key] for key in labels]
+    return [name for names in named for name in names]
+
+
+def physics_numbers(episode: Episode) -> list[float]:
+    """Values of the 13 attributes, vectors one number after the other; null is not a number."""
+    values = [label.value for label in episode.meta.attributes.values()]
+    flat = [part for value in values for part in (value if isinstance(value, list) else [value])]
+    return [float("nan") if part is None else float(part) for part in flat]
 
 
 def _names(naming: str, cameras: tuple[str, ...]) -> dict[str, str]:

@@ -39,7 +39,7 @@ class WriterV2:
         sentence = sentence_of(episode)
         task = self._tasks.setdefault(sentence, len(self._tasks))
         at = Position(len(self._episodes), self._frames, task)
-        columns = columns_of(episode, at)
+        columns = columns_of(episode, at, self.plan)
         writers = {c: VideoWriter(*self.plan.size, RATE, KEYFRAMES) for c in self.plan.cameras}
         pixels = encode(episode, self.plan, writers)
         indices = {"episode_chunk": at.episode // CHUNK, "episode_index": at.episode}

@@ -74,7 +74,7 @@ class WriterV3:
         sentence = sentence_of(episode)
         task = self._tasks.setdefault(sentence, len(self._tasks))
         at = Position(len(self._records), self._frames, task)
-        columns = columns_of(episode, at)
+        columns = columns_of(episode, at, self.plan)
         rows = len(columns["index"])
         record: dict[str, object] = {
             "episode_index": at.episode,

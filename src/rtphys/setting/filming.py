@@ -37,7 +37,7 @@ SenseNames = Annotated[
 CameraType = Annotated[
     str | None,
     one_of("camera type", KINDS),
-    Option("D435, L515, Large_D435 or Large_L515, for every camera; default: D435."),
+    Option("D435, L515, Large_D435 or Large_L515, for every camera."),
 ]
 Size = Annotated[str | None, Option("WxH: size of the pictures; the vertical field of view stays.")]
 
@@ -97,6 +97,11 @@ class Filming:
         """How many pixels a picture has, against the usual 320 x 240."""
         width, height, _ = self.optics("D435")
         return width * height / (320 * 240)
+
+    @property
+    def touch(self) -> bool:
+        """Whether what the fingers feel is recorded."""
+        return "touch" in self.senses
 
     def blind(self) -> "Filming":
         """The same without senses."""

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field, ValidationInfo
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from rtphys.core import library
+from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.setting.protocol import protocol_names
 
@@ -24,6 +25,7 @@ __all__ = [
     "Workers",
     "at_least",
     "checked_dataclass",
+    "number_or_all",
     "one_of",
 ]
 
@@ -51,6 +53,20 @@ def at_least(bound: float, most: float = float("inf")) -> AfterValidator:
             allowed = f"at least {bound:g}" if value < bound else f"at most {most:g}"
             raise BadValue(str(info.field_name), value, allowed)
         return value
+
+    return AfterValidator(check)
+
+
+def number_or_all() -> AfterValidator:
+    """A positive number as text, or `all`; None passes. Raises `BadValue`."""
+
+    def check(value: str | None, info: ValidationInfo) -> str | None:
+        if value is None or value == "all":
+            return value
+        spelt = value.isascii() and value.isdecimal() and len(value) <= len(str(EPISODES))
+        if not (spelt and 1 <= int(value) <= EPISODES):
+            raise BadValue(str(info.field_name), value, "a positive number, or all")
+        return str(int(value))
 
     return AfterValidator(check)
 

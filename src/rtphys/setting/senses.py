@@ -63,6 +63,13 @@ SENSES = {
             ("rtphys/body_poses", "rtphys/body_poses"),
             80 * 7 * 4,  # a scene has 24 bodies or more, with clutter up to about 80
         ),
+        Sense(
+            "touch",
+            "force, slip and friction of each finger, from every step of the simulation",
+            "world",
+            ("rtphys/touch", "rtphys/touch"),
+            4 * 14 * 4,
+        ),
     )
 }
 

@@ -1,5 +1,6 @@
 """Which objects and surfaces press on each other, by the names that tasks use."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,11 +49,23 @@ class Contacts:
         """Whether `between` has anything to tell; cheaper, for it stops at the first point."""
         return any(_presses(point) for c in self._of(a, b)[1] for point in c.points)
 
+    def near(self) -> Mapping[tuple[str, str], Sequence[physx.PhysxContact]]:
+        """All contacts of the step by the sorted names of the two, also those without impulse."""
+        self._refresh()
+        return self._near
+
+    def owner(self, body: object) -> str | None:
+        """What tasks call the object or surface that a body belongs to; None: nothing of theirs."""
+        return self._owner.get(body)
+
     def _of(self, a: str, b: str) -> tuple[tuple[str, str], list[physx.PhysxContact]]:
-        if self._step != self._world.steps:
-            self._step, self._near, self._touches = self._world.steps, self._read(), {}
+        self._refresh()
         pair = (a, b) if a < b else (b, a)
         return pair, self._near.get(pair, [])
+
+    def _refresh(self) -> None:
+        if self._step != self._world.steps:
+            self._step, self._near, self._touches = self._world.steps, self._read(), {}
 
     def _read(self) -> dict[tuple[str, str], list[physx.PhysxContact]]:
         by_pair: dict[tuple[str, str], list[physx.PhysxContact]] = {}

@@ -9,6 +9,7 @@ from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.poses import Array, Pose
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
+from rtphys.sim.touch import TouchRecorder, TouchTrack
 from rtphys.sim.world import World
 
 RECOVER = "recover"  # how the names of stages begin that follow the loss of a load
@@ -40,6 +41,7 @@ class Recording:
     rows: list[Row] = field(default_factory=list)
     stages: list[str] = field(default_factory=list)
     hash: str = ""  # SHA-256 over the state vectors of all rows
+    touch: TouchTrack | None = None  # a row each, if it was asked for
 
     @property
     def recovered(self) -> bool:
@@ -50,12 +52,15 @@ class Recording:
 class Recorder:
     """Takes a row at the start of the policy stage and every 15 steps after it."""
 
-    def __init__(self, world: World, contacts: Contacts) -> None:
+    def __init__(self, world: World, contacts: Contacts, friction: float | None = None) -> None:
         self._world, self._contacts = world, contacts
+        # None: nobody asked what the fingers feel.
+        self.touch = None if friction is None else TouchRecorder(world, contacts, friction)
         self._digest = hashlib.sha256()
         art = world.robot.articulation
         names = tuple(j.name for j in art.active_joints)
         self.recording = Recording(names, world.robot.embodiment.action_layout)
+        self.recording.touch = self.touch and self.touch.track
         self._dynamic = [o for o in world.objects.values() if o.bodies]
         self.enter("start")
         self.record(0)
@@ -68,6 +73,8 @@ class Recorder:
 
     def tick(self, step: int) -> None:
         """After every physics step of the policy stage; `step` counts from 1."""
+        if self.touch is not None:
+            self.touch.step()
         if step % FRAME_STEPS == 0:
             self.record(step)
 
@@ -88,6 +95,8 @@ class Recorder:
             packed=world.scene.pack_poses(),
         )
         self.recording.rows.append(row)
+        if self.touch is not None:
+            self.touch.frame()
         self._digest.update(world.state().tobytes())
         self.recording.hash = self._digest.hexdigest()
 

@@ -35,6 +35,7 @@ class RolloutOptions:
     # same. Evaluation looks at every step, as officially.
     poll: int = 1
     record: bool = True  # false: only the verdict is wanted, so no row but the first is kept
+    touch: bool = False  # record what touches the fingers, too
     timer: PhaseTimer | None = None  # takes the time of all steps, as the phase "simulate"
 
 
@@ -48,7 +49,9 @@ class Rollout:
         self.world, self.condition = world, condition
         self._watch = Watch(condition)
         self.scene = SceneView(world, physics)
-        self.recorder = Recorder(world, self.scene.contacts)
+        friction = physics["friction"] if options.touch else None
+        assert friction is None or isinstance(friction, float | int)
+        self.recorder = Recorder(world, self.scene.contacts, friction)
         self.steps = 0  # of the policy stage
         self.first_success: float | None = None  # [s] first instant at which the condition held
         self._counts_success = True

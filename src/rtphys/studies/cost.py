@@ -123,7 +123,8 @@ class Meter:
         cost = Cost(setting.task, setting.protocol)
         for seed in seeds:
             with (timer := cost.attempts.timer).phase("other"):
-                tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack, timer)
+                task = self.tasks[setting.task]
+                tried = attempt(setting.at(seed), task, self.pack, timer, self.filming.touch)
             cost.attempts.count += 1
             cost.accepted += tried.accepted
             if tried.accepted and cost.pictures.count < pictures:
@@ -133,10 +134,10 @@ class Meter:
 
     def warm_up(self, setting: Setting, seed: int, pictures: bool) -> None:
         """Fills the caches that a process fills once: an attempt, and the world of its pictures."""
-        tried = attempt(setting.at(seed), self.tasks[setting.task], self.pack)
+        task, touch = self.tasks[setting.task], self.filming.touch
+        tried = attempt(setting.at(seed), task, self.pack, touch=touch)
         if pictures and tried.recording is not None:
-            task, film = self.tasks[setting.task], Film.of(tried.recording)
-            photograph(tried.recipe, task, self.pack, film, self.filming)
+            photograph(tried.recipe, task, self.pack, Film.of(tried.recording), self.filming)
 
     def _draw(self, tried: Attempt, cost: Cost) -> None:
         assert tried.recording is not None

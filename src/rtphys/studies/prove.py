@@ -51,7 +51,8 @@ class Proof:
         """
         exact = set[str]().union(*(one.exact for one in found))
         for claim, comparison in zip(claims, found, strict=True):
-            (self.rejections if claim.number is None else self.episodes).append(claim.name)
+            if comparison.made:
+                (self.rejections if claim.number is None else self.episodes).append(claim.name)
             self.problems += [Problem(path, text) for path, text in comparison.problems]
             self.notes += [note for note in comparison.notes if note not in self.notes]
             for kind, path, text in comparison.alike:
@@ -96,6 +97,9 @@ def claims_of(out: Path, manifest: Manifest, proof: Proof) -> Iterator[Claim]:
     """What the dataset says of each seed; what cannot be read is a problem of the proof."""
     known: dict[str, Conditions] = {}
     for name, entry in manifest.task_datasets.items():
+        if entry.policy is not None:
+            proof.notes.append(f"{name}: what {entry.policy} did cannot be made again without it")
+            continue
         try:
             known[name] = stated(entry, manifest)
         except BadFile as error:
@@ -141,9 +145,9 @@ class ProveClaims(Study[Claim, Comparison]):
     def lost(self, seed: int, loss: Lost) -> Comparison:
         claim = self.claims[seed]
         if claim.recorded.get("reason") in LOSSES:  # and so it went in the collection
-            return Comparison()
+            return Comparison(made=False)
         text = f"{claim.name}: its worker was lost ({loss.reason}: {loss.detail})"
-        return Comparison([(claim.place.journal, text)])
+        return Comparison([(claim.place.journal, text)], made=False)
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ CRASH, HANG = LOSSES
 RETRIES = 1  # after a crash or a hang that is the job's own doing
 FOREIGN_RETRIES = 3  # after a SIGKILL or SIGTERM that somebody else sent
 FAREWELL = 5.0  # [s] that idle workers have to close what they have open
+MEMORY_FOR_WORKERS = 0.9  # share of it all; the system needs some itself
 LOG_TAIL = 2000  # [characters] of what a dead worker said
 
 
@@ -198,6 +199,14 @@ def resident_bytes(pid: int) -> int:
         return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except OSError:
         return 0
+
+
+def memory_share(workers: int) -> float:
+    """Memory [bytes] of this machine, or of its container, that each of so many workers may use."""
+    whole = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    with suppress(OSError, ValueError):  # ValueError: "max", where nothing is bounded
+        whole = min(whole, int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    return MEMORY_FOR_WORKERS * whole / workers
 
 
 def cores() -> int:

@@ -70,6 +70,7 @@ def read_plans(path: Path) -> tuple[TaskPlan, ...]:
         place = f"{path}: collect.{number}"
         given = run.model_dump() | {"overrides": _overrides(run, place), "ranges": run.domain}
         given["most_attempts"] = run.max_attempts
+        given["keep_failures"] = None if run.keep_failures is None else str(run.keep_failures)
         template, tasks = plan_of(given), library.matching("tasks", run.tasks, place)
         found += plans_for(template, tasks, run.sweep)
     folders = [plan.folder for plan in found]

@@ -15,7 +15,15 @@ from rtphys.doctor import PROBE, check_renderer
 from rtphys.physics.attribute import Part
 from rtphys.physics.registry import attributes
 from rtphys.setting.filming import HEAD, Cameras, CameraType, Filming, SenseNames, Size
-from rtphys.setting.option import Option, Positive, Seed, Workers, checked_dataclass, one_of
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Seed,
+    Workers,
+    checked_dataclass,
+    number_or_all,
+    one_of,
+)
 from rtphys.setting.senses import drawn
 from rtphys.setting.setting import Setting, check_varies
 from rtphys.studies.disk import check_fits, check_space, episode_bytes
@@ -50,6 +58,11 @@ class TaskPlan:
         Positive | None,
         Option("Attempts of each task, those of earlier runs included.", "max_attempts"),
     ] = None
+    keep_failures: Annotated[
+        str | None,
+        number_or_all(),
+        Option("Draw and keep failed attempts too, so many of each task, or `all`."),
+    ] = None
     config: str | None = None  # name of the folder; None: the protocol's
     twin_of: str | None = None  # config of the task dataset whose twin this is
 
@@ -77,6 +90,12 @@ class TaskPlan:
         own, setting = self.config or self.setting.protocol, self.setting.under(self.twin)
         name = f"{own}.twin={self.twin}"
         return self, replace(self, setting=setting, config=name, twin=None, twin_of=own)
+
+    @property
+    def failures_expected(self) -> int:
+        """How many failed attempts are kept at most; of all, no more than episodes are expected."""
+        kept = self.keep_failures or "0"
+        return self.episodes if kept == "all" else int(kept)
 
     def check(self) -> Task:
         """The task; refuses what no episode could be made under."""
@@ -140,7 +159,8 @@ class Run:
     def room_needed(self, plans: Sequence[TaskPlan]) -> float:
         """Disk space that the plans' episodes need at most [bytes]."""
         return sum(
-            plan.episodes * episode_bytes(side.filming, side.setting.visual())
+            (plan.episodes + plan.failures_expected)
+            * episode_bytes(side.filming, side.setting.visual())
             for plan in plans
             for side in plan.sides
         )

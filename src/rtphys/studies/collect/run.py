@@ -25,7 +25,7 @@ from rtphys.studies.collect.work import (
     Job,
     RemoteWorker,
     Results,
-    Shipped,
+    landed,
 )
 from rtphys.task.spec import Task
 
@@ -117,6 +117,7 @@ def conditions_of(
         config=plan.config,
         twin=plan.sides[1].config if plan.twin else None,
         twin_of=plan.twin_of,
+        keep_failures=plan.keep_failures,
         stride=stride if stride[1] > 1 else None,
         senses=plan.senses or None,
         camera_type=plan.camera_type,
@@ -149,7 +150,8 @@ class TaskCollection(Study[Job, Results]):
 
     def job(self, seed: int) -> Job:
         recipes = tuple(side.setting.at(seed) for side in self.plan.sides)
-        return Job(recipes, self.folders(seed), self.plan.filming, self.plan.layout)
+        keep = tuple(writer.wants_failures for writer in self.writers)
+        return Job(recipes, self.folders(seed), self.plan.filming, self.plan.layout, keep)
 
     def folders(self, seed: int) -> tuple[Path, ...]:
         """Where the files of a seed wait for their number, one folder a writer."""
@@ -163,10 +165,7 @@ class TaskCollection(Study[Job, Results]):
 
     def arrived(self, seed: int, result: Results) -> Results:
         """Files from other machines are put where those of this one are."""
-        return tuple(
-            outcome.land(folder) if isinstance(outcome, Shipped) else outcome
-            for outcome, folder in zip(result, self.folders(seed), strict=True)
-        )
+        return tuple(map(landed, result, self.folders(seed)))
 
     def commit(self, seed: int, result: Results) -> str:
         """Raises `DatasetMismatch`: an attempt that a twin holds came out otherwise this time."""

@@ -27,6 +27,7 @@ from rtphys.studies.collect.plan import Run, TaskPlan, chosen, plan_of
 KEPT = ("task", "protocol", "only", "overrides", "split", "ranges", "recovery", "pair_tasks")
 KEPT += ("first_seed", "cameras", "layout", "config", "twin", "most_attempts")
 KEPT += ("assets", "fallback", "shader")
+RARE = ("keep_failures", "senses", "camera_type", "size")  # where they are asked for
 
 
 @dataclass(frozen=True)
@@ -97,9 +98,8 @@ def stored_plan(plan: TaskPlan, run: Run) -> dict[str, JSON]:
     rare = {"ranges": None, "recovery": True, "pair_tasks": False}
     known = {**rare, **plan.setting.to_json(), **vars(plan), **vars(run)}
     known["assets"] = None if run.assets is None else str(run.assets)
-    filmed = {"senses": plan.senses, "camera_type": plan.camera_type, "size": plan.size}
-    asked = {key: value for key, value in filmed.items() if value}
-    return {key: plain(known[key], key) for key in (*KEPT, *asked)}
+    named = [*KEPT, *(key for key in RARE if known[key])]
+    return {key: plain(known[key], key) for key in named}
 
 
 def claim(out: Path, shard: Shard | None) -> None:

@@ -8,12 +8,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
-from rtphys.data.staging import StagedEpisode, stage_episode
+from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO, StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection
-from rtphys.episode.assemble import assemble, rejection
+from rtphys.episode.assemble import assemble, assemble_failure, kept, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import Film, photograph
@@ -39,6 +40,7 @@ class Job:
     folders: tuple[Path, ...]
     filming: Filming
     layout: str
+    keep: tuple[bool, ...] = ()  # of each recipe: draw it if it fails, too; empty: none
 
 
 @dataclass
@@ -53,19 +55,36 @@ class CollectWorker(StudyWorker[Job, Results]):
 
     def do(self, job: Job) -> Results:
         """Simulates all recipes; draws and stages if all succeed: half a pair is no episode."""
-        tries = [attempt(recipe, self.tasks[recipe.task], self.pack) for recipe in job.recipes]
+        touch = job.filming.touch
+        tries = [
+            attempt(recipe, self.tasks[recipe.task], self.pack, touch=touch)
+            for recipe in job.recipes
+        ]
         if failed := next((tried for tried in tries if not tried.accepted), None):
             why = f"under {failed.recipe.protocol}: {failed.reason}"
             half = {"reason": "untwinned", "detail": why}
-            return tuple(rejection(replace(t, **half) if t.accepted else t) for t in tries)
+            keep = job.keep or (False,) * len(tries)
+            return tuple(
+                rejection(replace(tried, **half))
+                if tried.accepted
+                else self.reject(tried, folder, job, draw)
+                for tried, folder, draw in zip(tries, job.folders, keep, strict=True)
+            )
         return tuple(self.stage(*one, job) for one in zip(tries, job.folders, strict=True))
 
     def stage(self, tried: Attempt, folder: Path, job: Job) -> StagedEpisode:
-        """Draws and encodes an accepted attempt."""
+        """Draws and encodes an attempt."""
         assert tried.recording is not None
         task = self.tasks[tried.recipe.task]
         pictures = photograph(tried.recipe, task, self.pack, Film.of(tried.recording), job.filming)
-        return stage_episode(folder, assemble(tried, pictures, self.pack), job.layout)
+        put_together = assemble if tried.accepted else assemble_failure
+        return stage_episode(folder, put_together(tried, pictures, self.pack), job.layout)
+
+    def reject(self, tried: Attempt, folder: Path, job: Job, draw: bool) -> Rejection:
+        """The rejection of a failed attempt, with its files if they are wanted and possible."""
+        if not (draw and kept(tried)):
+            return rejection(tried)
+        return replace(rejection(tried), kept=self.stage(tried, folder, job))
 
 
 # ---- elsewhere: checked to be the same work, its files sent back ---------------------------------
@@ -88,14 +107,23 @@ class Shipped(StagedEpisode):
 
         Raises:
             CannotWrite: the disk refuses.
-            OtherMachine: the bytes are not those that were sent.
+            OtherMachine: the bytes are not those that were sent, or are of another file.
         """
+        if strange := self.contents.keys() - {HDF5, VIDEO, INSTRUCTION}:
+            raise OtherMachine(f"{folder}: an episode has no file {min(strange)!r}")
         shutil.rmtree(folder, ignore_errors=True)
         files.make_folder(folder)
         for name, data in self.contents.items():
             if files.write_synced(folder / name, data) != self.files[name]:
                 raise OtherMachine(f"{folder / name}: it was damaged on its way here")
         return replace(self, folder=folder, contents={})
+
+
+def landed(outcome: StagedEpisode | Rejection, folder: Path) -> StagedEpisode | Rejection:
+    """An outcome whose files lie in a folder here, wherever it was made. As `Shipped.land`."""
+    if isinstance(outcome, Rejection) and isinstance(outcome.kept, Shipped):
+        return replace(outcome, kept=outcome.kept.land(folder))
+    return outcome.land(folder) if isinstance(outcome, Shipped) else outcome
 
 
 @dataclass(frozen=True)
@@ -136,8 +164,12 @@ class RemoteWorker:
 
 def _ship(result: StagedEpisode | Rejection) -> StagedEpisode | Rejection:
     if isinstance(result, Rejection):
-        return result
-    contents = {name: files.read(result.folder / name) for name in result.files}
+        return result if result.kept is None else replace(result, kept=_sent(result.kept))
+    return _sent(result)
+
+
+def _sent(result: StagedEpisode) -> "Shipped":
+    contents = {name: files.read(result.folder / name, LARGEST_EPISODE) for name in result.files}
     shutil.rmtree(result.folder, ignore_errors=True)
     return Shipped(**vars(result), contents=contents)
 

@@ -104,6 +104,9 @@ def _of_dataset(
     if entry.only is not None or entry.overrides:
         problem = "attributes were picked or held in it, which an evaluation does not know"
         raise BadValue("instances", str(folder), problem)
+    if entry.policy is not None:
+        problem = f"its episodes are those of {entry.policy}, which says nothing of feasibility"
+        raise BadValue("instances", str(folder), problem)
     if entry.pair_tasks:
         problem = "its tasks share one draw, and an evaluation draws for each task by itself"
         raise BadValue("instances", str(folder), problem)

@@ -53,6 +53,9 @@ class EvaluatePlan:
     ] = field(default_factory=dict[str, str])
     senses: SenseNames = ()
     video: Annotated[bool, Option("Also write each episode as an MP4.")] = False
+    record: Annotated[
+        Path | None, Option("Also write the episodes, and the failed ones, as a dataset.")
+    ] = None
     resume: Annotated[bool, Option("Continue what is in the folder.")] = True
     accept_changes: Annotated[
         bool, Option("Run on lists that have another certification fingerprint.")
@@ -78,7 +81,7 @@ class EvaluatePlan:
         tasks = [load_task(name) for name in self.tasks]
         if drawn(self.filming.senses) and (finding := check_renderer()).status == "fail":
             raise NoRenderer(f"no senses can be drawn: {finding.detail}; {finding.cure}")
-        if self.video and (finding := check_renderer()).status == "fail":
+        if (self.video or self.record) and (finding := check_renderer()).status == "fail":
             cure = f"; cure: {finding.cure}" if finding.cure else ""
-            raise NoRenderer(f"no video can be drawn: {finding.detail}{cure}")
+            raise NoRenderer(f"no pictures can be drawn: {finding.detail}{cure}")
         return tasks

@@ -8,7 +8,7 @@ from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.row_journal import RowJournal
 from rtphys.campaign.series import Series, Study, Tally
-from rtphys.campaign.workers.local import LocalPool, cores
+from rtphys.campaign.workers.local import LocalPool, cores, memory_share
 from rtphys.campaign.workers.pool import Limits, Lost
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
@@ -29,11 +29,16 @@ from rtphys.results.summary import Summary
 from rtphys.setting.setting import Setting
 from rtphys.studies.evaluate.lists import certified, other_versions
 from rtphys.studies.evaluate.plan import EvaluatePlan
+from rtphys.studies.evaluate.recorded import (
+    Experience,
+    Recorded,
+    dataset_of,
+    experience,
+    unplayed,
+)
 from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
 
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
-# Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
-MOST_MEMORY = 256e9  # [bytes]
 CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
 """Fields of a plan that two runs must share to continue each other, but for the episodes."""
 
@@ -42,14 +47,19 @@ class OtherRun(RtphysError):
     """The folder holds results of another evaluation."""
 
 
-class TaskEvaluation(Study[Job, EpisodeRecord]):
+Result = EpisodeRecord | Recorded
+
+
+class TaskEvaluation(Study[Job, Result]):
     """One task under one protocol: its instances in order, and their records.
 
     A journal takes each record; the file that people read follows every few seconds.
     """
 
-    def __init__(self, plan: EvaluatePlan, instances: InstanceList) -> None:
-        self.plan, self.instances = plan, instances
+    def __init__(
+        self, plan: EvaluatePlan, instances: InstanceList, experience: Experience | None = None
+    ) -> None:
+        self.plan, self.instances, self.experience = plan, instances, experience
         self.setting = setting = Setting(instances.task, instances.protocol, split=plan.split)
         self.path = record_file(plan.folder, setting.protocol, setting.task)
         there = read_records(self.path) if self.path.exists() else []
@@ -67,6 +77,8 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
         done = min(len(known), len(seeds))
         tally = Tally(f"{setting.task}, {setting.protocol}", len(seeds), done, done)
         self.series = Series(self, tally, seeds[done:])
+        if experience is not None:
+            experience.check(seeds[:done])
 
     @property
     def records(self) -> Sequence[EpisodeRecord]:
@@ -77,20 +89,25 @@ class TaskEvaluation(Study[Job, EpisodeRecord]):
         plan, setting = self.plan, self.setting
         setup = PolicySetup(setting.task, setting.protocol, plan.split, plan.seed, plan.options)
         video = video_file(plan.folder, setting.protocol, setting.task, seed)
-        return Job(setting.at(seed), setup, video if plan.video else None)
+        staging = self.experience.writer.staging(seed) if self.experience else None
+        return Job(setting.at(seed), setup, video if plan.video else None, staging)
 
-    def reason(self, result: EpisodeRecord) -> str:
+    def reason(self, result: Result) -> str:
         return ""  # a failure is a result too
 
-    def commit(self, seed: int, result: EpisodeRecord) -> str:
-        self._journal.append(result.to_json())
-        self._all.append(result)
+    def commit(self, seed: int, result: Result) -> str:
+        record = result.record if isinstance(result, Recorded) else result
+        if self.experience is not None and isinstance(result, Recorded):
+            self.experience.record(seed, result.outcome)
+        self._journal.append(record.to_json())
+        self._all.append(record)
         if time.monotonic() - self._written_at > WRITE_SECONDS:
             self.write()
         return ""
 
-    def lost(self, seed: int, loss: Lost) -> EpisodeRecord:
-        return lost_record(self.setting.at(seed), loss.reason, loss.detail)
+    def lost(self, seed: int, loss: Lost) -> Result:
+        record = lost_record(self.setting.at(seed), loss.reason, loss.detail)
+        return record if self.experience is None else unplayed(record, self.setting)
 
     def write(self) -> None:
         """Brings the file that people read up to date. Raises `CannotWrite`."""
@@ -127,17 +144,25 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         text = "the lists were certified with other versions, last bits of states may differ: "
         listener.noticed(text + "; ".join(sorted(clauses)))
     files.make_folder(plan.folder)
-    with FolderLock(plan.folder):
+    with FolderLock(plan.folder), dataset_of(plan) as dataset:
         _claim(plan, ground)
         for instances in lists:
             copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
             write_instances(copy, instances)
-        studies = [TaskEvaluation(plan, instances) for instances in lists]
+        known = {task.name: task for task in tasks}
+        studies = [
+            TaskEvaluation(
+                plan, one, dataset and experience(plan, one, (known[one.task], pack), dataset)
+            )
+            for one in lists
+        ]
         worker, size = EvaluateWorker(pack, plan.policy, plan.filming), plan.workers or cores()
-        limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
+        share = max(memory_share(size), Limits().most_memory)
+        limits = Limits(plan.timeout, memory=share, most_memory=share)
         try:
-            with LocalPool[Job, EpisodeRecord](worker, size, limits, listener.noticed) as pool:
-                run_all([study.series for study in studies], pool, listener, plan.folder)
+            with LocalPool[Job, Result](worker, size, limits, listener.noticed) as pool:
+                saved = dataset.checkpoint_if_due if dataset else lambda: None
+                run_all([study.series for study in studies], pool, listener, plan.folder, saved)
         finally:
             for study in studies:
                 study.write()

@@ -14,6 +14,7 @@ from rtphys.policies.session import PolicySession
 from rtphys.results import EpisodeRecord
 from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
+from rtphys.studies.evaluate.recorded import Recorded, stage, unplayed
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
 
@@ -25,10 +26,11 @@ class Job:
     recipe: Recipe
     setup: PolicySetup
     video: Path | None = None
+    staging: Path | None = None  # folder for the files of a recorded episode
 
 
 @dataclass
-class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
+class EvaluateWorker(StudyWorker[Job, EpisodeRecord | Recorded]):
     """Plays episodes with a policy, which stays open from one to the next of the same setup."""
 
     policy: str
@@ -38,7 +40,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         super().__post_init__()
         self._session = PolicySession(self.policy)
 
-    def do(self, job: Job) -> EpisodeRecord:
+    def do(self, job: Job) -> EpisodeRecord | Recorded:
         """Plays one episode.
 
         Raises:
@@ -51,7 +53,8 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         try:
             episode = begin(recipe, self.tasks[recipe.task], self.pack, self.filming)
         except Infeasible as problem:
-            return lost_record(recipe, "infeasible", str(problem))
+            lost = lost_record(recipe, "infeasible", str(problem))
+            return lost if job.staging is None else unplayed(lost, recipe.setting)
         trace = ""
         try:
             policy.play(episode)
@@ -66,7 +69,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord]):
         record = _judged(episode, trace)
         if job.video is not None:
             film(episode, self.pack, job.video)
-        return record
+        return record if job.staging is None else stage(episode, record, job.staging, self.pack)
 
     def finish(self) -> None:
         self._session.close()

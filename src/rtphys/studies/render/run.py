@@ -7,12 +7,13 @@ from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.series import Series, Study, Tally
 from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.campaign.workers.pool import Limits, Lost
-from rtphys.core.errors import BadFile, BadValue, MissingAsset, NoRenderer, RtphysError
+from rtphys.core.errors import BadFile, BadValue, NoRenderer, RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import Conditions
 from rtphys.data.convert import conditions_of, rejections_of
+from rtphys.data.episode import JSON
 from rtphys.data.json_text import parse_mapping
-from rtphys.data.layout import MANIFEST, SHARD, TaskDataset
+from rtphys.data.layout import MANIFEST, SHARD, EpisodePaths, TaskDataset
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import DATASET_VERSION, Manifest, TaskDatasetEntry
 from rtphys.data.task_writer import Rejection, TaskWriter
@@ -28,6 +29,10 @@ from rtphys.studies.render.work import Redrawn, RenderJob, RenderWorker
 from rtphys.task.spec import load_task
 
 
+class MissingPack(RtphysError):
+    """The assets that a dataset was collected with are not here."""
+
+
 @dataclass(frozen=True)
 class Rendered:
     """What came of a dataset that was drawn again."""
@@ -41,7 +46,7 @@ def render(plan: RenderPlan, listener: Listener | None = None) -> Rendered:
     """Draws every episode again into a dataset of its own. Repeated, it continues.
 
     Raises:
-        MissingAsset: the assets of the collection are not on this machine; names their digest.
+        MissingPack: the assets of the collection are not on this machine; names their digest.
         RtphysError: what else is refused before any work; states that cannot be had.
     """
     manifest = read_manifest(plan.data)
@@ -82,8 +87,9 @@ def _check(plan: RenderPlan, manifest: Manifest) -> dict[str, Pack]:
         needed += entry.episodes * episode_bytes(filming, _visual(plan, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
-            what = f"assets of digest {digest} ({entry.assets.get('pack', 'unknown')})"
-            raise MissingAsset(what, plan.data, f"{entry.task}; `--assets` names a pack")
+            name = entry.assets.get("pack", "unknown")
+            why = f"{entry.task} was collected with assets of digest {digest} (pack {name})"
+            raise MissingPack(f"{plan.data}: {why}, which are not on this machine; link them")
         packs[digest] = pack
         load_task(entry.task)
     if not packs:
@@ -137,8 +143,13 @@ class Redrawing(Study[RenderJob, Redrawn]):
         self.source: TaskDataset = self.entry.below(self.plan.data)
         self.source.check_links()
         self._rejections = rejections_of(self.source, self.entry)
-        path = self.source.scene_info
-        self._scenes = parse_mapping(files.read(path), path) if self.entry.episodes else {}
+        seeds = (self.entry.seeds, [failure.seed for failure in self.entry.failures])
+        self._places: dict[int, tuple[EpisodePaths, JSON]] = {}
+        for place, numbered in zip((self.source, self.source.failures), seeds, strict=True):
+            path = place.scene_info
+            scenes = parse_mapping(files.read(path), path) if numbered else {}
+            for number, seed in enumerate(numbered):
+                self._places[seed] = place.episode(number), scenes.get(f"episode_{number}")
 
     def series(self) -> Series[RenderJob, Redrawn]:
         """The seeds that are not committed yet."""
@@ -148,11 +159,11 @@ class Redrawing(Study[RenderJob, Redrawn]):
         return Series(self, tally, seeds, owed=len(seeds))
 
     def job(self, seed: int) -> RenderJob:
-        number = self.entry.seeds.index(seed)
+        paths, scene = self._places[seed]
         return RenderJob(
-            self.source.episode(number),
+            paths,
             self.entry.layout,
-            self._scenes.get(f"episode_{number}"),
+            scene,
             self.plan.filming(self.entry),
             self.plan.look is None,
             self.entry.assets.get("digest", ""),
@@ -160,14 +171,19 @@ class Redrawing(Study[RenderJob, Redrawn]):
         )
 
     def known(self, seed: int) -> Redrawn | None:
-        rejection = self._rejections.get(seed)
-        return None if rejection is None else Redrawn(rejection)
+        drawn_anew = seed in self._places  # a failure that was kept is drawn like an episode
+        return None if drawn_anew else Redrawn(self._rejections[seed])
 
     def reason(self, result: Redrawn) -> str:
-        return result.outcome.reason if isinstance(result.outcome, Rejection) else ""
+        if isinstance(result.outcome, Rejection):
+            return result.outcome.reason
+        return "failed" if "failure" in result.outcome.phys_meta else ""
 
     def commit(self, seed: int, result: Redrawn) -> str:
-        self.writer.record(result.outcome)
+        outcome, rejection = result.outcome, self._rejections.get(seed)
+        if rejection is not None and not isinstance(outcome, Rejection):
+            outcome = replace(rejection, kept=outcome)
+        self.writer.record(outcome)
         self.compared += result.compared
         self.differing += result.differing
         return ""

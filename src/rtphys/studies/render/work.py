@@ -86,14 +86,15 @@ class RenderWorker(StudyWorker[RenderJob, Redrawn]):
         """The poses of all bodies: as they are stored, else simulated again and proven the same."""
         times = stored.frames.time.tolist()
         if stored.sensed is not None and stored.sensed.bodies is not None:
-            return Film.of_poses(times, stored.sensed.bodies)
+            film = Film.of_poses(times, stored.sensed.bodies)
+            return replace(film, touch=stored.sensed.touch)
         recording = attempt(recipe, self.tasks[recipe.task], pack).recording
         wanted = stored.phys_meta["state_hash"]
         if recording is None or recording.hash != wanted:
             found = "no states" if recording is None else f"states {recording.hash[:12]}"
             why = f"holds no `states`, and simulated again it gives {found}, not {str(wanted)[:12]}"
             raise LostStates(f"{paths.hdf5}: {why}; rtphys or its task has changed since")
-        return Film.of(recording)
+        return replace(Film.of(recording), touch=stored.sensed and stored.sensed.touch)
 
 
 def _recipe(stored: EncodedEpisode, paths: EpisodePaths) -> Recipe:

@@ -1,0 +1,70 @@
+"""`rtphys view`: one episode in Rerun."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rtphys.cli.terminal import say
+from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError
+from rtphys.data.dataset import Dataset, Episode, find_episode
+from rtphys.data.files import make_folder
+
+SUFFIX = ".rrd"
+
+
+def view(
+    path: Annotated[Path, typer.Argument(help="A dataset folder, or any file of an episode.")],
+    episode: Annotated[int, typer.Option(help="Which episode of a dataset folder.")] = 0,
+    failure: Annotated[
+        int | None, typer.Option(help="Instead: which of the failures that were kept.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Write an .rrd file instead of opening the viewer.")
+    ] = None,
+) -> None:
+    """Look at an episode in Rerun: cameras, the scene in 3D, forces, joints, physics, stages."""
+    if out is not None and out.suffix != SUFFIX:
+        raise BadValue("out", str(out), f"its name ends in {SUFFIX}")
+    chosen = _chosen(path, episode, failure)
+    try:
+        from rtphys.view.recording import show_recording, write_recording
+    except ImportError as error:
+        raise RtphysError("Rerun is not installed; `pip install 'rtphys[view]'`") from error
+    from rtphys.assets.pack import pack_with
+    from rtphys.episode.solids import solids
+
+    digest = _digest(chosen)
+    if (pack := pack_with(digest)) is None:
+        raise MissingAsset(f"assets of digest {digest}", path, chosen.task)
+    scene = solids(chosen, pack)
+    if out is None:
+        show_recording(chosen, scene)
+        return
+    make_folder(out.parent)
+    write_recording(chosen, scene, out)
+    say(f"{out} ({out.stat().st_size / 1e6:.1f} MB); to open it: rerun {out}")
+
+
+def _chosen(path: Path, number: int, failure: int | None) -> Episode:
+    if not path.is_dir():
+        return find_episode(path)
+    dataset = Dataset(path)
+    kind, index, known = "episode", number, tuple(dataset)
+    if failure is not None:
+        kind, index, known = "failure", failure, dataset.failures()
+    if not known:
+        raise BadFile(path, f"the dataset holds no {kind}")
+    if not 0 <= index < len(known):
+        raise BadValue(kind, index, f"the dataset holds {kind} 0 to {len(known) - 1}")
+    return known[index]
+
+
+def _digest(episode: Episode) -> str:
+    """Of the assets that it was collected with."""
+    for folder in episode.paths.hdf5.parents:
+        if (folder / "manifest.json").is_file():
+            for entry in Dataset(folder).task_datasets:
+                if (entry.task, entry.config) == (episode.task, episode.protocol):
+                    return entry.assets.get("digest", "")
+    raise BadFile(episode.paths.hdf5, "belongs to no dataset")

@@ -1,0 +1,209 @@
+"""The instant at which an attempt went wrong, found in its states and contacts.
+
+* slip: an object slid or turned in the closed hand that held it. Start of the slide that ended in
+  the loss; without a loss, the first frame beyond 1 cm or 20 deg.
+* drop: a closed hand lost an object that had not slid before. First frame without contact.
+* miss: a hand closed on nothing. First frame in which its fingers are closed.
+* tip_over: an object tipped that no hand held. First frame beyond 45 deg.
+* moved: an object moved that no hand held, nor picked up later. First frame beyond 2 cm.
+* misplaced: a hand let go of it, and the attempt failed later. First frame without contact, or with
+  the hand opening.
+* stuck: there was no way on for the arms. Last frame.
+* end: none of these. Last frame.
+
+Only frames are looked at, so an instant is known to 60 ms. Of several events one is chosen: a lost
+or missed grasp where the reason names it, else what happened to an object last. If a grasp missed
+an object that had tipped over or moved before, then this is the instant.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from rtphys.core.poses import Array, quat_to_matrix
+from rtphys.data.episode import ARMS, Frames
+from rtphys.data.schema_attempts import Event, Side
+
+FAR = 0.02  # [m] as much as a piece of clutter may move undisturbed
+TIPPED = np.radians(45)
+SLIPPED, TURNED = 0.01, np.radians(20)  # [m], [rad] in the hand
+SLIDING = 0.002  # [m] between two frames, 33 mm/s
+BRIEF = 3  # frames without contact, or without sliding, that interrupt neither
+OPENED = 0.05  # of the gripper's stroke: less is no opening and no closing
+CLOSED = 0.5  # of the stroke that fingers have to close at once for a grasp
+
+LOST, UPSET = ("slip", "drop", "miss"), ("tip_over", "moved")
+GRASP = ("grasp_missed", "slipped", "recovered")  # reasons that name a lost or missed grasp
+STUCK = ("no_path", "unreachable", "retime_failed", "ungraspable", "stalled", "too_slow")
+
+
+@dataclass(frozen=True)
+class Instant:
+    """One thing that went wrong."""
+
+    event: Event
+    frame: int
+    object: str = ""  # empty: nothing in particular
+    side: Side = ""  # hand
+
+
+class _Hold(NamedTuple):
+    """A closed hand touches an object from frame `first` to frame `last`."""
+
+    first: int
+    last: int
+    released: bool  # it ends because the hand opens
+    ended: bool  # it ends before the frames do
+
+
+def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] = ()) -> Instant:
+    """When a failed attempt went wrong.
+
+    Args:
+        reason: of the rejection, or of a policy's failure.
+        detail: likewise; it begins with the name of the object that a grasp lost or missed.
+        scenery: objects that the task is not about, such as clutter.
+    """
+    objects = [name for name in frames.object_poses if name not in scenery]
+    found = [instant for name in objects for instant in _of_object(frames, name)]
+    found += [instant for side in range(len(ARMS)) for instant in _misses(frames, side)]
+    kinds = (LOST,) if reason in GRASP else ((*LOST[:2], *UPSET, "misplaced"), ("miss",))
+    for kind in kinds:
+        if chosen := [instant for instant in found if instant.event in kind]:
+            last = max(chosen, key=lambda instant: instant.frame)
+            about = next((name for name in objects if detail.startswith(f"{name} ")), "")
+            return _cause(last, about, found) if last.event == "miss" else last
+    return Instant("stuck" if reason in STUCK else "end", len(frames) - 1)
+
+
+def _cause(miss: Instant, about: str, found: Sequence[Instant]) -> Instant:
+    """What had upset the object before the hand closed on nothing, if anything; else the miss."""
+    upset = [one for one in found if one.event in UPSET and one.frame < miss.frame]
+    own = [one for one in upset if one.object == about] if about else upset
+    return min(own, key=lambda one: one.frame, default=replace(miss, object=about))
+
+
+# ---- one object ----------------------------------------------------------------------------------
+
+
+def _of_object(frames: Frames, name: str) -> Iterator[Instant]:
+    held, taken = np.zeros(len(frames), bool), 0
+    for column, side in enumerate(ARMS):
+        for hold in _holds(frames, name, column):
+            held[hold.first : hold.last + 1 + BRIEF] = True
+            taken = max(taken, hold.first)
+            yield from _of_hold(frames, name, side, hold)
+    upset = _upset(np.asarray(frames.object_poses[name], float), name, held)
+    yield from (instant for instant in upset if instant.frame > taken)
+
+
+def _holds(frames: Frames, name: str, column: int) -> Iterator[_Hold]:
+    """Runs of contact while the hand is as closed as it was, short gaps bridged."""
+    opening = np.asarray(getattr(frames, f"{ARMS[column]}_gripper"), float)
+    touched = np.asarray(frames.contacts[name])[:, column]
+    opening_now = np.diff(opening, prepend=opening[0]) > 0
+    t, T = 0, len(frames)
+    while t < T:
+        if not touched[t] or opening_now[t] or opening[t] > 1 - OPENED:
+            t += 1
+            continue
+        first = last = t
+        least = opening[t]
+        while t + 1 < T and t - last < BRIEF and opening[t + 1] <= least + OPENED:
+            t += 1
+            least = min(least, opening[t])
+            last = t if touched[t] else last
+        released = t + 1 < T and opening[t + 1] > least + OPENED
+        yield _Hold(first, last, released, last + 1 < T)
+        t += 1
+
+
+def _of_hold(frames: Frames, name: str, side: Side, hold: _Hold) -> Iterator[Instant]:
+    place, turn = _in_hand(frames, name, side)
+    gripped = _gripped(frames, side, hold)
+    if hold.ended and not hold.released:
+        step = np.linalg.norm(np.diff(place[gripped : hold.last + 2], axis=0), axis=1)
+        onset = gripped + _last_run(step > SLIDING)
+        if onset <= hold.last:
+            yield Instant("slip", onset, name, side)
+        else:
+            yield Instant("drop", hold.last + 1, name, side)
+        return
+    window = slice(gripped, hold.last + 1)
+    slid = np.linalg.norm(place[window] - place[gripped], axis=1) > SLIPPED
+    turned = _angles(turn[window], turn[gripped]) > TURNED
+    if (slid | turned).any():
+        yield Instant("slip", gripped + int((slid | turned).argmax()), name, side)
+    if hold.released:
+        yield Instant("misplaced", min(hold.last + 1, len(frames) - 1), name, side)
+
+
+def _gripped(frames: Frames, side: Side, hold: _Hold) -> int:
+    """The frame of a hold in which the fingers have closed."""
+    opening = np.asarray(getattr(frames, f"{side}_gripper"), float)[hold.first : hold.last + 1]
+    return hold.first + int((opening <= opening.min() + 1e-9).argmax())
+
+
+def _last_run(flags: Array) -> int:
+    """Index at which the last run of true flags begins that reaches the end, short gaps bridged.
+
+    Without one: their number.
+    """
+    start, gap = len(flags), 0
+    for t in range(len(flags) - 1, -1, -1):
+        gap = 0 if flags[t] else gap + 1
+        if gap > BRIEF:
+            break
+        start = t if flags[t] else start
+    return start
+
+
+def _upset(pose: Array, name: str, held: Array) -> Iterator[Instant]:
+    """Where an object that no hand holds tips or moves, once for each time that it lies free."""
+    up = np.array([quat_to_matrix(q)[2] for q in pose[:, 3:]])  # the world's z, in the body's axes
+    edges = np.flatnonzero(np.diff(held.astype(int), prepend=1, append=1))
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        free = slice(int(first), int(end))
+        way = np.linalg.norm(pose[free, :3] - pose[first, :3], axis=1)
+        angle = np.arccos(np.clip(up[free] @ up[first], -1, 1))
+        if (angle > TIPPED).any():
+            yield Instant("tip_over", int(first + (angle > TIPPED).argmax()), name)
+        if (way > FAR).any():
+            yield Instant("moved", int(first + (way > FAR).argmax()), name)
+
+
+def _in_hand(frames: Frames, name: str, side: Side) -> tuple[Array, Array]:
+    """Position (T, 3) [m] and rotation (T, 3, 3) of an object in the frame of a hand's link6."""
+    hand = np.asarray(getattr(frames, f"{side}_endpose"), float)
+    pose = np.asarray(frames.object_poses[name], float)
+    R_WH = np.array([quat_to_matrix(q) for q in hand[:, 3:]])
+    R_WO = np.array([quat_to_matrix(q) for q in pose[:, 3:]])
+    place = np.einsum("tji,tj->ti", R_WH, pose[:, :3] - hand[:, :3])
+    return place, np.einsum("tji,tjk->tik", R_WH, R_WO)
+
+
+def _angles(turns: Array, start: Array) -> Array:
+    trace = np.einsum("tij,ij->t", turns, start)
+    return np.arccos(np.clip((trace - 1) / 2, -1, 1))
+
+
+# ---- a hand that closes on nothing ---------------------------------------------------------------
+
+
+def _misses(frames: Frames, column: int) -> Iterator[Instant]:
+    side = ARMS[column]
+    opening = np.asarray(getattr(frames, f"{side}_gripper"), float)
+    touched = np.any([np.asarray(t)[:, column] for t in frames.contacts.values()], axis=0)
+    falling = np.diff(opening, prepend=opening[0]) < 0
+    t, T = 0, len(frames)
+    while t < T:
+        first = t
+        while t < T and falling[t]:
+            t += 1
+        shut = t - 1
+        stroke = opening[first - 1] - opening[shut] if t > first else 0.0
+        if stroke > CLOSED and not touched[shut : shut + BRIEF].any():
+            yield Instant("miss", shut, "", side)
+        t += 1

@@ -1,0 +1,99 @@
+"""Everything in a stored episode as solids that move, for viewers: the shapes that physics has."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+from rtphys.assets.pack import Pack
+from rtphys.core.poses import Array, Pose
+from rtphys.data.dataset import Episode
+from rtphys.data.episode import Floats
+from rtphys.episode.rebuild import rebuild
+from rtphys.proofs.audit_labels import Label
+from rtphys.sim.body import shape_points
+from rtphys.sim.engine import from_sapien
+from rtphys.sim.world import World
+
+
+@dataclass(frozen=True, eq=False)
+class Solid3D:
+    """One rigid body: convex parts that touch or overlap."""
+
+    name: str  # such as robot/fl_link6, objects/cup or room/table
+    vertices: NDArray[np.float32]  # (v, 3) [m] in the body's frame
+    triangles: NDArray[np.uint32]  # (t, 3) rows of vertices, outward
+    poses: Array  # (T, 7) xyz [m] + wxyz, world; T = 1: it stands still
+
+
+def solids(episode: Episode, pack: Pack) -> list[Solid3D]:
+    """The table, the robot and all objects of an episode.
+
+    A lid, a drawer or another moving part of an object stays as it was at first, because files
+    hold the pose of an object's root alone.
+
+    Args:
+        pack: the assets with which it was collected.
+
+    Raises:
+        RtphysError, ValueError: its world cannot be built again.
+    """
+    frames = episode.frames
+    world = rebuild(Label(episode.meta, episode.physics), pack).world
+    found = [_solid("room/table", world.room.table_surface.shapes, _row(world.room.table.pose))]
+    for name, thing in world.scene_objects.items():
+        root = from_sapien(thing.root.entity_pose)
+        for link, body in thing.links.items():
+            X_RL = root.inverse() @ from_sapien(body.entity_pose)
+            track = frames.object_poses.get(name)
+            poses = _row(body.entity_pose) if track is None else _moved(track, X_RL)
+            label = f"{name}/{link}" if len(thing.links) > 1 else name
+            found.append(_solid(f"objects/{label}", body.collision_shapes, poses))
+    found += _robot(world, np.asarray(frames.qpos, np.float32))
+    return [solid for solid in found if len(solid.triangles)]
+
+
+def _robot(world: World, qpos: NDArray[np.float32]) -> Iterator[Solid3D]:
+    art = world.robot.articulation
+    tracks: dict[str, list[Array]] = {link.name: [] for link in art.links}
+    for q in qpos:
+        art.set_qpos(q)
+        for link in art.links:
+            tracks[link.name].append(_row(link.entity_pose)[0])
+    for link in art.links:
+        yield _solid(f"robot/{link.name}", link.collision_shapes, np.array(tracks[link.name]))
+
+
+def _row(pose: object) -> Array:
+    X = from_sapien(pose)  # type: ignore[arg-type] - SAPIEN's
+    return np.concatenate([X.p, X.q])[None]
+
+
+def _moved(track: Floats, X_RL: Pose) -> Array:
+    rows = [Pose(row[:3], row[3:]) @ X_RL for row in np.asarray(track, float)]
+    return np.array([np.concatenate([X.p, X.q]) for X in rows])
+
+
+def _solid(name: str, shapes: Iterable[object], poses: Array) -> Solid3D:
+    vertices: list[Array] = [np.empty((0, 3))]
+    triangles: list[Array] = [np.empty((0, 3), int)]
+    count = 0
+    for shape in shapes:
+        try:
+            hull = ConvexHull(shape_points(shape))  # type: ignore[arg-type] - SAPIEN's
+        except (QhullError, ValueError):
+            continue  # flat, or of a kind that has no corners
+        vertices.append(hull.points)
+        triangles.append(_outward(hull) + count)
+        count += len(hull.points)
+    corners = np.concatenate(vertices).astype(np.float32)
+    return Solid3D(name, corners, np.concatenate(triangles).astype(np.uint32), poses)
+
+
+def _outward(hull: ConvexHull) -> Array:
+    """Triangles of a hull, all counter-clockwise seen from outside."""
+    a, b, c = (hull.points[hull.simplices[:, k]] for k in range(3))
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    return np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)

@@ -1,0 +1,110 @@
+"""A policy's own experience as a dataset: its episodes, and beside them those that failed."""
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rtphys.assets.pack import Pack
+from rtphys.core.errors import BadValue
+from rtphys.data.faults import DatasetMismatch
+from rtphys.data.staging import StagedEpisode
+from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
+from rtphys.episode import PolicyEpisode
+from rtphys.episode.assemble import rejection
+from rtphys.episode.generate import Attempt
+from rtphys.results import EpisodeRecord
+from rtphys.results.instances import InstanceList
+from rtphys.setting.filming import Filming
+from rtphys.setting.setting import Setting
+from rtphys.sim import renderer
+from rtphys.studies.collect.plan import TaskPlan
+from rtphys.studies.collect.run import conditions_of
+from rtphys.studies.collect.work import CollectWorker, Job
+from rtphys.studies.evaluate.plan import EvaluatePlan
+from rtphys.task.spec import Task
+
+SHORT = 200  # characters that are kept of what a policy raised
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """An evaluated episode whose files were made."""
+
+    record: EpisodeRecord
+    outcome: StagedEpisode | Rejection
+
+
+@dataclass
+class Experience:
+    """Takes the episodes of one task under one protocol, in the order of the instances."""
+
+    writer: TaskWriter
+    instances: InstanceList
+
+    def check(self, done: Sequence[int]) -> None:
+        """Raises `DatasetMismatch`: episodes were played before and are not in the dataset."""
+        if done and done[-1] >= self.writer.next_seed:
+            clause = f"seed {done[-1]} was evaluated before, without being recorded"
+            raise DatasetMismatch(self.writer.task_dataset.folder, [clause])
+
+    def record(self, seed: int, outcome: StagedEpisode | Rejection) -> None:
+        """Commits an episode, and before it the seeds that certification has left out.
+
+        What is there already stays: a kill came before the evaluation noted it.
+        """
+        for slot in self.instances.slots:
+            if self.writer.next_seed <= slot.seed < seed:
+                self.writer.record(Rejection(slot.seed, "not_certified", slot.reason))
+        if seed == self.writer.next_seed:
+            self.writer.record(outcome)
+
+
+def dataset_of(plan: EvaluatePlan) -> AbstractContextManager[DatasetWriter | None]:
+    """The dataset that a run records into, locked; None where it records none."""
+    if plan.record is None:
+        return nullcontext()
+    if plan.record.resolve() == plan.folder.resolve():
+        raise BadValue("record", str(plan.record), "another folder than that of the results")
+    return DatasetWriter(plan.record, resume=plan.resume)
+
+
+def experience(
+    plan: EvaluatePlan, instances: InstanceList, ground: tuple[Task, Pack], out: DatasetWriter
+) -> Experience:
+    """Opens the part of a dataset that takes the episodes of these instances."""
+    setting = Setting(instances.task, instances.protocol, split=plan.split)
+    first = instances.slots[0].seed
+    wanted = TaskPlan(setting, len(instances.feasible), first, keep_failures="all")
+    options = "".join(f" {key}={value}" for key, value in sorted(plan.options.items()))
+    conditions = replace(
+        conditions_of(wanted, *ground), policy=f"{plan.policy}{options}, seed {plan.seed}"
+    )
+    return Experience(out.task(conditions, wanted.episodes), instances)
+
+
+def stage(episode: PolicyEpisode, record: EpisodeRecord, folder: Path, pack: Pack) -> Recorded:
+    """Draws and encodes an episode that a policy has played. Raises `NoRenderer`."""
+    renderer.hold_anchor()
+    lines = record.detail.strip().splitlines()
+    detail = "" if record.success else (lines[-1] if lines else "")[:SHORT]
+    tried = Attempt(
+        episode.recipe,
+        "" if record.success else record.reason,
+        detail,
+        episode.instance,
+        episode.rollout.recorder.recording,
+        episode.finish(),
+    )
+    job = Job((episode.recipe,), (folder,), Filming(), "native")
+    worker = CollectWorker(pack)
+    worker.tasks[episode.task] = episode.instance.task
+    if tried.accepted:
+        return Recorded(record, worker.stage(tried, folder, job))
+    return Recorded(record, worker.reject(tried, folder, job, draw=True))
+
+
+def unplayed(record: EpisodeRecord, setting: Setting) -> Recorded:
+    """An episode that never came to its end: nothing of it can be kept."""
+    tried = Attempt(setting.at(record.seed), record.reason, record.detail[-SHORT:])
+    return Recorded(record, rejection(tried))

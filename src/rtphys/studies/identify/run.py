@@ -1,0 +1,92 @@
+"""`identify`: the expert's episodes as features, then an estimator on each task and attribute."""
+
+from collections.abc import Mapping
+from importlib import metadata
+from pathlib import Path
+
+from rtphys.assets.pack import Pack
+from rtphys.campaign.engine import Listener, run_all
+from rtphys.campaign.workers.local import LocalPool, cores, memory_share
+from rtphys.campaign.workers.pool import Limits
+from rtphys.core.code_digest import code_digest
+from rtphys.data.episode import JSON
+from rtphys.data.files import make_folder
+from rtphys.data.lock import FolderLock
+from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.identification import estimator, features, scoring, signals, table
+from rtphys.identification.estimator import BASELINE, short_name
+from rtphys.identification.result_file import Result, write_result
+from rtphys.setting.setting import Recipe, Setting
+from rtphys.studies.identify.episodes import Sensed, SenseWorker, TaskEpisodes
+from rtphys.studies.identify.plan import IdentifyPlan
+from rtphys.studies.identify.scores import (
+    Row,
+    ScoreJob,
+    ScoreWorker,
+    TaskScores,
+    estimator_ground,
+)
+from rtphys.task.spec import load_task
+
+
+def sense(plan: IdentifyPlan, pack: Pack, listener: Listener | None = None) -> None:
+    """Makes the episodes that are missing, and keeps what a robot senses in them as features.
+
+    The files depend on the plan alone, not on the number of workers, nor on how often the run was
+    killed and resumed.
+
+    Raises:
+        RtphysError: what `IdentifyPlan.check` refuses; features made under other conditions;
+            another run at work in the folder; an error in a worker.
+    """
+    plan.check()
+    listener = listener or Listener()
+    make_folder(plan.out)
+    with FolderLock(plan.out):
+        studies = [TaskEpisodes(plan, s, _ground(s, pack)) for s in plan.settings()]
+        worker, size = SenseWorker(pack), plan.workers or cores()
+        with LocalPool[Recipe, Sensed](worker, size, notice=listener.noticed) as pool:
+            run_all([study.series for study in studies], pool, listener, plan.out)
+
+
+def judge(plan: IdentifyPlan, listener: Listener | None = None) -> Result:
+    """Scores the estimator on the features that are there, and writes the results.
+
+    A task that did not reach its episodes is scored on those that it has. Where the estimator
+    raises or returns no finite numbers, the result says so, and the rest goes on.
+
+    Raises:
+        RtphysError: as `sense`; features that are not there or are damaged.
+    """
+    plan.check()
+    listener = listener or Listener()
+    code = code_digest(Path(str(part.__file__)) for part in (estimator, scoring, table))
+    ground = {**estimator_ground(plan.estimator), "code": code, **_learner(plan.estimator)}
+    with FolderLock(plan.out):
+        studies = [TaskScores(plan, s.task, s.domain, ground) for s in plan.settings()]
+        worker, size = ScoreWorker(plan.estimator), plan.workers or cores()
+        # A network in the worker takes memory and time; a stuck one must not hold up the rest.
+        share = max(memory_share(size), Limits().most_memory)
+        limits = Limits(plan.timeout, memory=share, most_memory=share)
+        with LocalPool[ScoreJob, Row](worker, size, limits, listener.noticed) as pool:
+            run_all([study.series for study in studies], pool, listener, plan.out)
+        tasks = {study.series.tally.name: study.result for study in studies}
+        result = Result(plan.estimator, plan.protocol, tasks)
+        write_result(result_file(plan), result)
+    return result
+
+
+def result_file(plan: IdentifyPlan) -> Path:
+    """Where the results of the plan's estimator are written."""
+    return plan.out / f"{short_name(plan.estimator)}.json"
+
+
+def _ground(setting: Setting, pack: Pack) -> Mapping[str, JSON]:
+    """Whatever decides a task's features."""
+    code = code_digest(Path(str(part.__file__)) for part in (features, signals))
+    found = fingerprint_of(load_task(setting.task), setting.protocol, pack).to_json()
+    return {**found, "features": code}
+
+
+def _learner(spec: str) -> dict[str, JSON]:
+    return {"scikit-learn": metadata.version("scikit-learn")} if spec == BASELINE else {}

@@ -1,0 +1,59 @@
+"""What `rtphys identify` and `rtphys compare` print of results, few tasks or many."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from rtphys.cli.identify_tables import FEW, carriers, show
+from rtphys.cli.main import app
+from rtphys.identification.result_file import Result, TaskResult, write_result
+from rtphys.identification.scoring import Beyond, Score
+
+SCORE = Score(0.91, (0.85, 0.95), -0.1, {"touch": 0.01, "effort": 0.6}, 60, None)
+TASK = TaskResult(60, 65, {"friction": SCORE}, {"object_mass": "ValueError: \x1b[31m"})
+
+
+def result(tasks: int, estimator: str = "trees") -> Result:
+    return Result(estimator, "phys_random", {f"task_{k}": TASK for k in range(tasks)})
+
+
+def test_few_tasks_are_shown_one_by_one(capsys: pytest.CaptureFixture[str]) -> None:
+    left = replace(TASK, left_out={"table_tilt": "does not vary"})
+    show(Result("trees", "phys_random", {"heft": left}))
+    said = capsys.readouterr()
+    assert "0.85 .. 0.95" in said.out
+    assert "heft: left out: table_tilt (does not vary)" in said.out
+    assert r"the estimator failed: ValueError: \x1b[31m" in said.err
+
+
+def test_many_tasks_are_shown_by_attribute(capsys: pytest.CaptureFixture[str]) -> None:
+    show(result(FEW + 1))
+    lines = [line for line in capsys.readouterr().out.splitlines() if "friction" in line]
+    assert len(lines) == 1
+    assert "task_0 0.91" in lines[0]
+
+
+def test_carriers_are_the_groups_that_matter() -> None:
+    assert carriers(SCORE) == "effort 0.60"
+    assert carriers(replace(SCORE, importance={"touch": 0.01})) == "-"
+
+
+def test_results_of_common_tasks_are_compared(tmp_path: Path) -> None:
+    better = replace(SCORE, r2=0.95, beyond=Beyond(0.5, (0.4, 0.6), 30))
+    other = Result(
+        "python:mine.py:Mine",
+        "phys_random",
+        {"task_0": replace(TASK, scores={"friction": better}, failed={})},
+    )
+    files = []
+    for name, one in (("a.json", result(3)), ("b.json", other)):
+        write_result(tmp_path / name, one)
+        files.append(str(tmp_path / name))
+    said = CliRunner().invoke(app, ["compare", *files]).output
+    assert "1 tasks that all have" in said
+    row = next(line for line in said.splitlines() if "friction" in line)
+    for number in ("0.91", "0.95", "0.50"):
+        assert number in row
+    assert "trees failed on 1 attributes" in said

@@ -1,0 +1,134 @@
+"""Failed attempts that are kept: beside the episodes, never among them, through kills."""
+
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import synthetic
+from test_dataset_writer import FRAMES, collect, content, rejected
+
+from rtphys.core.errors import BadFile
+from rtphys.data.conditions import Conditions
+from rtphys.data.convert import convert
+from rtphys.data.dataset import Dataset, find_episode
+from rtphys.data.faults import DatasetMismatch
+from rtphys.data.verify import verify
+from rtphys.data.writer import DatasetWriter, Rejection, StagedEpisode, TaskWriter, stage_episode
+
+FAILURE = {
+    "reason": "slipped",
+    "detail": "bell left the left hand",
+    "event": "slip",
+    "frame": 2,
+    "time": 0.12,
+    "object": "bell",
+    "side": "left",
+}
+
+
+def conditions(kept: str | None = "all", layout: str = "native") -> Conditions:
+    return replace(synthetic.conditions(layout), keep_failures=kept)
+
+
+def outcome(task: TaskWriter, seed: int) -> StagedEpisode | Rejection:
+    episode = synthetic.episode(seed, FRAMES)
+    folder, layout = task.staging(seed), task.conditions.layout
+    if not rejected(seed):
+        return stage_episode(folder, episode, layout)
+    meta = {**episode.phys_meta, "failure": FAILURE}
+    meta["verdict"] = {**meta["verdict"], "accepted": False}  # type: ignore[dict-item]
+    kept = stage_episode(folder, replace(episode, phys_meta=meta), layout)
+    made = Rejection(seed, "slipped", FAILURE["detail"], {"friction": 0.1}, kept)
+    return pickle.loads(pickle.dumps(made))
+
+
+def keep(out: Path, what: Conditions, seeds: int = 7) -> None:
+    with DatasetWriter(out) as dataset:
+        task = dataset.task(what, 100)
+        while task.attempts < seeds:
+            task.record(outcome(task, task.next_seed))
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("kept")
+    keep(out, conditions())
+    return out
+
+
+def test_failures_lie_beside_the_episodes(kept: Path) -> None:
+    data = Dataset(kept)
+    assert [episode.seed for episode in data] == [0, 1, 3, 4, 6]
+    assert [failure.seed for failure in data.failures()] == [2, 5]
+    first = data.failures()[0]
+    assert first.failure is not None and first.failure.model_dump() == FAILURE
+    assert data[0].failure is None and len(first) == FRAMES
+    assert first.image("head_camera", 0).shape == data[0].image("head_camera", 0).shape
+    (entry,) = data.task_datasets
+    assert [(one.seed, one.event, one.time) for one in entry.failures] == [
+        (2, "slip", 0.12),
+        (5, "slip", 0.12),
+    ]
+    assert entry.rejections == {"slipped": 2} and entry.episodes == 5
+    assert find_episode(first.paths.video) == first
+    assert verify(kept).problems == [] and verify(kept).episodes == 7
+
+
+def test_the_episodes_are_the_same_without(kept: Path, tmp_path: Path) -> None:
+    collect(tmp_path, 5)
+    plain = content(tmp_path)
+    with_failures = content(kept)
+    own = {name for name in plain if not name.endswith((".jsonl", "manifest.json"))}
+    assert own and all(plain[name] == with_failures[name] for name in own)
+    assert all("/failures/" in name for name in with_failures.keys() - plain.keys())
+
+
+def test_no_more_are_kept_than_were_asked_for(tmp_path: Path) -> None:
+    keep(tmp_path, conditions("1"))
+    assert [failure.seed for failure in Dataset(tmp_path).failures()] == [2]
+    assert verify(tmp_path).problems == []
+
+
+def test_a_byte_of_a_failure_that_flips_is_found(kept: Path) -> None:
+    for path in Dataset(kept).failures()[1].paths.all():
+        data = path.read_bytes()
+        path.write_bytes(data[:-9] + bytes([data[-9] ^ 1]) + data[-8:])
+        assert any(problem.path == path for problem in verify(kept).problems)
+        path.write_bytes(data)
+    assert verify(kept).problems == []
+
+
+def test_what_a_kill_leaves_is_removed_and_made_again(kept: Path, tmp_path: Path) -> None:
+    """A commit was cut off between the files and the journal."""
+    keep(tmp_path, conditions(), seeds=5)
+    (first,) = Dataset(tmp_path).failures()
+    for path in first.paths.all():
+        torn = path.with_name(path.name.replace("0000000", "0000001"))
+        torn.write_bytes(path.read_bytes())
+    assert verify(tmp_path).problems == []
+    keep(tmp_path, conditions())
+    assert content(tmp_path) == content(kept)
+
+
+def test_another_number_is_another_collection(kept: Path) -> None:
+    for other in (None, "3"):
+        with pytest.raises(DatasetMismatch, match="keep_failures"), DatasetWriter(kept) as dataset:
+            dataset.task(conditions(other), 9)
+
+
+def test_conversion_keeps_them_and_comes_back(kept: Path, tmp_path: Path) -> None:
+    convert(kept, tmp_path / "legacy", "legacy")
+    assert verify(tmp_path / "legacy").problems == []
+    assert [one.seed for one in Dataset(tmp_path / "legacy").failures()] == [2, 5]
+    convert(tmp_path / "legacy", tmp_path / "again", "native")
+    assert content(tmp_path / "again") == content(kept)
+
+
+def test_a_failure_that_is_missing_is_named(kept: Path, tmp_path: Path) -> None:
+    keep(tmp_path, conditions(), seeds=3)
+    lost = Dataset(tmp_path).failures()[0].paths.hdf5
+    lost.unlink()
+    assert any(problem.path == lost for problem in verify(tmp_path).problems)
+    with pytest.raises(BadFile, match=lost.name):
+        keep(tmp_path, conditions(), seeds=4)

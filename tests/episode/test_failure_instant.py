@@ -1,0 +1,120 @@
+"""The instant at which an attempt went wrong, on tracks whose story is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rtphys.data.episode import Frames
+from rtphys.episode.failure import went_wrong
+
+T = 60
+SHUT = 20  # frame in which the left hand has closed
+LIFT = 30  # first frame of the lift
+
+
+def frames_of(cup: np.ndarray, touched: np.ndarray, opening: np.ndarray | None = None) -> Frames:
+    """A left hand comes down, closes and lifts by 1 cm a frame; the right one does nothing."""
+    hand = np.tile([0.0, 0, 0.9, 1, 0, 0, 0], (T, 1))
+    hand[:, 2] += np.clip(np.arange(T) - LIFT, 0, None) * 0.01
+    closing = np.interp(np.arange(T), [SHUT - 8, SHUT], [1.0, 0.0])
+    still, nothing = np.zeros((T, 0)), np.zeros(T, bool)
+    return Frames(
+        time=np.arange(T) * 0.06,
+        left_arm=np.zeros((T, 6)),
+        right_arm=np.zeros((T, 6)),
+        left_gripper=closing if opening is None else opening,
+        right_gripper=np.ones(T),
+        left_endpose=hand,
+        right_endpose=np.tile([9.0, 0, 0, 1, 0, 0, 0], (T, 1)),
+        qpos=still,
+        qvel=still,
+        effort=still,
+        joint_names=(),
+        object_poses={"cup": cup, "clutter0": np.tile([5.0, 0, 0, 1, 0, 0, 0], (T, 1))},
+        contacts={
+            "cup": np.column_stack([touched, nothing]),
+            "clutter0": np.zeros((T, 2), bool),
+        },
+        stage=np.zeros(T, int),
+        stages=("start",),
+        cameras={},
+    )
+
+
+def resting() -> np.ndarray:
+    return np.tile([0.0, 0, 0.8, 1, 0, 0, 0], (T, 1))
+
+
+def lifted(until: int) -> np.ndarray:
+    """In the hand until a frame, then on the table again."""
+    cup = resting()
+    rise = np.clip(np.arange(T) - LIFT, 0, None) * 0.01
+    cup[:until, 2] += rise[:until]
+    return cup
+
+
+def during(first: int, last: int) -> np.ndarray:
+    return (np.arange(T) >= first) & (np.arange(T) <= last)
+
+
+def told(frames: Frames, reason: str, detail: str = "") -> tuple[str, int, str, str]:
+    instant = went_wrong(frames, reason, detail, ["clutter0"])
+    return instant.event, instant.frame, instant.object, instant.side
+
+
+def test_a_slide_out_of_the_hand_begins_where_it_ends_badly() -> None:
+    cup = lifted(LIFT + 5)
+    cup[LIFT + 5 :, 2] = cup[LIFT + 4, 2]  # the hand goes on without it
+    frames = frames_of(cup, during(SHUT, LIFT + 9))
+    assert told(frames, "slipped", "cup left the left hand") == ("slip", LIFT + 4, "cup", "left")
+
+
+def test_a_load_that_falls_at_once_is_a_drop() -> None:
+    frames = frames_of(lifted(LIFT + 6), during(SHUT, LIFT + 5))
+    event, frame, *_ = told(frames, "slipped", "cup left the left hand")
+    assert (event, frame) in {("drop", LIFT + 6), ("slip", LIFT + 5)}
+
+
+def test_fingers_that_close_on_nothing_miss() -> None:
+    frames = frames_of(resting(), during(99, 99))
+    wanted = ("miss", SHUT, "cup", "left")
+    assert told(frames, "grasp_missed", "cup is not between the fingers") == wanted
+
+
+@pytest.mark.parametrize(
+    ("pushed", "event"),
+    [((0.1, 0, 0, 1, 0, 0, 0), "moved"), ((0, 0, 0, 0.7, 0.7, 0, 0), "tip_over")],
+)
+def test_a_miss_is_due_to_what_happened_before(pushed: tuple[float, ...], event: str) -> None:
+    cup = resting()
+    cup[12:, :3] += pushed[:3]
+    cup[12:, 3:] = pushed[3:]
+    frames = frames_of(cup, during(99, 99))
+    assert told(frames, "grasp_missed", "cup is not between the fingers")[:3] == (event, 12, "cup")
+
+
+def test_what_was_picked_up_again_was_no_failure() -> None:
+    cup = lifted(T)
+    cup[5:, 0] += 0.1  # before the hand came
+    frames = frames_of(cup, during(SHUT, T))
+    assert told(frames, "no_path") == ("stuck", T - 1, "", "")
+    assert told(frames, "step_limit") == ("end", T - 1, "", "")
+
+
+def test_what_is_let_go_of_in_the_wrong_place_is_misplaced() -> None:
+    opening = np.interp(np.arange(T), [SHUT - 8, SHUT, 45, 50], [1.0, 0.0, 0.0, 1.0])
+    cup = lifted(46)
+    cup[46:, 2] = cup[45, 2]
+    frames = frames_of(cup, during(SHUT, 46), opening)
+    event, frame, name, side = told(frames, "failed_check", "cup on the plate")
+    assert (event, name, side) == ("misplaced", "cup", "left") and 45 <= frame <= 48
+
+
+def test_clutter_is_nobodys_failure() -> None:
+    frames = frames_of(resting(), during(99, 99))
+    poses = dict(frames.object_poses)
+    poses["clutter0"] = poses["clutter0"] + np.linspace(0, 1, T)[:, None] * [1, 0, 0, 0, 0, 0, 0]
+    moved = replace(frames, object_poses=poses)
+    assert told(moved, "failed_check")[0] == "miss"
+    assert went_wrong(moved, "failed_check", "").object == "clutter0"

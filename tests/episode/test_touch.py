@@ -1,0 +1,129 @@
+"""What the fingers feel is what holds the load, by its weight, the servo's law and its motion."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from rtphys.assets.pack import default_pack
+from rtphys.core.poses import Pose
+from rtphys.data.touch import Touch
+from rtphys.episode.generate import Attempt, attempt
+from rtphys.episode.touch import felt
+from rtphys.setting.setting import Setting
+from rtphys.sim.recorder import Row
+from rtphys.task.spec import load_task
+
+pytestmark = pytest.mark.sim
+GRAVITY = 9.81
+STILL = 2e-4  # [m] between two frames
+
+
+@cache
+def tried(touch: bool) -> Attempt:
+    """Two loaves, one in each hand, under physics of its own."""
+    name = "place_bread_basket"
+    return attempt(Setting(name, "phys_random").at(0), load_task(name), default_pack(), touch=touch)
+
+
+@cache
+def touch() -> Touch:
+    recording = tried(True).recording
+    assert recording is not None and recording.touch is not None
+    return felt(recording.touch)
+
+
+def held(side: int, load: str) -> list[int]:
+    """Frames in which a hand alone holds a loaf still in the air."""
+    recording = tried(True).recording
+    assert recording is not None
+    rows, index = recording.rows, touch().objects.index(load)
+    fingers = slice(2 * side, 2 * side + 2)
+    found = []
+    for k in range(3, len(rows) - 1):
+        places = np.array([row.objects[load][:3] for row in rows[k - 2 : k + 2]])
+        still = np.abs(np.diff(places, axis=0)).max() < STILL
+        lifted = places[0, 2] > rows[0].objects[load][2] + 0.015
+        shut = rows[k].arms[-1] == rows[k - 1].arms[-1] == 0
+        if still and lifted and shut and touch().pressed[k, fingers, index].min() > 0:
+            found.append(k)
+    return found
+
+
+def test_recording_it_moves_nothing() -> None:
+    with_it, without = tried(True).recording, tried(False).recording
+    assert with_it is not None and without is not None
+    assert with_it.hash == without.hash and without.touch is None
+
+
+def test_the_fingers_together_carry_the_weight_against_the_external_force() -> None:
+    instance = tried(True).instance
+    assert instance is not None
+    weight = next(b.mass for b in instance.world.bodies if b.name == "bread1") * GRAVITY
+    pushed = float(str(instance.physics["external_force"])) * weight
+    frames = held(1, "bread1")
+    assert len(frames) > 20
+    total = touch().force[frames, 2:].sum(axis=1)
+    assert total[:, 2] == pytest.approx(weight, rel=0.05)
+    assert total[:, 0] == pytest.approx(-pushed, abs=0.05 * weight)
+    assert total[:, 1] == pytest.approx(0.0, abs=0.05 * weight)
+
+
+def test_a_finger_presses_as_its_servo_does() -> None:
+    """k e: the law of a servo at rest, from positions alone."""
+    instance, recording = tried(True).instance, tried(True).recording
+    assert instance is not None and recording is not None
+    arm = instance.world.robot.right
+    embodiment = instance.world.robot.embodiment
+    frames = held(1, "bread1")
+    for finger, column in enumerate(arm.finger_index.tolist()):
+        q = np.array([recording.rows[k].qpos[column] for k in frames])
+        law = embodiment.gripper_stiffness * (q - embodiment.finger_target(0.0))
+        assert touch().normal[frames, 2 + finger] == pytest.approx(law, rel=0.03)
+        # And it is what the contacts say, which know nothing of joints.
+        pressed = touch().pressed[frames, 2 + finger].sum(axis=1)
+        assert touch().normal[frames, 2 + finger] == pytest.approx(pressed, rel=0.03)
+
+
+def test_no_more_friction_than_the_cone_allows() -> None:
+    frames = held(1, "bread1")
+    assert (touch().margin[frames, 2:] > 0).all()
+    assert (touch().tangential <= touch().tangential_peak + 1e-5).all()
+    idle = touch().normal_peak == 0
+    assert (touch().margin[idle] == 1).all()
+
+
+def in_hand(row: Row, name: str) -> Pose:
+    """Of an object in the left hand's frame."""
+    hand, thing = row.ee[0], row.objects[name]
+    return Pose(hand[:3], hand[3:]).inverse() @ Pose(thing[:3], thing[3:])
+
+
+def test_a_load_that_slides_slides_past_the_pads() -> None:
+    """A heavy bottle turns and sinks in a hand; its own motion against the hand says how fast."""
+    name = "place_phone_stand"
+    made = attempt(
+        Setting(name, "phys_random_all").at(1), load_task(name), default_pack(), touch=True
+    )
+    assert made.reason == "slipped"
+    recording = made.recording
+    assert recording is not None and recording.touch is not None
+    found = felt(recording.touch)
+    index = found.objects.index("phone")
+    compared = []
+    for k in range(1, len(recording.rows)):
+        if found.pressed[k, :2, index].min() <= 0 or found.pressed[k - 1, :2, index].min() <= 0:
+            continue
+        # The phone's point between the pads, as the hand saw it a frame ago and sees it now.
+        before, now = recording.rows[k - 1], recording.rows[k]
+        X_HO = [in_hand(row, "phone") for row in (before, now)]
+        tip = np.array([0.13, 0.0, 0.0])
+        way = tip - (X_HO[0] @ X_HO[1].inverse() @ Pose(tip)).p
+        compared.append(
+            (float(np.linalg.norm(way[[0, 2]])) / 0.06, float(found.slip[k, :2].mean()))
+        )
+    own, slip = np.array(compared).T
+    fast = own > 0.02
+    assert fast.any()
+    assert slip[fast] == pytest.approx(own[fast], rel=0.25)
+    assert found.slip[:, 2:].max() == 0, "the other hand holds nothing"
