@@ -5,7 +5,7 @@ OUT ?= data
 PYTEST ?=
 BIN := .venv/bin
 
-.PHONY: setup setup-test setup-dev collect test test-all check format ci smoke wheel bench tables \
+.PHONY: setup setup-test setup-dev collect test test-all check format ci smoke reprove wheel bench tables \
         pictures clean
 
 setup:            ## environment, Vulkan driver, assets (quick when nothing is to do)
@@ -45,9 +45,15 @@ smoke: setup      ## collect manifests/smoke.yaml into build/smoke, and verify i
 	$(BIN)/rtphys collect --manifest manifests/smoke.yaml --out build/smoke
 	$(BIN)/rtphys verify-manifest build/smoke --deep --replay 1
 
+# Another tenth of the tasks every day of the year; a list that does not hold ends it.
+SHARE = ls tasks | sed -n 's/^\([a-z].*\)\.py$$/\1/p' | awk "NR % 10 == $$(date +%j) % 10" | paste -sd,
+reprove: setup    ## solve one instance of a rotating share of the certified lists again
+	$(BIN)/rtphys certify --reprove 1 --task "$$($(SHARE))" --protocol clean,phys_random \
+	    --out manifests/benchmark_v2
+
 # The tests run last, and also when an earlier part has failed: pytest's summary ends the output.
-ci:               ## what continuous integration runs: check, wheel, smoke, test
-	@$(MAKE) --no-print-directory --keep-going --jobs=1 check wheel smoke test
+ci:               ## what continuous integration runs: check, wheel, smoke, reprove, test
+	@$(MAKE) --no-print-directory --keep-going --jobs=1 check wheel smoke reprove test
 
 bench: setup      ## CPU cost by phase of every task, and of an export, in build/bench.json
 	@mkdir -p build

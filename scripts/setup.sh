@@ -22,7 +22,7 @@ STAMP=$VENV/.setup-stamp          # one for each level: installed for these vers
 DRIVER_STAMP=$VENV/.driver-stamp  # a frame was rendered with this set of drivers
 
 hash_of() { { cat "$@" 2>/dev/null || true; } | sha256sum | cut -d" " -f1; }
-environment_key() { hash_of pyproject.toml scripts/setup.sh scripts/system.sh; }
+environment_key() { hash_of pyproject.toml manifests/constraints.txt scripts/setup.sh scripts/system.sh; }
 driver_key() { hash_of /etc/os-release /usr/share/vulkan/icd.d/* /etc/vulkan/icd.d/*; }
 stamped() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; }
 
@@ -53,10 +53,11 @@ create_environment() {
 
 install_dependencies() {
     say "installing rtphys$EXTRA and what it depends on into $VENV"
-    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check -e ".$EXTRA"
+    "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
+        -c manifests/constraints.txt -e ".$EXTRA"
     headless_opencv ||
         "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check \
-            --force-reinstall --no-deps opencv-contrib-python-headless
+            -c manifests/constraints.txt --force-reinstall --no-deps opencv-contrib-python-headless
 }
 
 # sapien pulls in opencv-python, which needs libGL and owns the same cv2/ folder as the headless

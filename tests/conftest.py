@@ -4,6 +4,9 @@ import os
 import sys
 from pathlib import Path
 
+# Before numpy, so that tests compute the bits that every other process of rtphys does.
+import rtphys  # noqa: F401  # isort: skip
+
 import numpy as np
 import pytest
 

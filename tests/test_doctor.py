@@ -4,12 +4,14 @@ import json
 import os
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 
 from rtphys import doctor
 from rtphys.core import compiled_dependencies as natives
+from rtphys.core.certified_versions import certified_versions, constraints
 from rtphys.sim import probe, vulkan
 
 NO_DEVICE = {"VK_DRIVER_FILES": "/nowhere.json", "VK_ICD_FILENAMES": "/nowhere.json"}
@@ -125,6 +127,19 @@ def test_a_package_too_old_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     finding = doctor.check_packages()
     assert finding.cause == "old_package" and "sapien 2.9.1 is older than" in finding.detail
+
+
+def test_versions_that_are_not_the_certified_ones_are_a_note(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert {"numpy", "sapien", "pin"} <= certified_versions().keys()
+    known = {**certified_versions(), "numpy": "2.0.0"}
+    monkeypatch.setattr(metadata, "version", known.__getitem__)
+    finding = doctor.check_versions()
+    assert (finding.status, doctor.exit_code([finding])) == ("note", 0)
+    assert f"numpy 2.0.0, not {certified_versions()['numpy']}" in finding.detail
+    assert constraints().is_file() and str(constraints()) in finding.detail
+    assert "sapien" not in finding.detail
 
 
 def test_assets_that_are_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

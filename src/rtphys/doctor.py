@@ -18,6 +18,7 @@ from pathlib import Path
 
 from rtphys.assets.pack import STAMP, Pack, cache_folder, linked
 from rtphys.core import arithmetic, library
+from rtphys.core.certified_versions import constraints, other_versions
 from rtphys.core.errors import RtphysError
 
 PROBE = (sys.executable, "-W", "ignore", "-m", "rtphys.sim.probe")
@@ -105,6 +106,7 @@ def examine(out: Path = Path()) -> list[Finding]:
     """Run every check. `out` is where datasets are to go; it need not exist yet."""
     return [
         check_packages(),
+        check_versions(),
         check_compiled(),
         check_arithmetic(),
         check_renderer(),
@@ -204,6 +206,15 @@ def check_packages() -> Finding:
     return _found(
         "packages", "ok", f"Python {python}, " + ", ".join(f"{n} {v}" for n, v in versions.items())
     )
+
+
+def check_versions() -> Finding:
+    """Whether packages have the versions with which the benchmark's lists were certified."""
+    check = "certified versions"
+    if clauses := other_versions():
+        cure = f"last bits may differ; for the same: pip install -c {constraints()} rtphys"
+        return Finding(check, "note", "ok", f"{'; '.join(clauses)}; {cure}")
+    return _found(check, "ok", "all as certified")
 
 
 def check_arithmetic() -> Finding:

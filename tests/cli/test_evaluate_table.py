@@ -4,6 +4,7 @@ from collections.abc import Callable
 from io import StringIO
 
 import pytest
+from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -50,6 +51,7 @@ ATTRIBUTES = [
 def cells(table: Table, width: int) -> list[str]:
     """The text of each column below the head, its lines joined, without spaces."""
     console = Console(width=width, file=StringIO())
+    table.box = HEAVY_HEAD  # its lines part the columns, which have none on the screen
     console.print(table)
     assert isinstance(console.file, StringIO)
     rows = [line.split("│")[1:-1] for line in console.file.getvalue().splitlines() if "│" in line]

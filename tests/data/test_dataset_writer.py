@@ -5,6 +5,7 @@ import multiprocessing
 import multiprocessing.synchronize
 import os
 import pickle
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -206,6 +207,19 @@ def test_full_disk_at_any_moment_loses_nothing(
         assert verify(tmp_path).problems == []
     collect(tmp_path, 4)
     assert content(tmp_path) == reference
+
+
+@pytest.mark.parametrize("part", [".", "phys_random/click_bell"])
+def test_a_folder_that_is_removed_meanwhile_is_named(tmp_path: Path, part: str) -> None:
+    out = tmp_path / "out"
+    removed = pytest.raises(faults.CannotWrite, match="it was removed while this run wrote")
+    with removed as caught, DatasetWriter(out) as dataset:
+        task = dataset.task(synthetic.conditions(), 3)
+        task.record(outcome(task, task.next_seed))
+        shutil.rmtree(out / part)
+        task.record(Rejection(task.next_seed, "grip_slip"))
+    assert str(out) in str(caught.value)
+    assert not [path for path in out.rglob("*") if path.is_file()]
 
 
 def test_contradicting_arrays_leave_nothing(tmp_path: Path) -> None:

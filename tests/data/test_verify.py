@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import forgeries
 import pytest
 from test_dataset_writer import collect
 
@@ -218,6 +219,24 @@ def test_what_was_sound_is_remembered_by_digest(copy: Path, tmp_path: Path) -> N
     path = copy / FOLDER / "data/episode_0000002.hdf5"
     path.write_bytes(path.read_bytes()[:-1] + b"!")
     assert str(path) in words(verify(copy, memory=memory)), "a checksum is never remembered"
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (lambda h: h["domain"]["rules"].pop("friction"), "domain global has digest"),
+        (lambda h: h.update(protocol="clean", config="phys_random"), "protocol is 'phys_random'"),
+        (lambda h: h.update(overrides={"friction": 0.3}), "attributes.friction is"),
+        (lambda h: h.update(pair_tasks=True), "the seed gives"),
+    ],
+)
+def test_what_was_sound_under_other_conditions_is_looked_at_again(
+    copy: Path, tmp_path: Path, change: Callable[[dict], None], text: str
+) -> None:
+    memory = tmp_path / "cache" / "verified.txt"
+    assert verify(copy, memory=memory).sound
+    forgeries.forge(copy, lambda forger: change(forger.header))
+    assert text in words(verify(copy, memory=memory))
 
 
 def test_a_memory_that_cannot_be_written_only_costs_time(copy: Path, tmp_path: Path) -> None:

@@ -1,14 +1,17 @@
-"""kill -9 at random instants: the folder is a valid prefix, and resuming gives the same bytes."""
+"""kill -9 at any instant: the folder is a valid prefix, and resuming gives the same bytes."""
 
 import os
 import signal
+import sys
 import time
 from pathlib import Path
+from types import FrameType
 
 import pytest
 import synthetic
 from test_dataset_writer import collect, content
 
+from rtphys import data
 from rtphys.core.seeds import stream
 from rtphys.data.layout import MANIFEST
 from rtphys.data.verify import verify
@@ -17,12 +20,18 @@ from rtphys.data.writer import DatasetWriter
 EPISODES = 4
 
 
-def run_child(out: Path, seconds: float | None) -> bool:
-    """Collects in a child that is killed after some time; True when it had finished."""
+def run_child(out: Path, seconds: float | None, line: int = 0) -> bool:
+    """Collects in a child; True when it had finished.
+
+    Args:
+        seconds: it is killed after this time.
+        line: it is killed before this line of all that its commits execute, counted from 1.
+    """
     child = os.fork()
     if child == 0:
         code = 1
         try:
+            sys.settrace(Commits(line).enter if line else None)
             DatasetWriter.checkpoint_if_due = DatasetWriter.checkpoint  # manifest at every attempt
             with DatasetWriter(out) as dataset:
                 task = dataset.task(synthetic.conditions(), EPISODES)
@@ -54,6 +63,67 @@ def kill_until_done(out: Path, kills: int, longest: float) -> int:
             break
     assert run_child(out, None)
     return hits
+
+
+class Commits:
+    """Counts the lines of `rtphys.data` that are executed while an outcome is committed."""
+
+    PLACE = str(Path(data.__file__).parent)
+
+    def __init__(self, last: int) -> None:
+        self.last, self.count, self.inside = last, 0, False
+
+    def enter(self, frame: FrameType, event: str, _: object):
+        code = frame.f_code
+        if not code.co_filename.startswith(self.PLACE):
+            return None
+        if code.co_name in ("_commit", "checkpoint"):
+            self.inside = True
+        return self.step if self.inside else None
+
+    def step(self, frame: FrameType, event: str, _: object):
+        if event == "line":
+            self.count += 1
+            if self.count == self.last:
+                os.kill(os.getpid(), signal.SIGKILL)
+        elif event == "return" and frame.f_code.co_name in ("_commit", "checkpoint"):
+            self.inside = False
+        return self.step
+
+
+def lines_of_all_commits(out: Path) -> int:
+    """In a run that nobody kills, of this process."""
+    commits = Commits(-1)
+    before = sys.gettrace()
+    sys.settrace(commits.enter)
+    try:
+        with DatasetWriter(out) as dataset:
+            task = dataset.task(synthetic.conditions(), EPISODES)
+            from test_dataset_writer import outcome
+
+            while not task.done:
+                task.record(outcome(task, task.next_seed))
+                dataset.checkpoint()
+    finally:
+        sys.settrace(before)
+    return commits.count
+
+
+@pytest.mark.parametrize("kills", [4, pytest.param(200, marks=pytest.mark.slow)])
+def test_a_kill_inside_a_commit_loses_nothing(
+    tmp_path: Path, reference: tuple[dict[str, bytes], float], kills: int
+) -> None:
+    expected, _ = reference
+    lines = lines_of_all_commits(tmp_path / "counted")
+    assert content(tmp_path / "counted") == expected
+    instants = stream(kills, "kills inside commits").choice(lines, kills, replace=False) + 1
+    for number, line in enumerate(sorted(instants.tolist())):
+        out = tmp_path / str(number)
+        assert not run_child(out, None, line), f"line {line} of {lines} was never reached"
+        if (out / MANIFEST).exists():
+            assert verify(out).problems == [], f"killed before line {line} of {lines}"
+        assert run_child(out, None)
+        assert content(out) == expected, f"killed before line {line} of {lines}"
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,8 @@ from rtphys.episode import Observation, PolicyEpisode, begin
 from rtphys.episode.control import LOST_STEPS
 from rtphys.episode.generate import attempt
 from rtphys.policies import PolicySetup, Stepwise, open_policy
+from rtphys.policies.robotwin.observation import official
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Setting
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.recorder import FRAME_STEPS
@@ -238,3 +240,21 @@ def test_pictures_show_the_instant_they_were_observed_at(pack: Pack) -> None:
         np.testing.assert_array_equal(early.images[camera], fresh.images[camera])
         assert (early.images[camera] != late.images[camera]).any(), camera
     assert late.cameras["left"].cam2world_gl.shape == (4, 4)
+
+
+@pytest.mark.render
+def test_senses_are_observed_on_request(pack: Pack) -> None:
+    recipe = Setting(TASK, "clean").at(0)
+    filming = Filming(("head",), ("depth", "segmentation", "pointcloud"))
+    now = begin(recipe, load_task(TASK), pack, filming).observe()
+    head = now.cameras["head"]
+    assert head.depth is not None and head.depth.shape == (240, 320)
+    shown = official(now)
+    camera = shown["observation"]["head_camera"]  # type: ignore[index]
+    assert camera["depth"].dtype == np.float64
+    assert np.allclose(camera["depth"], head.depth * 1000.0)
+    assert camera["actor_segmentation"].shape == (240, 320, 3)
+    assert shown["pointcloud"].shape == (1024, 6)  # type: ignore[attr-defined]
+    plain = begin(recipe, load_task(TASK), pack, Filming(("head",))).observe()
+    assert np.array_equal(plain.images["head"], head.rgb)
+    assert plain.cloud is None and official(plain)["pointcloud"] == []

@@ -204,3 +204,16 @@ def test_gymnasiums_own_vector_environment() -> None:
         assert reward.tolist() == [0.0, 0.0]
     finally:
         many.close()
+
+
+@pytest.mark.render
+def test_senses_are_observed_on_request() -> None:
+    env = TaskEnv("click_bell", senses=("depth", "segmentation", "pointcloud"))
+    seen, info = env.reset(seed=0)
+    assert env.observation_space.contains(seen)
+    assert 0.3 < seen["depth"]["head"].min() < seen["depth"]["head"].max() < 2
+    shown = {info["bodies"][i] for i in np.unique(seen["segmentation"]["head"])}
+    assert {"table", "bell"} <= shown
+    assert seen["pointcloud"].shape == (1024, 6)
+    with pytest.raises(UnknownName, match="observed sense"):
+        TaskEnv("click_bell", senses=("states",))

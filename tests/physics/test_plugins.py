@@ -2,8 +2,9 @@
 
 import pytest
 
-from rtphys.core.errors import BadFile
-from rtphys.physics import attributes, load_domain
+from rtphys.core.errors import BadFile, UnknownName
+from rtphys.physics import Physics, attributes, enforce, load_domain, registry
+from rtphys.physics.registry import in_order
 
 WIND = '''
 """How hard the wind blows."""
@@ -72,3 +73,42 @@ def test_a_twin_of_a_bundled_attribute_is_refused(own_library):
     (own_library / "attributes" / "friction.py").write_text(WIND.format(key="friction"))
     with pytest.raises(BadFile, match="exists already"):
         attributes()
+
+
+AFTER = WIND.replace('    unit = "N"', '    unit = "N"\n    applied_after = {after}')
+
+
+def test_an_order_among_attributes_of_one_quantity(own_library):
+    folder = own_library / "attributes"
+    (folder / "breeze.py").write_text(AFTER.format(key="breeze", after=("wind", "table_tilt")))
+    (folder / "wind.py").write_text(WIND.format(key="wind"))
+    keys = [attribute.key for attribute in in_order()]
+    assert keys.index("wind") < keys.index("breeze")
+    assert keys.index("table_tilt") < keys.index("breeze")
+    rest = [key for key in keys if key not in ("wind", "breeze", "table_tilt")]
+    assert rest == sorted(rest)
+
+
+def test_a_wrong_order_is_named(own_library):
+    folder = own_library / "attributes"
+    (folder / "wind.py").write_text(AFTER.format(key="wind", after=("frictoin",)))
+    with pytest.raises(UnknownName, match="did you mean 'friction'") as caught:
+        attributes()
+    assert str(folder / "wind.py") in str(caught.value)
+    (folder / "wind.py").write_text(AFTER.format(key="wind", after=("breeze",)))
+    (folder / "breeze.py").write_text(AFTER.format(key="breeze", after=("wind",)))
+    registry._attributes.cache_clear()
+    with pytest.raises(BadFile, match="circle: breeze -> wind -> breeze"):
+        attributes()
+
+
+def test_what_an_attribute_raises_is_named_with_file_and_line(own_library):
+    path = own_library / "attributes" / "wind.py"
+    path.write_text(WIND.format(key="wind").replace("target.wind = value", "target.blow(value)"))
+    line = path.read_text().splitlines().index("        target.blow(value)") + 1
+    world = type("World", (), {})()
+    with pytest.raises(
+        BadFile, match=rf"wind\.apply raises AttributeError.*\(line {line}\)"
+    ) as caught:
+        enforce(world, Physics({"wind": 2.0}, {"wind"}))
+    assert str(path) in str(caught.value)

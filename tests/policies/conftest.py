@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import default_pack
-from rtphys.episode import CameraView, PolicyEpisode, begin
+from rtphys.episode import CameraView, PolicyEpisode, View, begin
 from rtphys.episode.mirror import Mirror
 from rtphys.setting.setting import Setting
 from rtphys.task.spec import load_task
@@ -27,18 +27,20 @@ SHADES = {"head": 10, "left": 20, "right": 30}
 def painted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cameras see one colour each, so that no renderer is needed."""
 
-    def views(self: Mirror, packed: bytes, frame: int) -> dict[str, CameraView]:
-        return {
-            name: CameraView(
-                np.full((240, 320, 3), (shade, 0, 255), np.uint8),
-                np.eye(3, dtype=np.float32),
-                np.eye(4, dtype=np.float32)[:3],
-                np.eye(4, dtype=np.float32),
-            )
-            for name, shade in SHADES.items()
-        }
+    def view(self: Mirror, packed: bytes, frame: int) -> View:
+        return View(
+            {
+                name: CameraView(
+                    np.full((240, 320, 3), (shade, 0, 255), np.uint8),
+                    np.eye(3, dtype=np.float32),
+                    np.eye(4, dtype=np.float32)[:3],
+                    np.eye(4, dtype=np.float32),
+                )
+                for name, shade in SHADES.items()
+            }
+        )
 
-    monkeypatch.setattr(Mirror, "views", views)
+    monkeypatch.setattr(Mirror, "view", view)
 
 
 @pytest.fixture

@@ -34,6 +34,11 @@ def test_policies_without_argument_are_opened(name: str) -> None:
     assert not open_policy(name).needs_images
 
 
+def test_a_plus_in_a_path_survives() -> None:
+    assert split("a+b?ckpt=/run+1/c d") == ("a+b", {"ckpt": "/run+1/c d"})
+    assert split("a?ckpt=%2Brun") == ("a", {"ckpt": "+run"})
+
+
 def test_options_follow_a_question_mark_and_override_others() -> None:
     rest, given = split("a:1?execute=3&name=x y", {"execute": "9", "more": "True"})
     assert (rest, given) == ("a:1", {"execute": 3, "name": "x y", "more": True})

@@ -205,7 +205,7 @@ def test_without_rgb_nothing_is_drawn(
 ) -> None:
     from rtphys.episode.mirror import Mirror
 
-    monkeypatch.setattr(Mirror, "views", None)
+    monkeypatch.setattr(Mirror, "view", None)
     env = TaskEnv()
     env.begin_episode(new_episode())
     env.data_type["rgb"] = False

@@ -147,6 +147,7 @@ def test_rows_of_numbers_will_do(new_episode: Episodes, expert_actions: np.ndarr
         {"actions": [np.zeros(9)]},
         {"actions": [{"left_arm_joint_state": "far"}]},
         {"actions": [{"action_type": "torque"}]},
+        {"actions": [{"left_arm_joint_sate": np.zeros(6)}]},
     ],
 )
 def test_a_bad_answer_is_the_policys_failure_and_the_next_episode_goes_on(

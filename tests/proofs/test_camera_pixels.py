@@ -41,7 +41,7 @@ def main():
         values = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
         studio = Studio(lab.world(marks, values), Filming(("head",)))
         studio.world.scene.update_render()
-        picture = studio.pictures()["head_camera"].astype(float)
+        picture = studio.shots()["head_camera"].rgb.astype(float)
         found = []
         for this in (0, 2):
             others = picture[..., [c for c in range(3) if c != this]].max(axis=-1)

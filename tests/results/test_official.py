@@ -3,14 +3,13 @@
 from datetime import UTC, datetime
 from pathlib import Path
 
-from rtphys.results.official import result_file, result_text, write_result
+from rtphys.results.official import result_folder, result_names, result_text, write_result
 
 
-def test_the_official_file_gives_the_successes_back(tmp_path: Path) -> None:
+def test_the_official_file_gives_the_successes_back() -> None:
     """As a public fork reads it: attempts by their label, the rate on the last line."""
-    path = result_file(tmp_path, "click_bell", "pi0", "phys_random_all")
-    assert path.name == "_result_random.txt"
-    assert result_file(tmp_path, "click_bell", "pi0", "clean").name == "_result_clean.txt"
+    assert result_names("phys_random_all") == ("_result.txt", "_result_random.txt")
+    assert result_names("clean") == ("_result.txt", "_result_clean.txt")
     text = result_text("unseen", 100, 137, 41, datetime(2026, 1, 2, tzinfo=UTC))
     lines = [line for line in text.splitlines() if line.strip()]
     label = "Attempts (rollouts + expert-infeasible):"
@@ -20,7 +19,9 @@ def test_the_official_file_gives_the_successes_back(tmp_path: Path) -> None:
 
 
 def test_a_file_without_slots_has_rate_zero(tmp_path: Path) -> None:
-    path = result_file(tmp_path, "click_bell", "idle", "clean")
-    write_result(path, "seen", (0, 0, 0))
-    assert path.read_text().splitlines()[-1] == "0.0"
-    assert "Instruction Type: seen" in path.read_text()
+    folder = result_folder(tmp_path, "click_bell", "idle", "clean")
+    write_result(folder, "clean", "seen", (0, 0, 0))
+    first, second = [(folder / name).read_text() for name in result_names("clean")]
+    assert first == second
+    assert first.splitlines()[-1] == "0.0"
+    assert "Instruction Type: seen" in first

@@ -5,7 +5,16 @@ from pathlib import Path
 import pytest
 
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.setting.protocol import BUILTIN, OFFICIAL, VisualRules, load_protocol, protocols
+from rtphys.physics.load import load_domain
+from rtphys.physics.registry import attributes
+from rtphys.setting.protocol import (
+    BUILTIN,
+    OFFICIAL,
+    SEVERITIES,
+    VisualRules,
+    load_protocol,
+    protocols,
+)
 from rtphys.setting.setting import Setting
 
 
@@ -68,3 +77,70 @@ def test_an_unknown_name_gets_a_suggestion() -> None:
 
 def test_rules_survive_json() -> None:
     assert VisualRules.from_json(OFFICIAL.to_json()) == OFFICIAL
+
+
+def test_one_attribute_varies_alone_with_the_draw_it_has_among_all() -> None:
+    for key in attributes():
+        setting = Setting("open_microwave", f"only_{key}")
+        assert setting.domain.keys == [key] and setting.visual() is None
+    every, alone = (
+        Setting("open_microwave", name).draw(7) for name in ("phys_random", "only_friction")
+    )
+    assert alone["friction"] == every["friction"] and alone.varied == {"friction"}
+    assert alone["object_mass"] == 1.0
+
+
+def test_what_follows_another_attribute_has_its_range_when_alone() -> None:
+    domain = Setting("click_bell", "only_gripper_joint_damping").domain
+    assert domain.rule("gripper_joint_damping") == load_domain("global").rule("arm_joint_damping")
+
+
+@pytest.mark.parametrize("percent", SEVERITIES)
+def test_a_severity_draws_the_same_point_of_narrower_ranges(percent: int) -> None:
+    full = Setting("click_bell", "phys_random_all").draw(11)
+    part = Setting("click_bell", f"severity_{percent}").draw(11)
+    assert part.varied == full.varied
+    for key, attribute in attributes().items():
+        middle, value, narrow = attribute.nominal, full[key], part[key]
+        if isinstance(value, float):  # the asset's own: towards the range's lower end, 0
+            about = middle if isinstance(middle, float) else 0.0
+            assert narrow == pytest.approx(about + percent / 100 * (value - about))
+        else:
+            assert narrow == pytest.approx([percent / 100 * x for x in value])
+
+
+def test_the_widest_severity_is_the_paper_itself() -> None:
+    whole, paper = (Setting("click_bell", name) for name in ("severity_100", "phys_random_all"))
+    assert whole.domain.digest == paper.domain.digest and whole.visual() == paper.visual()
+
+
+def test_a_library_may_narrow_and_pick(library: Path) -> None:
+    (library / "mild.yaml").write_text("physics: true\nonly: [friction]\nwidth: 0.5\n")
+    interval = Setting("click_bell", "mild").domain.rule("friction").interval
+    assert (interval.low, interval.high) == pytest.approx((0.255, 0.875))
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "message"),
+    [
+        ("only: frictoin", UnknownName, "did you mean 'friction'"),
+        ("width: 1.5", BadValue, "from 0 to 1"),
+        ("width: wide", BadValue, "from 0 to 1"),
+    ],
+)
+def test_wrong_physics_is_refused_by_name(
+    library: Path, text: str, error: type[Exception], message: str
+) -> None:
+    (library / "mine.yaml").write_text(f"physics: true\n{text}\n")
+    with pytest.raises(error, match=message) as caught:
+        load_protocol("mine")
+    assert "mine.yaml" in str(caught.value)
+    (library / "mine.yaml").write_text("only: friction\n")
+    with pytest.raises(BadValue, match="physics: true"):
+        load_protocol("mine")
+
+
+def test_a_derived_name_is_not_taken_twice(library: Path) -> None:
+    (library / "only_friction.yaml").write_text("physics: true\n")
+    with pytest.raises(BadFile, match="builtin"):
+        protocols()

@@ -19,7 +19,7 @@ def pictures() -> list[np.ndarray]:
     world = prepare(recipe, load_task(recipe.task), default_pack(), visuals=True).world
     studio = Studio(world, Filming(("head", "left", "right")))
     world.scene.update_render()
-    return [*studio.pictures().values()]
+    return [shot.rgb for shot in studio.shots().values()]
 
 
 @pytest.mark.render

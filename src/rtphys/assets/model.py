@@ -1,6 +1,5 @@
 """Reads the description of one model of a pack: sizes, masses, contact and functional points."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.core.bounds import JSON_BYTES
 from rtphys.core.errors import BadFile, MissingAsset
+from rtphys.core.json_text import parse_mapping
+from rtphys.core.paths import read_file
 
 Array = NDArray[np.float64]
 
@@ -81,13 +83,7 @@ def read_json(path: Path) -> dict[str, object]:
     """Read a JSON object. Raises MissingAsset or BadFile, which name the file."""
     if not path.is_file():
         raise MissingAsset(f"file {path.name}", path)
-    try:
-        data = json.loads(path.read_text())
-    except (ValueError, OSError) as problem:
-        raise BadFile(path, f"not readable as JSON ({problem})") from problem
-    if not isinstance(data, dict):
-        raise BadFile(path, "must hold one JSON object")
-    return data
+    return {**parse_mapping(read_file(path, JSON_BYTES, links=True), path)}
 
 
 def frozen(value: object) -> Array:

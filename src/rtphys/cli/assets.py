@@ -1,12 +1,15 @@
 """`rtphys assets`: build the builtin pack, look at a pack, check it, link the official one."""
 
 import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+from rtphys.assets.model import read_json
 from rtphys.assets.pack import STAMP, Pack, builtin_pack, cache_folder, default_pack
 from rtphys.cli.screen import Screen
 from rtphys.cli.terminal import say
@@ -14,7 +17,12 @@ from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import load_task, task_names
 
-app = typer.Typer(no_args_is_help=True, help="Build, inspect or link the asset packs.")
+if TYPE_CHECKING:
+    from rtphys.assets.check import Report
+
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, help="Build, inspect or link the asset packs."
+)
 
 LAYOUTS = 30  # layouts of a task that are searched for models it may use
 
@@ -33,7 +41,7 @@ def build(
 
     root = out or cache_folder() / source_digest()[:16]
     stamp = root / STAMP
-    if not force and stamp.is_file() and json.loads(stamp.read_text())["source"] == source_digest():
+    if not force and stamp.is_file() and read_json(stamp).get("source") == source_digest():
         pack = Pack(root)
     else:
         with BuildBar() as bar:
@@ -69,26 +77,46 @@ def check(
     fallback: Annotated[
         str, typer.Option(help="`builtin`: let it stand in for what the pack lacks.")
     ] = "",
+    as_json: Annotated[bool, typer.Option("--json", help="Plain JSON instead of lines.")] = False,
 ) -> None:
     """Say what of a pack loads, what is missing, and which tasks can run on it."""
     from rtphys.assets.check import check_pack
 
     pack = _pack() if folder is None else Pack(folder, _fallback(fallback))
     report = check_pack(pack)
+    lacks = {name: lacking(pack, name) for name in task_names()}
+    if as_json:
+        facts = {"root": str(pack.root), **asdict(report), "lacking": lacks}
+        typer.echo(json.dumps(facts, indent=2, ensure_ascii=False))
+    else:
+        _tell(pack, report, lacks)
+    if report.problems:
+        raise typer.Exit(1)
+
+
+def _models_of(count: int) -> str:
+    return "1 model" if count == 1 else f"{count} models"
+
+
+def _owner(pack: Pack, name: str) -> str:
+    """Whose a thing of this name is: the pack's own, or what stands in for it."""
+    own = any((pack.root / kind / name).is_dir() for kind in ("objects", "embodiments"))
+    return "of this pack" if own or pack.fallback is None else f"of {pack.fallback.root}"
+
+
+def _tell(pack: Pack, report: "Report", lacks: Mapping[str, Sequence[str]]) -> None:
     out = Screen()
     out.print(f"{pack.root}", soft_wrap=True)
     for name, count in report.loaded.items():
-        out.print(f"  {name}: {count}")
+        out.print(f"  {name}: {_models_of(count)}, {_owner(pack, name)}", soft_wrap=True)
     out.print(f"  textures: {report.textures['seen']} seen, {report.textures['unseen']} unseen")
     for problem in report.problems:
         out.print(str(problem), style="red", soft_wrap=True)
-    able = {name: lacking(pack, name) for name in task_names()}
-    out.print("tasks that can run: " + (", ".join(n for n, no in able.items() if not no) or "none"))
-    for name, no in able.items():
-        if no:
-            out.print(f"  {name} lacks {', '.join(no)}")
-    if report.problems:
-        raise typer.Exit(1)
+    able = [name for name, missing in lacks.items() if not missing]
+    out.print("tasks that can run: " + (", ".join(able) or "none"), soft_wrap=True)
+    for name, missing in lacks.items():
+        if missing:
+            out.print(f"  {name} lacks {', '.join(missing)}", soft_wrap=True)
 
 
 @app.command()

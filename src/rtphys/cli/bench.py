@@ -11,7 +11,7 @@ from rich.table import Table
 
 from rtphys.cli.assets import BuildBar
 from rtphys.cli.derived import takes
-from rtphys.cli.fitting import fitting_table, wide_console
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.screen import Screen
 from rtphys.core.errors import BadFile
 from rtphys.setting.option import Option
@@ -42,9 +42,9 @@ def bench(plan: BenchPlan, output: Output) -> None:
         pack = default_pack(building)
     console = Screen(stderr=True)
     costs = measure(plan, pack, lambda cost: console.print(_line(cost), highlight=False))
-    wide_console().print(_attempts(costs))
+    print_table(_attempts(costs))
     if plan.pictures:
-        wide_console().print(_pictures(costs))
+        print_table(_pictures(costs))
     if path is not None:
         content = {"means": means(costs), "rows": [cost.to_json() for cost in costs]}
         path.write_text(json.dumps(content, indent=2) + "\n")

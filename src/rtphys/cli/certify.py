@@ -1,9 +1,13 @@
 """`rtphys certify`: which seeds a benchmark is made of."""
 
+import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import typer
+
 from rtphys.cli.derived import takes
+from rtphys.cli.options import AsJson
 from rtphys.cli.stopping import Incomplete, resumable
 from rtphys.studies.certify.plan import CertifyPlan
 
@@ -11,28 +15,71 @@ if TYPE_CHECKING:
     from rtphys.studies.certify.certified_list import CertifiedList
 
 
-@takes(CertifyPlan)
-def certify(plan: CertifyPlan) -> None:
+@takes(CertifyPlan, AsJson)
+def certify(plan: CertifyPlan, output: AsJson) -> None:
     """Find the seeds on which policies are evaluated: those that the expert solves.
 
     No pictures are drawn. One list a task and protocol, with every seed that was tried. It may be
     interrupted: the same command goes on where it stopped.
+
+    --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
+    moves no state, the lists so get the present fingerprint in minutes. Exit code 1: one differs.
     """
     from rtphys.assets.pack import default_pack
     from rtphys.cli.progress import campaign_progress
     from rtphys.studies.certify.run import certify as run_certification
 
+    if plan.reprove:
+        _reprove(plan)
+        return
     with resumable(), campaign_progress("feasible seeds") as listener:
         lists = run_certification(plan, default_pack(listener.building), listener)
-    _show(lists)
+    if output.as_json:
+        typer.echo(json.dumps([_plain(certified) for certified in lists], indent=2))
+    else:
+        _show(lists)
     all_series = [certified.series for certified in lists]
     ends = [(series.tally.name, series.halted or series.tally.stopped) for series in all_series]
     if given_up := [f"{name}: {text}" for name, text in ends if text]:
         raise Incomplete("; ".join(given_up))
 
 
+def _reprove(plan: CertifyPlan) -> None:
+    from rtphys.assets.pack import default_pack
+    from rtphys.cli.progress import campaign_progress
+    from rtphys.studies.certify.reprove import reprove
+
+    with resumable(), campaign_progress("instances") as listener:
+        studies = reprove(plan, default_pack(listener.building), listener)
+    for line in (line for study in studies for line in study.differences):
+        typer.echo(line)
+    renewed = sum(study.renewed for study in studies)
+    stale = [study for study in studies if study.stale and not study.renewed]
+    solved = sum(study.solved for study in studies)
+    held = sum(not study.differences for study in studies)
+    typer.echo(
+        f"{held} of {len(studies)} lists hold ({solved} instances solved again); "
+        f"{renewed} have a new header, {len(stale)} stay stale"
+    )
+    if held < len(studies):
+        raise typer.Exit(1)
+
+
+def _plain(certified: "CertifiedList") -> dict[str, object]:
+    instances = certified.instances
+    return {
+        "task": instances.task,
+        "protocol": instances.protocol,
+        "feasible": [slot.seed for slot in instances.feasible],
+        "attempts": instances.attempts,
+        "rejected": dict(instances.rejected),
+        "replayed": [slot.replay for slot in instances.feasible],
+        "twin": [slot.twin for slot in instances.feasible],
+    }
+
+
 def _show(lists: "Sequence[CertifiedList]") -> None:
-    from rtphys.cli.fitting import fitting_table, wide_console
+    from rtphys.cli.fitting import fitting_table, print_table
     from rtphys.cli.progress import reasons
 
     columns = ("feasible", "attempts", "replay", "twin", "infeasible, by reason")
@@ -48,7 +95,7 @@ def _show(lists: "Sequence[CertifiedList]") -> None:
             _share([slot.twin for slot in instances.feasible]),
             reasons(instances.rejected),
         )
-    wide_console().print(table)
+    print_table(table)
 
 
 def _share(flags: "Sequence[bool | None]") -> str:

@@ -85,7 +85,7 @@ def _name(score: Score) -> str:
 
 
 def _show(scores: Sequence[Score]) -> None:
-    from rtphys.cli.fitting import fitting_table, wide_console
+    from rtphys.cli.fitting import fitting_table, print_table
     from rtphys.cli.progress import reasons
 
     columns = ("accepted", "replay", *BLIND, "CPU-s", "rejected")
@@ -99,7 +99,7 @@ def _show(scores: Sequence[Score]) -> None:
             f"{sum(score.cpu) / len(score.cpu):.2f}",
             reasons(score.rejected),
         )
-    wide_console().print(table)
+    print_table(table)
     for score in scores:
         for seed, reason, detail in score.failures[:MOST_FAILURES]:
             say(f"{_name(score)}, seed {seed}: {reason}: {detail}")

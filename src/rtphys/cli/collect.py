@@ -1,11 +1,17 @@
 """`rtphys collect`: verified episodes of one or more tasks."""
 
+import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
+import typer
+
+from rtphys.campaign.series import Tally
 from rtphys.cli.derived import changed, takes
+from rtphys.cli.options import JSON_HELP
 from rtphys.cli.stopping import Incomplete, resumable
 from rtphys.cli.terminal import say
 from rtphys.core import library
@@ -30,6 +36,7 @@ class Request:
     dry_run: Annotated[
         bool, Option("Only say what would be collected and where; nothing is simulated.")
     ] = False
+    as_json: Annotated[bool, Option(JSON_HELP, "json")] = False
 
 
 @takes(Request, TaskPlan, Run)
@@ -45,23 +52,26 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     own = own_plans(plans, run)
     if not request.manifest:  # which says it itself
         chosen = load_protocol(template.setting.protocol)
-        say(f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)")
+        say(
+            f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)",
+            err=request.as_json,
+        )
     for sentence in without_effect(plans):
         say(sentence, err=True)
     if request.dry_run:
         from rtphys.cli.collect_forecast import show_plans
 
-        show_plans(own, run)
+        show_plans(own, run, request.as_json)
         return
     if not (request.manifest or request.estimate):
-        _collect(plans, run)
+        _collect(plans, run, request.as_json)
         return
     from rtphys.cli.collect_forecast import confirm, forecast
 
     with resumable():
-        before = forecast(own, run)
+        before = forecast(own, run, request.as_json and request.estimate)
     if not request.estimate:
-        _collect(plans, run)
+        _collect(plans, run, request.as_json)
         confirm(before)
 
 
@@ -70,7 +80,7 @@ def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:
 
     if request.manifest:
         for name, value in [*changed(TaskPlan, template), *changed(Request, request)]:
-            if name not in ("manifest", "estimate", "dry_run"):
+            if name not in ("manifest", "estimate", "dry_run", "as_json"):
                 allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
                 raise BadValue(name, value, allowed)
         return read_plans(find_collection(request.manifest))
@@ -80,17 +90,43 @@ def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:
     return plans_for(template, library.matching("tasks", list(request.task)), request.sweep)
 
 
-def _collect(plans: Sequence[TaskPlan], run: Run) -> None:
+def say_digest(out: Path, err: bool = False) -> None:
+    """What to publish beside a dataset, so that others can tell it from any other."""
+    from rtphys.data import files
+    from rtphys.data.layout import MANIFEST
+    from rtphys.data.manifest import dataset_digest
+
+    say(f"digest {dataset_digest(files.read(out / MANIFEST))}", err=err)
+
+
+def _collect(plans: Sequence[TaskPlan], run: Run, as_json: bool) -> None:
     """Raises `Incomplete`: some tasks were given up."""
-    from rtphys.cli.fitting import wide_console
+    from rtphys.cli.fitting import print_table
     from rtphys.cli.progress import campaign_progress, summary_table
     from rtphys.studies.collect.run import collect as run_collection
 
     with resumable(), campaign_progress("episodes") as listener:
         summary = run_collection(plans, run, listener)
-    wide_console().print(summary_table(summary.tallies))
+    if as_json:
+        typer.echo(json.dumps([_plain(tally) for tally in summary.tallies], indent=2))
+    else:
+        print_table(summary_table(summary.tallies))
     new = sum(tally.new_accepted for tally in summary.tallies)
-    say(f"{new} new episodes in {summary.seconds / 60:.1f} min, in {summary.out}")
+    say(f"{new} new episodes in {summary.seconds / 60:.1f} min, in {summary.out}", err=as_json)
+    say_digest(summary.out, err=as_json)
     if given_up := [f"{t.name}: {t.stopped}" for t in summary.tallies if t.stopped]:
         raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
-    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(run.out))}")
+    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(run.out))}", err=as_json)
+
+
+def _plain(tally: Tally) -> dict[str, object]:
+    return {
+        "name": tally.name,
+        "wanted": tally.wanted,
+        "accepted": tally.accepted,
+        "attempts": tally.attempts,
+        "new_accepted": tally.new_accepted,
+        "new_attempts": tally.new_attempts,
+        "rejected": dict(tally.rejections),
+        "stopped": tally.stopped,
+    }

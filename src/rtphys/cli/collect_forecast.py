@@ -1,11 +1,14 @@
 """What `rtphys collect` says before and after: what, where, how long, how large."""
 
+import json
 import resource
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rtphys.cli.fitting import fitting_table, wide_console
+import typer
+
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.progress import Lines
 from rtphys.cli.terminal import say
 from rtphys.studies.collect.estimate import (
@@ -19,7 +22,7 @@ from rtphys.studies.collect.estimate import (
 from rtphys.studies.collect.plan import Run, TaskPlan, check
 
 
-def show_plans(plans: Sequence[TaskPlan], run: Run) -> None:
+def show_plans(plans: Sequence[TaskPlan], run: Run, as_json: bool) -> None:
     """Prints each task dataset with its conditions and what is there already.
 
     Raises:
@@ -28,16 +31,30 @@ def show_plans(plans: Sequence[TaskPlan], run: Run) -> None:
     check(plans, run)
     columns = ("episodes", "there", "seeds from", "cameras", "domain")
     table = fitting_table(["folder"], columns)
-    for plan in plans:
-        for side in plan.sides:
-            counts = (str(plan.episodes), str(episodes_there(run.out, side)), str(plan.first_seed))
-            table.add_row(side.folder, *counts, ", ".join(plan.cameras), side.setting.domain.name)
-    wide_console().print(table)
+    rows = [
+        {
+            "folder": side.folder,
+            "episodes": plan.episodes,
+            "there": episodes_there(run.out, side),
+            "first_seed": plan.first_seed,
+            "cameras": ", ".join(plan.cameras),
+            "domain": side.setting.domain.name,
+        }
+        for plan in plans
+        for side in plan.sides
+    ]
+    for row in rows:
+        table.add_row(*map(str, row.values()))
+    if as_json:
+        typer.echo(json.dumps(rows, indent=2, ensure_ascii=False))
+    else:
+        print_table(table)
     episodes = sum(plan.episodes * len(plan.sides) for plan in plans)
     size = run.room_needed(plans) / 1e9
     say(
         f"{episodes} episodes in {run.out}, at most {size:.1f} GB, with {run.size()} workers; "
-        "nothing was collected. --estimate also says how long"
+        "nothing was collected. --estimate also says how long",
+        err=as_json,
     )
 
 
@@ -54,7 +71,7 @@ class Forecast:
     held: int  # [bytes] in the folder
 
 
-def forecast(plans: Sequence[TaskPlan], run: Run) -> Forecast:
+def forecast(plans: Sequence[TaskPlan], run: Run, as_json: bool) -> Forecast:
     """Probes every plan and says what they will take.
 
     Raises:
@@ -65,12 +82,16 @@ def forecast(plans: Sequence[TaskPlan], run: Run) -> Forecast:
     with Lines("tasks") as listener:
         measured = probe(plans, run, listener)
     expected = estimate(plans, measured, run)
-    _show(expected)
+    if as_json:
+        typer.echo(json.dumps(_plain(expected), indent=2))
+    else:
+        _show(expected)
     total, wall = expected.total, expected.wall
     say(
         f"estimate: {total.episodes} episodes, {_hours(total.cpu)} of CPU, {_hours(wall)} with "
         f"{expected.workers} workers, {total.bytes / 1e9:.2f} GB "
-        f"(probed for {_hours(time.monotonic() - began)})"
+        f"(probed for {_hours(time.monotonic() - began)})",
+        err=as_json,
     )
     held = bytes_below(run.out) if run.out.is_dir() else 0
     return Forecast(run, total.cpu, wall, total.bytes, time.monotonic(), children_cpu(), held)
@@ -100,7 +121,18 @@ def _show(total: Estimate) -> None:
     for plan, expected in total.rows:
         setting = plan.setting
         table.add_row(setting.task, plan.config or setting.protocol, *_cells(expected))
-    wide_console().print(table)
+    print_table(table)
+
+
+def _plain(expected: Estimate) -> dict[str, object]:
+    """CPU and wall-clock time in seconds."""
+    rows = [
+        {"task": plan.setting.task, "configuration": plan.config or plan.setting.protocol}
+        | one._asdict()
+        for plan, one in expected.rows
+    ]
+    total = {**expected.total._asdict(), "wall": expected.wall, "workers": expected.workers}
+    return {"rows": rows, "total": total}
 
 
 def _cells(expected: Expected) -> tuple[str, str, str, str]:

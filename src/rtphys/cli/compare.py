@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rtphys.cli.screen import Screen
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.terminal import say
 from rtphys.report.figures.rates import draw_rates
 from rtphys.results import read_results
@@ -49,12 +49,11 @@ def compare(
     if as_json:
         typer.echo(json.dumps(_json(columns, tasks, pairs), indent=2))
     else:
-        console = Screen()
-        console.print(_rates(columns, tasks))
+        print_table(_rates(columns, tasks))
         if paper:
-            console.print(_settings())
+            print_table(_settings())
         if pairs:
-            console.print(_paired(pairs))
+            print_table(_paired(pairs))
     if figure is not None:
         rates = [(f"{c.label}, {c.protocol}", c.rates) for c in columns]
         draw_rates(rates, tasks, "success among feasible seeds, 95 % intervals", figure)
@@ -62,10 +61,9 @@ def compare(
 
 
 def _rates(columns: Sequence[Column], tasks: Sequence[str]) -> Table:
-    table = Table(title="success [%], in brackets its 95 % interval", box=None)
-    table.add_column("task", no_wrap=True)
-    for column in columns:
-        table.add_column(f"{column.label}\n{column.protocol}", justify="right")
+    heads = [f"{column.label}, {column.protocol}" for column in columns]
+    title = "success [%], in brackets its 95 % interval"
+    table = fitting_table(["task"], heads, title, justify="right")
     for task in tasks:
         table.add_row(task, *(_cell(column.rates.get(task)) for column in columns))
     table.add_section()
@@ -86,10 +84,8 @@ def _percent(value: float | None) -> str:
 
 
 def _settings() -> Table:
-    table = Table(title="the paper's Table 1: mean success [%] over 50 tasks", box=None)
-    table.add_column("method")
-    for name in PROTOCOLS.values():
-        table.add_column(name, justify="right")
+    title = "the paper's Table 1: mean success [%] over 50 tasks"
+    table = fitting_table(["method"], list(PROTOCOLS.values()), title, justify="right")
     for method, means in settings().items():
         table.add_row(method, *(f"{means[name]:.2f}" for name in PROTOCOLS.values()))
     table.caption = (
@@ -99,11 +95,9 @@ def _settings() -> Table:
 
 
 def _paired(pairs: Sequence[PairedComparison]) -> Table:
-    table = Table(title="on the same seeds (p: McNemar's exact test)", box=None)
-    for name in ("first", "second", "protocol"):
-        table.add_column(name)
-    for name in ("seeds", "only first", "only second", "second - first", "p"):
-        table.add_column(name, justify="right")
+    title = "on the same seeds (p: McNemar's exact test)"
+    columns = ("seeds", "only first", "only second", "second - first", "p")
+    table = fitting_table(["first", "second", "protocol"], columns, title, justify="right")
     for pair in pairs:
         outcome = pair.outcome
         gap = f"{100 * (outcome.difference or 0):+.1f} points"

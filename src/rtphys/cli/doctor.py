@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
+from rich.text import Text
 
-from rtphys.cli.screen import Screen
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.terminal import say
 from rtphys.doctor import CAUSES, Finding, examine, exit_code, to_json
 
@@ -32,11 +32,11 @@ def doctor(
 
 
 def _show(findings: list[Finding]) -> None:
-    table = Table(box=None, show_header=False, pad_edge=False)
+    table = fitting_table(["", "check"], ["what was found"])
     for finding in findings:
         style = STYLE[finding.status]
-        table.add_row(f"[{style}]{finding.status}[/]", finding.check, finding.detail)
-    Screen().print(table)
+        table.add_row(Text(finding.status, style), finding.check, finding.detail)
+    print_table(table)
     for finding in findings:
         if finding.status == "fail":
             say(f"\n{finding.check}: {CAUSES[finding.cause].meaning}\n  cure: {finding.cure}")

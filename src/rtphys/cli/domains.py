@@ -7,14 +7,16 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rtphys.cli.screen import Screen
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import UnknownName
-from rtphys.physics import Domain, attributes, domain_for_task, load_domain
+from rtphys.physics import Domain, Value, attributes, domain_for_task, load_domain
 from rtphys.physics.auxiliary import AUXILIARY
 
-app = typer.Typer(no_args_is_help=True, help="Ranges of the physical attributes.")
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, help="Ranges of the physical attributes."
+)
 
 AsJson = Annotated[bool, typer.Option("--json", help="Plain JSON instead of a table.")]
 
@@ -29,14 +31,19 @@ def show(
     if as_json:
         typer.echo(json.dumps(domain.to_json(), indent=2, ensure_ascii=False))
     else:
-        Screen().print(_table(domain))
+        print_table(_table(domain))
 
 
 @app.command()
-def check(file: Annotated[Path, typer.Argument(help="A domain file (YAML).")]) -> None:
+def check(
+    file: Annotated[Path, typer.Argument(help="A domain file (YAML).")], as_json: AsJson = False
+) -> None:
     """Read a domain file, or say what is wrong with it."""
     domain = load_domain(file)
-    Screen().print(_table(domain))
+    if as_json:
+        typer.echo(json.dumps(domain.to_json(), indent=2, ensure_ascii=False))
+        return
+    print_table(_table(domain))
     own = [key for key, source in domain.sources.items() if source == file.stem]
     say(f"{file}: good; it sets {', '.join(own) or 'nothing'}. digest {domain.digest[:12]}")
 
@@ -64,20 +71,26 @@ def domain_named(name: str) -> Domain:
 
 def _table(domain: Domain) -> Table:
     known = attributes()
-    table = Table(title=f"domain {domain.name}", box=None)
-    for column in ("attribute", "range", "unit", "nominal", "from"):
-        table.add_column(column, no_wrap=column in ("attribute", "from"))
+    columns = ("range", "unit", "nominal", "from")
+    table = fitting_table(["attribute"], columns, f"domain {domain.name}")
     for key in [*domain.keys, *(k for k in AUXILIARY if k in domain.rules)]:
         rule, attribute = domain.rules[key], known.get(key)
-        nominal = attribute.nominal if attribute else ""
         table.add_row(
             key,
             str(rule),
             attribute.unit if attribute else "",
-            "the asset's" if nominal is None else str(nominal),
+            _nominal(attribute.nominal) if attribute else "",
             domain.sources.get(key, domain.name),
         )
     for key in sorted(known.keys() - set(domain.keys)):
         nominal = known[key].nominal
-        table.add_row(key, "held nominal", known[key].unit, str(nominal or "the asset's"), "")
+        table.add_row(key, "held nominal", known[key].unit, _nominal(nominal), "")
     return table
+
+
+def _nominal(value: Value) -> str:
+    if value is None:
+        return "the asset's"
+    if isinstance(value, tuple):
+        return f"({', '.join(f'{x:g}' for x in value)})"
+    return value if isinstance(value, str) else f"{value:g}"

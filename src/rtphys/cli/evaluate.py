@@ -1,13 +1,18 @@
 """`rtphys evaluate`: a policy on certified instances."""
 
+import json
+
+import typer
+
 from rtphys.cli.derived import takes
+from rtphys.cli.options import AsJson
 from rtphys.cli.stopping import resumable
 from rtphys.cli.terminal import say
 from rtphys.studies.evaluate.plan import EvaluatePlan
 
 
-@takes(EvaluatePlan)
-def evaluate(plan: EvaluatePlan) -> None:
+@takes(EvaluatePlan, AsJson)
+def evaluate(plan: EvaluatePlan, output: AsJson) -> None:
     """Run a policy on certified instances and say how often it succeeds.
 
     Nothing is searched for: the instances are those of a list that `rtphys certify` has made. The
@@ -22,5 +27,8 @@ def evaluate(plan: EvaluatePlan) -> None:
 
     with resumable(), campaign_progress("episodes") as listener:
         summary = run_evaluation(plan, default_pack(listener.building), listener)
-    show(summary)
-    say(f"records, summary and figures are in {plan.folder}")
+    if output.as_json:
+        typer.echo(json.dumps(summary.to_json(), indent=2, ensure_ascii=False))
+    else:
+        show(summary)
+    say(f"records, summary and figures are in {plan.folder}", err=output.as_json)

@@ -2,7 +2,7 @@
 
 from rich.table import Table
 
-from rtphys.cli.fitting import fitting_table, wide_console
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.results.statistics import Rate
 from rtphys.results.summary import Counts, Summary
 
@@ -11,12 +11,11 @@ SHOWN = 5  # attributes per protocol, those with the smallest p-values
 
 def show(summary: Summary) -> None:
     """Print success rates, paired differences, and the attributes with the largest effect."""
-    console = wide_console()
-    console.print(rates_table(summary))
+    print_table(rates_table(summary))
     if summary.pairs:
-        console.print(pairs_table(summary))
+        print_table(pairs_table(summary))
     if any(summary.breaks.values()):
-        console.print(attributes_table(summary))
+        print_table(attributes_table(summary))
 
 
 def rates_table(summary: Summary) -> Table:

@@ -11,7 +11,11 @@ from rtphys.cli.screen import Screen
 from rtphys.cli.terminal import say
 from rtphys.data.dataset import Dataset
 
-app = typer.Typer(no_args_is_help=True, help="Write a dataset in the format of another tool.")
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    help="Write a dataset in the format of another tool.",
+)
 
 
 @app.callback()

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from rtphys.cli.collect import say_digest
 from rtphys.cli.stopping import Incomplete, resumable
 from rtphys.cli.terminal import say
 from rtphys.core.errors import BadValue
@@ -31,6 +32,7 @@ def merge(
     made = sum(tally.new_attempts for tally in tallies)
     episodes = sum(tally.accepted for tally in tallies)
     say(f"{episodes} episodes of {len(tallies)} tasks in {out}; {made} attempts made here")
+    say_digest(out)
     if given_up := [f"{t.name}: {t.stopped}" for t in tallies if not t.done]:
         raise Incomplete("; ".join(given_up))
     say(f"to check every file: rtphys verify-manifest {shlex.quote(str(out))}")

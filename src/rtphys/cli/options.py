@@ -1,11 +1,23 @@
 """What several commands do with their options."""
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 from rtphys.core import library
+from rtphys.setting.option import Option
 
 if TYPE_CHECKING:
     from rtphys.physics.domain import Domain
+
+
+JSON_HELP = "Plain JSON on standard output instead of a table."
+
+
+@dataclass(frozen=True)
+class AsJson:
+    """Which form a command's table takes."""
+
+    as_json: Annotated[bool, Option(JSON_HELP, "json")] = False
 
 
 def expand(patterns: list[str]) -> tuple[str, ...]:

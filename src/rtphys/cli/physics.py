@@ -8,9 +8,9 @@ import typer
 from rich.table import Table
 
 from rtphys.cli.domains import AsJson, domain_named
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.options import split
 from rtphys.cli.physics_audit import audit
-from rtphys.cli.screen import Screen
 from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
@@ -20,7 +20,7 @@ from rtphys.setting.setting import Recipe, Setting
 if TYPE_CHECKING:
     from rtphys.proofs.proof import Trial
 
-app = typer.Typer(no_args_is_help=True, help="The physical attributes.")
+app = typer.Typer(add_completion=False, no_args_is_help=True, help="The physical attributes.")
 app.command()(audit)
 
 
@@ -53,7 +53,7 @@ def sample(
         rows = [{"seed": s, "domain": domain.name, **p.to_json()} for s, p in drawn.items()]
         typer.echo(json.dumps(rows, ensure_ascii=False))
     else:
-        Screen().print(_table(domain.name, drawn))
+        print_table(_table(domain.name, drawn))
 
 
 @app.command()
@@ -61,6 +61,7 @@ def prove(
     keys: Annotated[list[str] | None, typer.Argument(help="Attributes; all if none.")] = None,
     out: Annotated[Path | None, typer.Option(help="Draw one figure per attribute here.")] = None,
     every: Annotated[bool, typer.Option("--all", help="Show each trial, not the worst.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Prove each attribute by experiment: a textbook law, what it expects, what the simulator did.
 
@@ -73,17 +74,23 @@ def prove(
     from rtphys.proofs.run import proof, prove
 
     laws = [proof(key) for key in keys or attributes()]
-    lab, failed, total = Lab(default_pack()), 0, 0
+    lab, failed, total, rows = Lab(default_pack()), 0, 0, list[dict[str, object]]()
     for law in laws:
         trials = list(prove(lab, law.key))
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
-        _tell(law.key, law.law, trials if every else worst(trials))
+        shown = trials if every else worst(trials)
+        rows += [_trial_json(law.key, trial) for trial in shown]
+        if not as_json:
+            _tell(law.key, law.law, shown)
         if out is not None:
             from rtphys.report.figures.laws import draw_law
 
             out.mkdir(parents=True, exist_ok=True)
             draw_law(law, trials, out / f"{law.key}.png")
-    say(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
+    if as_json:
+        typer.echo(json.dumps(rows, ensure_ascii=False))
+    else:
+        say(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
     if failed:
         raise typer.Exit(1)
 
@@ -96,6 +103,22 @@ def worst(trials: "list[Trial]") -> "list[Trial]":
         if known is None or trial.error / trial.tolerance > known.error / known.tolerance:
             worst_of[trial.setting] = trial
     return list(worst_of.values())
+
+
+def _trial_json(key: str, trial: "Trial") -> dict[str, object]:
+    """`measured` and `error` are null where nothing finite came out."""
+    finite = trial.error < float("inf")
+    return {
+        "attribute": key,
+        "setting": trial.setting,
+        "what": trial.what,
+        "expected": float(trial.expected),
+        "measured": float(trial.measured) if finite else None,
+        "unit": trial.unit,
+        "error": float(trial.error) if finite else None,
+        "tolerance": trial.tolerance,
+        "passed": bool(trial.passed),
+    }
 
 
 def _tell(key: str, law: str, trials: "list[Trial]") -> None:
@@ -127,11 +150,8 @@ def _inside_bodies(recipe: Recipe) -> Physics:
 def _table(name: str, drawn: dict[int, Physics]) -> Table:
     known = attributes()
     keys = [*known, "camera_mode", "camera_direction"]
-    table = Table(title=f"domain {name}", box=None)
-    table.add_column("attribute", no_wrap=True)
-    table.add_column("unit")
-    for seed in drawn:
-        table.add_column(f"seed {seed}", justify="right")
+    columns = ("unit", *(f"seed {seed}" for seed in drawn))
+    table = fitting_table(["attribute"], columns, f"domain {name}")
     for key in keys:
         cells = [_cell(physics[key], key in physics.varied) for physics in drawn.values()]
         table.add_row(key, known[key].unit if key in known else "", *cells)

@@ -4,9 +4,8 @@ import json
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
-from rtphys.cli.screen import Screen
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.setting.protocol import Protocol, VisualRules
 from rtphys.setting.protocol import protocols as known
 
@@ -19,13 +18,11 @@ def protocols(
     if as_json:
         typer.echo(json.dumps([_plain(row) for row in rows], indent=2))
         return
-    table = Table(box=None)
-    for column in ("protocol", "physics", "look", "what"):
-        table.add_column(column, no_wrap=column == "protocol")
+    table = fitting_table(["protocol"], ("physics", "look", "what"))
     for row in rows:
         physics = "the task's domain" if row.physics else "nominal"
         table.add_row(row.name, physics, _look(row.visual), row.what)
-    Screen().print(table)
+    print_table(table)
 
 
 def _plain(row: Protocol) -> dict[str, object]:

@@ -1,15 +1,16 @@
 """`rtphys show`: one episode, in the terminal and as pictures."""
 
+import json
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, cast
 
 import numpy as np
 import typer
 from rich.table import Table
 from rich.text import Text
 
-from rtphys.cli.screen import Screen
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.terminal import say
 from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import jpeg
@@ -25,13 +26,16 @@ def show(
     out: Annotated[
         Path | None, typer.Option(help="Also write a contact sheet and a joint plot here.")
     ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Plain JSON instead of tables.")] = False,
 ) -> None:
     """What an episode holds: task, physics, stages, contacts; with --out its pictures too."""
     episode = _episode(path, number)
-    console = Screen()
-    console.print(_summary(episode))
-    console.print(_physics(episode))
-    console.print(_stages(episode))
+    if as_json:
+        facts = {**_summary(episode), "physics": _attributes(episode), "stages": _stages(episode)}
+        typer.echo(json.dumps(facts, indent=2, ensure_ascii=False))
+    else:
+        for table in (_facts(episode), _physics(episode), _stage_table(episode)):
+            print_table(table)
     if out is not None:
         for written in _pictures(episode, out):
             say(str(written))
@@ -48,28 +52,51 @@ def _episode(path: Path, number: int) -> Episode:
     return dataset[number]
 
 
-def _summary(episode: Episode) -> Table:
+def _summary(episode: Episode) -> dict[str, object]:
     frames, verdict = episode.frames, episode.meta.verdict
     moved = {
         name: float(np.ptp(pose[:, :3], axis=0).max()) for name, pose in frames.object_poses.items()
     }
+    return {
+        "task": episode.task,
+        "seed": episode.seed,
+        "protocol": episode.protocol,
+        "instructions": list(episode.instructions.seen),
+        "frames": len(episode),
+        "seconds": float(frames.time[-1] - frames.time[0]),
+        "cameras": list(episode.cameras),
+        "first_success_time": verdict.first_success_time,
+        "held": verdict.held,
+        "moved": moved,
+        "state_hash": episode.meta.state_hash,
+    }
+
+
+def _facts(episode: Episode) -> Table:
+    facts = _summary(episode)
+    after = facts["first_success_time"]
+    moved = cast(dict[str, float], facts["moved"])
     rows = {
         "task": f"{episode.task}, seed {episode.seed}, {episode.protocol}",
         "says": "; ".join(episode.instructions.seen[:2]),
-        "frames": f"{len(episode)}, {frames.time[-1] - frames.time[0]:.2f} s, 16.67 Hz",
+        "frames": f"{len(episode)}, {facts['seconds']:.2f} s, 16.67 Hz",
         "cameras": ", ".join(episode.cameras),
-        "success": f"after {verdict.first_success_time} s, held: {verdict.held}",
+        "success": f"{'-' if after is None else f'after {after:.2f} s'}, held: {facts['held']}",
         "moved": ", ".join(f"{name} {reach * 100:.1f} cm" for name, reach in moved.items()),
         "state hash": episode.meta.state_hash[:16],
     }
-    table = Table(show_header=False, box=None)
+    table = fitting_table(["what"], ["value"])
     for key, text in rows.items():
         table.add_row(Text(key, style="bold"), text)
     return table
 
 
+def _attributes(episode: Episode) -> dict[str, object]:
+    return {key: label.model_dump() for key, label in episode.meta.attributes.items()}
+
+
 def _physics(episode: Episode) -> Table:
-    table = Table("attribute", "value", "unit", title="Physics")
+    table = fitting_table(["attribute"], ["value", "unit"], "\nPhysics")
     for key, label in episode.meta.attributes.items():
         value = label.value
         numbers = [] if value is None else [f"{v:.4g}" for v in np.ravel(value)]
@@ -82,23 +109,30 @@ def _physics(episode: Episode) -> Table:
     return table
 
 
-def _stages(episode: Episode) -> Table:
+def _stages(episode: Episode) -> list[dict[str, object]]:
     frames = episode.frames
-    table = Table("stage", "from", "to", "touched", title="Stages")
     edges = [0, *(np.flatnonzero(np.diff(frames.stage)) + 1).tolist(), len(frames)]
-    for first, end in pairwise(edges):
-        touched = [
-            f"{name} ({side})"
-            for name, contact in frames.contacts.items()
-            for side, column in (("left", 0), ("right", 1))
-            if contact[first:end, column].any()
-        ]
-        table.add_row(
-            frames.stages[int(frames.stage[first])],
-            f"{frames.time[first]:.2f} s",
-            f"{frames.time[end - 1]:.2f} s",
-            ", ".join(touched),
-        )
+    return [
+        {
+            "stage": frames.stages[int(frames.stage[first])],
+            "from": float(frames.time[first]),
+            "to": float(frames.time[end - 1]),
+            "touched": [
+                f"{name} ({side})"
+                for name, contact in frames.contacts.items()
+                for side, column in (("left", 0), ("right", 1))
+                if contact[first:end, column].any()
+            ],
+        }
+        for first, end in pairwise(edges)
+    ]
+
+
+def _stage_table(episode: Episode) -> Table:
+    table = fitting_table(["stage"], ["from", "to", "touched"], "\nStages")
+    for row in _stages(episode):
+        touched = ", ".join(cast(list[str], row["touched"]))
+        table.add_row(str(row["stage"]), f"{row['from']:.2f} s", f"{row['to']:.2f} s", touched)
     return table
 
 

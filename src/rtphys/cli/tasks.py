@@ -1,11 +1,12 @@
 """`rtphys tasks`: the tasks, their objects, and how often the expert succeeds."""
 
 import json
+import sys
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
+from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.screen import Screen
 from rtphys.core import library
 from rtphys.core.errors import RtphysError
@@ -14,6 +15,16 @@ from rtphys.task.rates import rates
 from rtphys.task.spec import Task, load_task
 
 PROTOCOLS = ("clean", "phys_random")
+WIDE = 120  # [characters] a row with all columns fits
+COLUMNS = {
+    "task": "task",
+    "arms": "arms",
+    "mechanism": "mechanism",
+    "objects": "objects",
+    "step_limit": "steps",
+    "domain": "domain",
+    **{name: name for name in PROTOCOLS},
+}  # key of a row -> its heading
 
 
 def tasks(
@@ -34,13 +45,15 @@ def tasks(
     if as_json:
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table("task", "arms", "mechanism", "objects", "limit", "domain", *PROTOCOLS)
+    # A pipe has room for all; on a narrow terminal objects and domain are left to --json.
+    narrow = sys.stdout is not None and sys.stdout.isatty() and Screen().width < WIDE
+    shown = [key for key in COLUMNS if not (narrow and key in ("objects", "domain"))]
+    table = fitting_table(["task"], [COLUMNS[key] for key in shown[1:]])
     for row in rows:
-        table.add_row(*(str(row.get(key, "")) for key in _KEYS))
-    Screen().print(table)
-
-
-_KEYS = ("task", "arms", "mechanism", "objects", "step_limit", "domain", *PROTOCOLS)
+        table.add_row(*(str(row.get(key, "")) for key in shown))
+    if narrow:
+        table.caption = "--json also names objects and domain"
+    print_table(table)
 
 
 def _row(name: str) -> dict[str, object]:

@@ -1,60 +1,149 @@
 """`rtphys verify-manifest`: checks a dataset against its manifest."""
 
+import re
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+from rtphys.cli.derived import takes
 from rtphys.cli.screen import Screen
 from rtphys.cli.terminal import printable, say
-from rtphys.core.errors import BadValue
+from rtphys.core.errors import BadFile, BadValue
+from rtphys.data import files
 from rtphys.data.check_episode import Effort
-from rtphys.data.dataset import Dataset
+from rtphys.data.layout import MANIFEST
+from rtphys.data.manifest import dataset_digest
+from rtphys.data.signature import signer
 from rtphys.data.verified import default_path
-from rtphys.data.verify import Report, verify
+from rtphys.data.verify import Problem, Report, verify
+from rtphys.setting.option import Option, Seed, Workers, checked_dataclass, one_of
 
 
-def verify_manifest(
-    path: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")] = Path("data"),
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Trust the checksums: do not decode the pictures.")
-    ] = False,
-    deep: Annotated[
-        bool, typer.Option("--deep", help="Decode the videos too; does it make physical sense?")
-    ] = False,
+def _shaders() -> tuple[str, ...]:
+    from rtphys.sim.renderer import SHADERS  # imported here: a command line must not load SAPIEN
+
+    return SHADERS
+
+
+@checked_dataclass(frozen=True)
+class Looks:
+    """How much is checked of the files."""
+
+    path: Annotated[Path, Option("Folder that holds manifest.json.", positional=True)] = Path(
+        "data"
+    )
+    quick: Annotated[bool, Option("Trust the checksums: do not decode the pictures.")] = False
+    deep: Annotated[bool, Option("Decode the videos too; does it make physical sense?")] = False
+    fresh: Annotated[bool, Option("Look again into what was found sound before.")] = False
+
+    def __post_init__(self) -> None:
+        if self.quick and self.deep:
+            raise BadValue("quick", self.quick, "`deep` is given too; choose one of them")
+
+    @property
+    def out(self) -> Path:
+        """The dataset's folder."""
+        return self.path.parent if self.path.name == MANIFEST else self.path
+
+    @property
+    def effort(self) -> Effort:
+        """The checks that were asked for."""
+        return Effort.QUICK if self.quick else Effort.DEEP if self.deep else Effort.NORMAL
+
+
+@checked_dataclass(frozen=True)
+class Origin:
+    """Whose dataset it must be."""
+
+    expect: Annotated[str, Option("Digest that the dataset must have, as it was published.")] = ""
+    signed_by: Annotated[
+        Path | None, Option("File of ssh-keygen's allowed signers, one of whom must have signed.")
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.expect and not re.fullmatch("sha256:[0-9a-f]{64}", self.expect):
+            raise BadValue("expect", self.expect, "`sha256:` and 64 hexadecimal digits")
+
+
+@checked_dataclass(frozen=True)
+class Again:
+    """What is made again from its seed."""
+
     replay: Annotated[
-        int, typer.Option(help="Simulate so many episodes again and compare their state hashes.")
-    ] = 0,
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Look again into what was found sound before.")
-    ] = False,
-) -> None:
+        Seed, Option("Make so many episodes, and rejected seeds, again and compare all of them.")
+    ] = 0
+    shader: Annotated[
+        str,
+        one_of("shader", _shaders),
+        Option("With --replay: what the pictures were drawn with."),
+    ] = "slim"
+    workers: Workers = None
+
+
+@takes(Looks, Origin, Again)
+def verify_manifest(looks: Looks, origin: Origin, again: Again) -> None:
     """Check every file of a dataset, and derive its physics again from the seeds.
 
-    Prints one line per problem. Exit code 0: sound, 1: not.
+    Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
+    proves.
     """
-    if quick and deep:
-        raise BadValue("quick", quick, "`deep` is given too; choose one of them")
-    if replay < 0:
-        raise BadValue("replay", replay, "0 or more")
-    out = path.parent if path.name == "manifest.json" else path
-    effort = Effort.QUICK if quick else Effort.DEEP if deep else Effort.NORMAL
-    report = _with_bar(out, effort, None if fresh else default_path())
-    if replay and report.sound:
-        # Imported here: all other checks need no simulator.
-        from rtphys.episode.prove import replayed
-
-        report.problems += replayed(Dataset(out), replay)
+    out = looks.out
+    report = _with_bar(out, looks.effort, None if looks.fresh else default_path())
+    if report.sound and not report.episodes:
+        empty = "it holds no episode: the run was aborted, or no attempt was accepted"
+        report.problems.append(Problem(out / MANIFEST, empty))
+    signed = _origin(out, origin, report) if report.digest else ""
+    made = _replay(out, again, report) if again.replay and report.sound else ""
     for problem in report.problems:
         say(printable(str(problem), one_line=True))
     for note in report.notes:
         say(printable(f"note: {note}", one_line=True), err=True)
-    again = f", {replay} simulated again" if replay else ""
-    what = f"{report.episodes} episodes, {report.files} files, {report.bytes / 1e6:.1f} MB{again}"
+    if report.digest:
+        say(f"digest {report.digest}{signed}")
+    what = f"{report.episodes} episodes, {report.files} files, {report.bytes / 1e6:.1f} MB{made}"
     verdict = "sound" if report.sound else f"{len(report.problems)} problems"
     say(f"{out}: {verdict} ({what})", err=not report.sound)
     raise typer.Exit(0 if report.sound else 1)
+
+
+def _origin(out: Path, origin: Origin, report: Report) -> str:
+    """Adds what is wrong with the dataset's origin; returns who signed it, in words."""
+    path, signed = out / MANIFEST, ""
+    if origin.expect and origin.expect != report.digest:
+        text = f"the dataset is {report.digest}, not the expected {origin.expect}"
+        report.problems.append(Problem(path, text))
+    if origin.signed_by is not None:
+        try:
+            manifest = files.read(path)
+            name = signer(out, manifest, origin.signed_by)
+            signed = f", signed by {printable(name, one_line=True)}"
+            if dataset_digest(manifest) != report.digest:
+                raise BadFile(path, "was changed while it was checked")
+        except BadFile as error:
+            report.problems.append(Problem(error.path, error.problem))
+    if report.newer and (origin.expect or origin.signed_by):
+        text = f"{report.newer} attempts in the folder are newer, so neither digest nor signature"
+        report.problems.append(Problem(path, f"{text} covers them"))
+    return signed
+
+
+def _replay(out: Path, again: Again, report: Report) -> str:
+    """Adds what a replay finds to the report; returns what was made again, in words."""
+    # Imported here: all other checks need no simulator.
+    from rtphys.cli.progress import campaign_progress
+    from rtphys.studies.prove import Replay, replayed
+
+    with campaign_progress("seeds") as listener:
+        asked = Replay(again.replay, again.shader, again.workers)
+        proof = replayed(out, asked, listener)
+    report.problems += proof.problems
+    report.notes += proof.notes
+    for name in (*proof.episodes, *proof.rejections):
+        say(printable(f"made again: {name}", one_line=True), err=True)
+    counts = f"{len(proof.episodes)} episodes made again"
+    return f"; {counts}, {len(proof.rejections)} rejected seeds tried again"
 
 
 def _with_bar(out: Path, effort: Effort, memory: Path | None) -> Report:

@@ -12,13 +12,27 @@ import sys
 import warnings
 from collections.abc import Iterable
 from functools import lru_cache
+from importlib import metadata
 from pathlib import Path
 
 AVX512 = "avx512f"  # Linux's name of the instructions that the pinned-out code needs
 NEEDED = frozenset({"avx2", "fma"})  # without them OpenBLAS and the C library's sin and cos differ
 
-# OpenBLAS's kernels for Haswell and Zen give the same bits. The feature groups are numpy 2.4's.
-PINS = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
+# numpy calls groups of instructions by other names since 2.4, and warns of names it does not know.
+GROUPS = "X86_V4 AVX512_ICL AVX512_SPR"
+OLDER_GROUPS = "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL AVX512_SPR"
+
+
+def _groups() -> str:
+    try:
+        major, minor = metadata.version("numpy").split(".")[:2]
+        return GROUPS if (int(major), int(minor)) >= (2, 4) else OLDER_GROUPS
+    except (metadata.PackageNotFoundError, ValueError):  # a build of one's own is a new one
+        return GROUPS
+
+
+# OpenBLAS's kernels for Haswell and Zen give the same bits.
+PINS = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": _groups()}
 _loaded_before: set[str] = set()  # pins that were set too late for this process
 
 

@@ -36,7 +36,7 @@ def load_file(path: Path, kind: str) -> ModuleType:
     except Exception as error:
         del sys.modules[name]
         what = f"{type(error).__name__}: {error}".replace(package, "")  # a name made up here
-        raise BadFile(path, f"cannot be loaded: {what}{_place(error, path)}") from error
+        raise BadFile(path, f"cannot be loaded: {what}{line_of(error, path)}") from error
     return module
 
 
@@ -51,8 +51,8 @@ def _package(folder: Path, kind: str) -> str:
     return name
 
 
-def _place(error: Exception, path: Path) -> str:
-    """The line that the error came through, in the file or else in a neighbour that it imports.
+def line_of(error: Exception, path: Path) -> str:
+    """` (line 12)`: where an error came through the file, or else a neighbour that it imports.
 
     A SyntaxError names its own.
     """

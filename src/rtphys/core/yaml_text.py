@@ -8,6 +8,9 @@ import yaml
 
 from rtphys.core.bounds import WHOLE_NUMBER, YAML_ALIASES, YAML_DEPTH, YAML_NODES
 
+# libyaml's parser takes a tenth of the time; it is in every wheel of PyYAML.
+_Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
 
 @lru_cache(maxsize=256)
 def parsed(text: str) -> object:
@@ -15,9 +18,12 @@ def parsed(text: str) -> object:
 
     Raises:
         yaml.YAMLError: not YAML, or beyond a bound; has the place.
-        ValueError: a value that its tag cannot hold, such as a date of month 13.
+        ValueError: a value that its tag cannot hold, such as a date of month 13; half a character.
     """
+    if _HALF.search(text):
+        raise ValueError("half a character (a lone surrogate)")
     try:
+        _check_bounds(text)
         return yaml.load(text, _Loader)
     except (AttributeError, KeyError, TypeError, OverflowError) as error:
         raise ValueError(f"a value does not fit its tag: {error}") from error
@@ -26,33 +32,34 @@ def parsed(text: str) -> object:
 _HALF = re.compile("[\ud800-\udfff]")
 
 
-class _Loader(yaml.SafeLoader):
-    def __init__(self, stream: str) -> None:
-        super().__init__(stream)
-        self._nodes = self._aliases = 0
-        self._open: list[str | None] = []  # anchors of the nodes around this one
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        event = self.peek_event()
-        alias = isinstance(event, yaml.AliasEvent)
-        if alias and event.anchor in self._open:
-            raise _refused(f"{event.anchor} contains itself", event.start_mark)
-        self._nodes += 1
-        self._aliases += alias
-        self._open.append(None if alias else event.anchor)
+def _check_bounds(text: str) -> None:
+    """Goes through the document before any of its values is made."""
+    values = aliases = 0
+    around: list[str | None] = []  # anchors of the nodes around this one
+    for event in yaml.parse(text, _Parser):
+        if isinstance(event, yaml.CollectionEndEvent):
+            around.pop()
+        if not isinstance(event, yaml.NodeEvent):
+            continue
+        values += 1
+        if isinstance(event, yaml.AliasEvent):
+            aliases += 1
+            if event.anchor in around:
+                raise _refused(f"{event.anchor} contains itself", event.start_mark)
         for count, most, what in (
-            (self._nodes, YAML_NODES, "values"),
-            (len(self._open), YAML_DEPTH, "levels: nested too deeply"),
-            (self._aliases, YAML_ALIASES, "aliases"),
+            (values, YAML_NODES, "values"),
+            (len(around) + 1, YAML_DEPTH, "levels: nested too deeply"),
+            (aliases, YAML_ALIASES, "aliases"),
         ):
             if count > most:
                 raise _refused(f"more than {most} {what}", event.start_mark)
-        node = super().compose_node(parent, index)
-        self._open.pop()
-        if isinstance(node, yaml.ScalarNode) and _HALF.search(node.value):
-            raise _refused("half a character (a lone surrogate)", node.start_mark)
-        return node
+        if isinstance(event, yaml.CollectionStartEvent):
+            around.append(event.anchor)
+        elif isinstance(event, yaml.ScalarEvent) and _HALF.search(event.value):
+            raise _refused("half a character (a lone surrogate)", event.start_mark)
 
+
+class _Loader(_Parser):
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:
         seen: set[str] = set()
         for key, _ in node.value:

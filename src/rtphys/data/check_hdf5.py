@@ -1,6 +1,5 @@
 """Checks an HDF5 file against its layout: keys, types, shapes, values, pictures."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -90,7 +89,7 @@ def _same_arrays(file: h5py.File, expected: Mapping[str, np.ndarray]) -> list[st
 
 
 def _constants(file: h5py.File) -> list[str]:
-    seen = json.loads(text(file, "instructions"))
+    seen = native_sentences(file)
     pairs = {
         "source_format": (note(file, "source_format"), "RoboTwin"),
         "data_format_version": (text(file, "data_format_version"), FORMAT_VERSION),

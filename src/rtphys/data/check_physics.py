@@ -146,15 +146,16 @@ class PhysicsCheck:
 
     def _parts(self, seed: int) -> frozenset[Part] | None:
         """What the episode's world has; None where that is unknown."""
-        if self._task is None or self._first:
+        if self.task is None or self._first:
             return None
         try:
-            return parts(self._task.props(seed))
+            return parts(self.task.props(seed))
         except Infeasible:
             return None
 
     @cached_property
-    def _task(self) -> Task | None:
+    def task(self) -> Task | None:
+        """The task of the collection, which some of the checks need; None: it is not here."""
         try:
             return own_task(self._entry)
         except RtphysError:

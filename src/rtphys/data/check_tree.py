@@ -16,7 +16,7 @@ from rtphys.data.manifest import (
     manifest_of,
     parse_manifest,
 )
-from rtphys.data.schema import Manifest
+from rtphys.data.schema import Manifest, TaskDatasetEntry
 
 
 @dataclass
@@ -44,10 +44,12 @@ class Tree:
 
     out: Path
     manifest: Manifest
+    data: bytes  # of the manifest's file
     task_datasets: dict[str, TaskDataset] = field(default_factory=dict)
     episodes: dict[str, int] = field(default_factory=dict)  # by task dataset, journal included
     failures: dict[str, int] = field(default_factory=dict)  # likewise: those that were kept
     files: dict[str, ListedFile] = field(default_factory=dict)  # by path below `out`
+    newer: int = 0  # attempts that the journals have and the manifest has not
 
 
 def read_tree(out: Path, findings: Findings) -> Tree:
@@ -64,7 +66,7 @@ def read_tree(out: Path, findings: Findings) -> Tree:
         raise BadFile(out, f"there is no {MANIFEST} here{cure}")
     data = files.read(path)
     manifest = parse_manifest(data, path)
-    tree = Tree(out, manifest)
+    tree = Tree(out, manifest, data)
     histories = _histories(out, findings)
     for name, entry in manifest.task_datasets.items():
         tree.task_datasets[name] = entry.below(out)
@@ -72,6 +74,8 @@ def read_tree(out: Path, findings: Findings) -> Tree:
         if tree.task_datasets[name].name != name:
             text = f"task dataset {name!r} does not lie where its task and config say"
             findings.problem(path, text)
+        if gap := _gap(entry):
+            findings.problem(path, f"{name}: {gap}")
     for name, facts in manifest.files.items():
         tree.files[name] = ListedFile(out / name, (facts,))
     tree.episodes = {name: entry.episodes for name, entry in manifest.task_datasets.items()}
@@ -139,6 +143,7 @@ def _extend(tree: Tree, history: TaskDatasetHistory, counted: int, findings: Fin
     if total == counted:
         return
     name = history.task_dataset.name
+    tree.newer += total - counted
     findings.notes.append(
         f"{name}: {total - counted} attempts are newer than the manifest; the run was cut off or "
         "still goes on"
@@ -152,6 +157,15 @@ def _extend(tree: Tree, history: TaskDatasetHistory, counted: int, findings: Fin
         states = [files_then[path] for files_then in past if path in files_then]
         allowed = tuple(dict.fromkeys(FileFacts.of(state) for state in states))
         tree.files[path.relative_to(tree.out).as_posix()] = ListedFile(path, allowed)
+
+
+def _gap(entry: TaskDatasetEntry) -> str:
+    """Which attempt is not that of the next seed; empty where none is missing."""
+    first, step = entry.stride or (0, 1)
+    for number, attempt in enumerate(entry.attempts):
+        if attempt.seed != (seed := entry.first_seed + first + number * step):
+            return f"attempt {number} is of seed {attempt.seed}, not of {seed}: one is missing"
+    return ""
 
 
 def _twins(tree: Tree, findings: Findings) -> None:

@@ -5,11 +5,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtphys.core.bounds import EPISODES
-from rtphys.core.errors import UnknownName
+from rtphys.core.errors import BadFile, RtphysError, UnknownName
 from rtphys.data.episode import JSON
 from rtphys.data.json_text import plain
-from rtphys.data.layout import LAYOUTS, TaskDataset, embodiment_folder
-from rtphys.data.schema import DATASET_VERSION
+from rtphys.data.layout import LAYOUTS, MANIFEST, TaskDataset, embodiment_folder
+from rtphys.data.schema import DATASET_VERSION, Manifest, TaskDatasetEntry
+from rtphys.physics.domain import Domain
+from rtphys.physics.values import plain_value
 from rtphys.setting.setting import Setting
 
 
@@ -98,6 +100,37 @@ class Conditions:
             if header[key] is None:
                 del header[key]
         return {key: plain(value, key) for key, value in header.items()}
+
+
+def stated(entry: TaskDatasetEntry, manifest: Manifest) -> Conditions:
+    """The conditions as a manifest states them; its setting draws from the manifest's domain.
+
+    Raises:
+        BadFile: they are those of another dataset version, or cannot be read.
+    """
+    if manifest.dataset_version != DATASET_VERSION:
+        problem = f"is of dataset version {manifest.dataset_version}, this is {DATASET_VERSION}"
+        raise BadFile(MANIFEST, problem)
+    domain = manifest.domains.get(entry.domain.digest, {})
+    try:
+        known = {key: getattr(entry, key) for key in SETTING}
+        known |= {"protocol": entry.protocol or entry.config, "ranges": Domain.from_json(domain)}
+        known["overrides"] = {key: plain_value(v) for key, v in entry.overrides.items()}
+        setting = Setting(**known)
+    except (RtphysError, KeyError, TypeError, ValueError) as error:
+        raise BadFile(MANIFEST, f"its conditions cannot be read: {error}") from error
+    own = {name: getattr(entry, name) for name in ("first_seed", "versions", "assets", "layout")}
+    return Conditions(
+        **own,
+        setting=setting,
+        domain=domain,
+        visual=entry.visual,
+        cameras=tuple(entry.cameras),
+        config=entry.config,
+        twin=entry.twin,
+        twin_of=entry.twin_of,
+        stride=None if entry.stride is None else (entry.stride[0], entry.stride[1]),
+    )
 
 
 SETTING = ("task", "protocol", "only", "overrides", "embodiment", "split", "recovery", "pair_tasks")

@@ -35,7 +35,6 @@ Progress = Callable[[int, int], None]  # episodes done, episodes in all
 
 def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed | None]:
     """Frames, picture streams (no video) and senses of an HDF5 file. Raises `BadFile`."""
-    files.check(path)
     with open_read(path) as file:
         frames, images = read_legacy(file) if layout == "legacy" else read_native(file)[:2]
         sensed = read_senses(file, layout, [*frames.cameras])

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rtphys.core.bounds import MOST_PICTURES
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data import files, jpeg, schema
+from rtphys.data import jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
 from rtphys.data.hdf5_senses import SenseFile
@@ -98,7 +98,6 @@ class Episode:
     @property
     def senses(self) -> SenseFile:
         """Depth, ids, point clouds and body poses, if they were recorded."""
-        files.check(self.paths.hdf5)
         return SenseFile(self.paths.hdf5, self.layout, self.cameras)
 
     @property
@@ -157,7 +156,6 @@ class Episode:
 
     @property
     def _file(self) -> EpisodeFile:
-        files.check(self.paths.hdf5)
         return EpisodeFile(self.paths.hdf5, self.layout)
 
 

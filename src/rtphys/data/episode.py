@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.errors import BadFile, shortened
+from rtphys.core.json_text import JSON as JSON
 from rtphys.data.sensed import Sensed
 
-JSON: TypeAlias = Mapping[str, "JSON"] | Sequence["JSON"] | str | int | float | bool | None
 Floats: TypeAlias = NDArray[np.floating]
 Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
 
@@ -25,6 +25,13 @@ CAMERA_KEYS = {  # official name, and in the native layout -> its name there
     "front_camera": "cam_third_view",
 }
 CAMERAS = tuple(CAMERA_KEYS)
+
+
+def official_camera(name: str) -> str:
+    """RoboTwin's name of a camera: `head` and `head_camera` are the same one."""
+    return f"{name}_camera" if f"{name}_camera" in CAMERAS else name
+
+
 OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
 FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
 

@@ -62,10 +62,10 @@ def write_synced(path: Path, data: bytes) -> FileFacts:
 
 def _holds(path: Path, data: bytes) -> bool:
     """Whether a file has this content; a digest of it would take five times as long."""
-    view, at = memoryview(data), 0
+    at = 0
     with path.open("rb", buffering=0) as file:
         while chunk := file.read(BLOCK):
-            if view[at : at + len(chunk)] != chunk:
+            if data[at : at + len(chunk)] != chunk:  # a view would compare byte by byte
                 return False
             at += len(chunk)
     return at == len(data)

@@ -15,10 +15,13 @@ from h5py import h5d, h5i, h5l, h5o, h5s, h5t  # pyright: ignore[reportAttribute
 
 from rtphys.core.bounds import DEEPEST_LINK, LARGEST_EPISODE, MOST_LINKS
 from rtphys.core.errors import BadFile
+from rtphys.core.paths import LINK
 
 TEXT = h5py.string_dtype("utf-8")
 PLAIN = (h5t.INTEGER, h5t.FLOAT, h5t.ENUM, h5t.STRING)  # what `put` writes
 SMALL = 2**20  # [bytes] of an array that is not compared with the file's size, which takes time
+MOST_REMEMBERED = 100_000  # files that this process looks through once
+_trees: set[tuple[int, ...]] = set()  # stamps of files that were seen to be trees
 # What numpy, json and HDF5 raise about a file that is not what it should be.
 DAMAGED = (KeyError, TypeError, ValueError, OverflowError, OSError, RecursionError)
 
@@ -58,12 +61,14 @@ def open_read(source: Path | bytes) -> Iterator[h5py.File]:
             file is open becomes a `BadFile` too.
     """
     where = "<memory>" if isinstance(source, bytes) else source
-    if isinstance(source, Path):
-        _check_size(source)
+    stamp = _stamp(source) if isinstance(source, Path) else ()
     try:
         with h5py.File(io.BytesIO(source) if isinstance(source, bytes) else source, "r") as file:
-            if reason := _stray_link(file):
-                raise BadFile(where, reason)
+            if stamp not in _trees:
+                if reason := _stray_link(file):
+                    raise BadFile(where, reason)
+                if stamp and len(_trees) < MOST_REMEMBERED:
+                    _trees.add(stamp)
             yield file
     except FileNotFoundError as error:
         raise BadFile(where, "no such file") from error
@@ -71,16 +76,20 @@ def open_read(source: Path | bytes) -> Iterator[h5py.File]:
         raise BadFile(where, f"not a whole HDF5 file ({error})") from error
 
 
-def _check_size(path: Path) -> None:
+def _stamp(path: Path) -> tuple[int, ...]:
+    """What a file that was not changed keeps. Raises `BadFile`: it is no file, or too large."""
     try:
-        facts = path.stat()
+        facts = path.lstat()
     except (OSError, ValueError) as error:
         missing = isinstance(error, FileNotFoundError)
         raise BadFile(path, "no such file" if missing else "not a whole HDF5 file") from error
+    if stat.S_ISLNK(facts.st_mode):
+        raise BadFile(path, LINK)
     if not stat.S_ISREG(facts.st_mode):
         raise BadFile(path, "is no ordinary file")
     if facts.st_size > LARGEST_EPISODE:
         raise BadFile(path, f"has {facts.st_size} bytes; at most {LARGEST_EPISODE} are read")
+    return facts.st_dev, facts.st_ino, facts.st_size, facts.st_mtime_ns
 
 
 def _stray_link(file: h5py.File) -> str:

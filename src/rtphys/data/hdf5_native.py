@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 from rtphys.core.errors import BadFile
+from rtphys.core.json_text import parse
 from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import ARMS, CAMERA_KEYS, FRAME_STEPS, Frames
@@ -109,8 +110,8 @@ def last_stream(file: h5py.File, name: str) -> bytes:
 def native_sentences(file: h5py.File) -> list[str]:
     """The seen instructions. Raises `BadFile`."""
     try:
-        seen = json.loads(text(file, "instructions"))
-        if not isinstance(seen, list) or not seen:
+        seen = parse(text(file, "instructions").encode(), file.filename)
+        if not isinstance(seen, list) or not all(isinstance(one, str) for one in seen) or not seen:
             raise ValueError("instructions are no list of sentences")
     except DAMAGED as error:
         raise BadFile(file.filename, f"not a whole native file ({error})") from error

@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 
 from rtphys.core.errors import BadFile, UnknownName
-from rtphys.data.episode import CAMERA_KEYS, Frames
+from rtphys.data.episode import CAMERA_KEYS, Frames, official_camera
 from rtphys.data.hdf5_file import DAMAGED, dataset, group, open_read
 from rtphys.data.hdf5_native import last_stream
 from rtphys.data.hdf5_record import GROUP, read_record
@@ -27,6 +27,7 @@ class EpisodeFile:
 
     def streams(self, camera: str) -> list[bytes]:
         """The T picture streams of a camera. Raises `UnknownName`, `BadFile`."""
+        camera = official_camera(camera)
         with open_read(self.path) as file:
             self._check(file, camera)
             try:
@@ -39,6 +40,7 @@ class EpisodeFile:
 
     def stream(self, camera: str, frame: int) -> bytes:
         """One picture stream; negative frames count from the end. Raises `IndexError` too."""
+        camera = official_camera(camera)
         with open_read(self.path) as file:
             self._check(file, camera)
             legacy = self.layout == "legacy"

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from rtphys.core.errors import BadFile
+from rtphys.core.json_text import parse
 from rtphys.data.episode import ARMS, CAMERAS, CameraFrames, Frames
 from rtphys.data.hdf5_file import DAMAGED, array, arrays, group, note, put
 
@@ -74,6 +75,16 @@ def read_record(file: h5py.File) -> Frames:
     return frames
 
 
+def _names(record: h5py.Group, key: str) -> tuple[str, ...]:
+    found = parse(note(record, key).encode(), record.file.filename)
+    if not isinstance(found, list):
+        raise ValueError(f"@{key} is no list of names")
+    names = [name for name in found if isinstance(name, str)]
+    if len(names) < len(found):
+        raise ValueError(f"@{key} holds what is no name")
+    return tuple(names)
+
+
 def _frames(record: h5py.Group) -> Frames:
     arms: dict[str, np.ndarray] = {}
     cameras = group(record, "cameras")
@@ -88,8 +99,8 @@ def _frames(record: h5py.Group) -> Frames:
         **{key: array(record, f"measured/{key}") for key in MEASURED},
         time=array(record, "time"),
         stage=array(record, "stage"),
-        joint_names=tuple(json.loads(note(record, "joint_names"))),
-        stages=tuple(json.loads(note(record, "stages"))),
+        joint_names=_names(record, "joint_names"),
+        stages=_names(record, "stages"),
         object_poses=arrays(record, "object_poses"),
         contacts=arrays(record, "contacts"),
         cameras={name: CameraFrames(**arrays(cameras, name)) for name in map(str, cameras)},

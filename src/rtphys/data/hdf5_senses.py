@@ -57,9 +57,8 @@ class Stream:
         """Frame by frame, so that no second copy of all is in memory."""
         head = frames[:-1] if self.last else frames
         first = self.encode(frames[0])
-        made = file.create_dataset(
-            self.key, (len(head), *first.shape), first.dtype, track_times=False
-        )
+        shape = (len(head), *first.shape)
+        made = file.create_dataset(self.key, shape, first.dtype, track_times=False)
         for t, frame in enumerate(head):
             made[t] = self.encode(frame)
         if self.last:

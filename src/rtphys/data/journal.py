@@ -14,6 +14,7 @@ from pathlib import Path
 from rtphys.core.errors import BadFile
 from rtphys.data import files
 from rtphys.data.episode import JSON
+from rtphys.data.faults import CannotWrite
 from rtphys.data.json_text import compact, parse_mapping
 
 START = "0" * 64
@@ -88,8 +89,15 @@ class Journal:
         """Reads the file again. Raises `BadFile`."""
         return [line.entry for line in read_journal(self.path).lines] if self.count else []
 
+    def check_there(self) -> None:
+        """Raises `CannotWrite`: it had lines, and is gone, so what follows would have no start."""
+        if self.count and not self.path.exists():
+            problem = "it was removed while this run wrote into its folder"
+            raise CannotWrite(self.path, OSError(problem))
+
     def append(self, entry: Mapping[str, JSON], *, durable: bool) -> None:
         """Adds one line. Raises `CannotWrite`, and then the file is as it was."""
+        self.check_there()
         check = link(self.check, entry)
         text = compact({"check": check, "entry": entry}) + b"\n"
         with files.refusals(self.path):

@@ -2,12 +2,14 @@
 
 import re
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from rtphys.core.errors import BadValue
 from rtphys.core.paths import check_inside, plain_name
 
 MANIFEST = "manifest.json"
+SIGNATURE = "manifest.json.sig"  # by `ssh-keygen -Y sign`
 LOCK = ".rtphys.lock"
 JOURNAL = "journal.jsonl"
 SHARD = "shard.json"  # only in a shard: which part of which collection it is
@@ -55,7 +57,7 @@ class TaskDataset:
             except ValueError as error:
                 raise BadValue(key, getattr(self, key), str(error)) from error
 
-    @property
+    @cached_property
     def name(self) -> str:
         """Path below `out`, with forward slashes; its key in the manifest."""
         inner = f"/{FAILURES}" if self.failed else ""
@@ -68,7 +70,7 @@ class TaskDataset:
         """Where failed attempts lie that were kept: the same files, numbered by themselves."""
         return replace(self, failed=True)
 
-    @property
+    @cached_property
     def folder(self) -> Path:
         return self.out / self.name
 
@@ -87,9 +89,10 @@ class TaskDataset:
 
     def check_links(self) -> None:
         """Raises `BadFile` where a folder or a file with a fixed place is a link."""
-        own = [self.folder / name for name in FOLDERS]
-        for path in (*own, self.journal, self.scene_info, self.seed_txt, self.seeds_txt):
-            check_inside(self.out, path)
+        check_inside(self.out, folder := self.folder)
+        own = (self.journal, self.scene_info, self.seed_txt, self.seeds_txt)
+        for path in (*(folder / name for name in FOLDERS), *own):
+            check_inside(folder, path)
         if not self.failed:
             self.failures.check_links()
 

@@ -176,6 +176,11 @@ def manifest_of(histories: Sequence[TaskDatasetHistory]) -> bytes:
     )
 
 
+def dataset_digest(manifest: bytes) -> str:
+    """One line that identifies a dataset, from the content of its manifest."""
+    return f"sha256:{FileFacts.of(manifest).sha256}"
+
+
 def task_dataset_of(out: Path, header: Entry) -> TaskDataset:
     """The task dataset that a journal's first line describes."""
     return TaskDataset(

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import BadFile
 from rtphys.data import files, staging
 from rtphys.data.episode import JSON
@@ -79,7 +80,7 @@ def _sound(source: TaskDataset, entry: Entry, path: Path) -> bytes:
     """A file's content, if it is what the journal says."""
     listed = entry["files"]
     assert isinstance(listed, Mapping)
-    data = files.read(path)
+    data = files.read(path, LARGEST_EPISODE)
     if FileFacts.of(data).model_dump() != listed.get(path.relative_to(source.folder).as_posix()):
         raise BadFile(path, "is not what its journal says")
     return data

@@ -63,10 +63,10 @@ def stage_episode(
         CannotWrite: the file system refused; `folder` is gone again.
     """
     meta = {"recipe": episode.recipe, **episode.phys_meta, "episode": 0}
-    checked = (
-        _checked("failure" if "failure" in meta else "phys_meta", meta),
-        _checked("scene_info", episode.scene_info),
-        _checked("instruction", episode.instructions),
+    parts = (
+        checked("failure" if "failure" in meta else "phys_meta", meta),
+        checked("scene_info", episode.scene_info),
+        checked("instruction", episode.instructions),
     )
     if found := episode.frames.problems():  # before hours of rendering, not after
         raise BadEpisode(found)
@@ -75,7 +75,7 @@ def stage_episode(
         images = encode_images(episode.images)
     timer.shift(images.cpu_s, "render", "encode")
     with timer.phase("write"):
-        encoded = EncodedEpisode(episode.frames, images, *checked, episode.sensed)
+        encoded = EncodedEpisode(episode.frames, images, *parts, episode.sensed)
         return stage_encoded(folder, encoded, layout)
 
 
@@ -98,7 +98,8 @@ def stage_encoded(folder: Path, episode: EncodedEpisode, layout: str) -> StagedE
     )
 
 
-def _checked(name: str, value: object) -> dict[str, JSON]:
+def checked(name: str, value: object) -> dict[str, JSON]:
+    """As a file of that kind holds it. Raises `SchemaError`, `BadValue`."""
     return schema.check(name, plain(value, name)).model_dump(mode="json")
 
 

@@ -152,11 +152,16 @@ class TaskWriter:
             raise ValueError(f"the outcome of seed {outcome.seed} is not that of {self.next_seed}")
         self._commit(outcome)
 
+    def check_there(self) -> None:
+        """Raises `CannotWrite`: somebody has removed the folder meanwhile."""
+        self._journal.check_there()
+
     def discard(self) -> None:
         """Removes staged files that nobody will number."""
         shutil.rmtree(self.task_dataset.staging, ignore_errors=True)
 
     def _commit(self, outcome: StagedEpisode | Rejection) -> None:
+        self.check_there()
         if isinstance(outcome, Rejection):
             self._reject(outcome)
             return

@@ -9,6 +9,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
+from rtphys.data.episode import JSON
 from rtphys.data.json_text import compact
 
 CHECKS = "3"  # raised when a check is added or changed: old findings then count no more
@@ -35,9 +36,9 @@ class Verified:
                 self._known = set()
 
     @staticmethod
-    def key(*parts: object) -> str:
+    def key(*parts: JSON) -> str:
         """Digest of everything that a verdict depends on."""
-        return hashlib.sha256(compact([CHECKS, *map(str, parts)])).hexdigest()
+        return hashlib.sha256(compact([CHECKS, *parts])).hexdigest()
 
     def __contains__(self, key: str) -> bool:
         return key in self._known

@@ -18,9 +18,12 @@ from rtphys.data.check_episode import Effort, EpisodeClaim, check_episode
 from rtphys.data.check_look import LookCheck
 from rtphys.data.check_physics import PhysicsCheck
 from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
+from rtphys.data.episode import JSON
 from rtphys.data.layout import EpisodePaths
-from rtphys.data.schema import PhysMeta
+from rtphys.data.manifest import dataset_digest
+from rtphys.data.schema import TaskDatasetEntry
 from rtphys.data.verified import Verified
+from rtphys.physics import attributes
 
 Progress = Callable[[int, int], None]  # bytes done, bytes in all
 
@@ -57,6 +60,8 @@ class Report:
     files: int = 0
     bytes: int = 0
     episodes: int = 0
+    digest: str = ""  # of the dataset: that of its manifest, which lists those of all files
+    newer: int = 0  # attempts that are in the folder, and not in the manifest nor the digest
 
     @property
     def sound(self) -> bool:
@@ -84,8 +89,10 @@ def verify(
         tree = read_tree(out, findings)
     except BadFile as error:
         return Report(problems=[Problem(error.path, error.problem)])
+    report.digest, report.newer = dataset_digest(tree.data), tree.newer
     sizes = {listed.path: listed.allowed[-1].size for listed in tree.files.values()}
-    inside = sum(sizes.get(path, 0) for paths, _ in _claims(tree) for path in paths.all())
+    claimed = (paths for name in tree.task_datasets for paths, _ in _claims(tree, name))
+    inside = sum(sizes.get(path, 0) for paths in claimed for path in paths.all())
     meter = _Meter(sum(sizes.values()) + inside, progress)
     for listed in tree.files.values():
         report.files += 1
@@ -119,18 +126,17 @@ def _file_problem(out: Path, listed: ListedFile) -> str:
     return ""
 
 
-def _claims(tree: Tree) -> Iterator[tuple[EpisodePaths, EpisodeClaim]]:
-    """Every episode, then every failure that was kept, of one task dataset after the other."""
-    for name, entry in tree.manifest.task_datasets.items():
-        place = tree.task_datasets[name]
-        kinds = (
-            (place, entry.seeds, tree.episodes[name]),
-            (place.failures, [one.seed for one in entry.failures], tree.failures[name]),
-        )
-        for where, seeds, count in kinds:
-            for number in range(count):
-                seed = seeds[number] if number < len(seeds) else None
-                yield where.episode(number), EpisodeClaim(entry, number, seed, where.failed)
+def _claims(tree: Tree, name: str) -> Iterator[tuple[EpisodePaths, EpisodeClaim]]:
+    """Every episode of a task dataset, then every failure that was kept."""
+    entry, place = tree.manifest.task_datasets[name], tree.task_datasets[name]
+    kinds = (
+        (place, entry.seeds, tree.episodes[name]),
+        (place.failures, [one.seed for one in entry.failures], tree.failures[name]),
+    )
+    for where, seeds, count in kinds:
+        for number in range(count):
+            seed = seeds[number] if number < len(seeds) else None
+            yield where.episode(number), EpisodeClaim(entry, number, seed, where.failed)
 
 
 def _check_episodes(
@@ -139,54 +145,45 @@ def _check_episodes(
     """Yields an episode's paths once its content is checked."""
     damaged = {path for path, _ in findings.problems}
     sound: list[str] = []
-    release = version("rtphys")
-    checks = {name: _Redrawn.of(name, tree, findings) for name in tree.manifest.task_datasets}
-    by_entry = {id(entry): checks[name] for name, entry in tree.manifest.task_datasets.items()}
-    for paths, claim in _claims(tree):
-        redrawn = by_entry[id(claim.entry)]
-        key = _key(tree, paths, claim, f"{release} {effort.name} {redrawn.look.gap}")
-        # A file that is damaged was named already; what it holds is worth no second sentence.
-        if key not in memory and not damaged.intersection(paths.all()):
-            before = len(findings.problems)
-            meta = check_episode(paths, claim, findings, effort)
-            for text in redrawn.problems(meta) if meta else ():
-                findings.problem(paths.phys_meta, text)
-            sound += [key] if len(findings.problems) == before else []
-        yield paths
+    find_pack = cache(pack_with)  # for this call only: packs come and go
+    for name, entry in tree.manifest.task_datasets.items():
+        physics, look = (
+            PhysicsCheck(entry, tree.manifest),
+            LookCheck(entry, tree.manifest, find_pack),
+        )
+        if look.gap:
+            findings.notes.append(f"{name}: {look.gap}")
+        task = physics.task.digest if physics.task else None  # without it less is compared
+        looked = _looked(tree, entry, effort, [look.gap, task])
+        for paths, claim in _claims(tree, name):
+            key = _key(tree, paths, claim, looked)
+            # A file that is damaged was named already; what it holds is worth no second sentence.
+            if key not in memory and not damaged.intersection(paths.all()):
+                before = len(findings.problems)
+                meta = check_episode(paths, claim, findings, effort)
+                for text in (physics.problems(meta) + look.problems(meta)) if meta else ():
+                    findings.problem(paths.phys_meta, text)
+                sound += [key] if len(findings.problems) == before else []
+            yield paths
     memory.remember(sound)
 
 
-@dataclass(frozen=True)
-class _Redrawn:
-    """What the seeds of a task dataset say of its labels."""
+def _looked(tree: Tree, entry: TaskDatasetEntry, effort: Effort, here: list[JSON]) -> list[JSON]:
+    """What the verdict on every episode of a task dataset depends on, its own files apart.
 
-    physics: PhysicsCheck
-    look: LookCheck
-
-    @staticmethod
-    def of(name: str, tree: Tree, findings: Findings) -> "_Redrawn":
-        """Notes what cannot be drawn again here."""
-        entry, find_pack = tree.manifest.task_datasets[name], cache(pack_with)
-        look = LookCheck(entry, tree.manifest, find_pack)
-        if look.gap:
-            findings.notes.append(f"{name}: {look.gap}")
-        return _Redrawn(PhysicsCheck(entry, tree.manifest), look)
-
-    def problems(self, meta: PhysMeta) -> list[str]:
-        return [*self.physics.problems(meta), *self.look.problems(meta)]
+    How many episodes there are is none of it: a dataset may grow.
+    """
+    grows = {"attempts", "seeds", "journal", "rejections", "episodes", "frames", "failures"}
+    conditions: JSON = entry.model_dump(mode="json", exclude=grows)
+    domain: JSON = tree.manifest.domains.get(entry.domain.digest, {})
+    code: list[JSON] = [version("rtphys"), effort.name, *sorted(attributes())]
+    return [tree.manifest.dataset_version, conditions, domain, code, here]
 
 
-def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: str) -> str:
+def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: list[JSON]) -> str:
     """Digest of everything that the verdict on an episode depends on."""
     names = [path.relative_to(tree.out).as_posix() for path in paths.all()]
-    digests = [tree.files[name].allowed[-1].sha256 for name in names if name in tree.files]
-    entry = claim.entry
-    drawn = (entry.only, entry.overrides, entry.visual, entry.split, entry.recovery)
-    drawn = (*drawn, entry.pair_tasks, tree.manifest.dataset_version)
-    filmed = (entry.cameras, entry.senses, entry.camera_type, entry.size)
-    asked = (entry.task, entry.config, entry.layout, filmed, drawn)
-    return Verified.key(looked, digests, _number(claim), claim.seed, entry.domain, asked)
-
-
-def _number(claim: EpisodeClaim) -> int | str:
-    return f"failure {claim.number}" if claim.failed else claim.number
+    digests: list[JSON] = [
+        tree.files[name].allowed[-1].sha256 if name in tree.files else None for name in names
+    ]
+    return Verified.key(*looked, digests, claim.number, claim.seed, claim.failed)

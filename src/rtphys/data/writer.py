@@ -104,6 +104,8 @@ class DatasetWriter:
 
     def checkpoint(self) -> None:
         """Writes side files and manifest of what the journals hold. Raises `CannotWrite`."""
+        for writer in self._tasks.values():
+            writer.check_there()
         histories = self.histories()
         if not histories:  # refused before any work: leave nothing behind
             return

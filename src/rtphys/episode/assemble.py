@@ -1,14 +1,16 @@
 """Assembles an attempt and its pictures into the episode that the files hold."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 
 import numpy as np
 
 from rtphys.assets.pack import Pack
-from rtphys.core.errors import RtphysError
+from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.core.poses import Pose
 from rtphys.data.episode import Episode, Frames
+from rtphys.data.task_writer import Rejection
 from rtphys.episode.failure import went_wrong
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
@@ -18,6 +20,7 @@ from rtphys.physics import Physics, acting, attributes, disagreements, readback
 from rtphys.sim.recorder import Recording
 from rtphys.task.instructions import instructions, scene_info
 from rtphys.task.props import Articulated, Mesh, Prop, parts
+from rtphys.task.spec import load_task
 from rtphys.visual import disturbed
 
 
@@ -87,6 +90,20 @@ def _episode(
         images=photographs.images,
         sensed=photographs.sensed,
     )
+
+
+def rejection(tried: Attempt) -> Rejection:
+    """The record of a rejected attempt, with its physics as far as it can be known."""
+    recipe, known = tried.recipe, dict[str, object]()
+    if tried.instance is not None:
+        known = values(tried.instance.physics, tried.instance.props)
+    else:
+        with suppress(Infeasible):
+            props = load_task(recipe.task).props(recipe.seed)
+            known = values(recipe.setting.draw(recipe.seed), props)
+            # It is redrawn until it lies inside bodies that nobody built.
+            known.pop("center_of_mass", None)
+    return Rejection(recipe.seed, tried.reason, tried.detail, known)
 
 
 def label(instance: Instance) -> dict[str, object]:

@@ -35,13 +35,14 @@ def fingerprint_of(task: Task, protocol: str, pack: Pack) -> Fingerprint:
 
 def versions(task: Task) -> dict[str, str]:
     """Everything that decides what a seed of this task looks like, besides assets and domain."""
-    return {**_packages(), "task": task.digest, "code": _code()}
+    return {**packages(), "task": task.digest, "code": _code()}
 
 
 @lru_cache(maxsize=1)
-def _packages() -> dict[str, str]:
-    packages = {name: metadata.version(name) for name in SHAPING}
-    return {**packages, "python": platform.python_version(), "machine": platform.machine()}
+def packages() -> dict[str, str]:
+    """Versions of the packages that can change a bit of an episode, and of Python."""
+    known = {name: metadata.version(name) for name in SHAPING}
+    return {**known, "python": platform.python_version(), "machine": platform.machine()}
 
 
 @lru_cache(maxsize=1)

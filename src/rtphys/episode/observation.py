@@ -3,13 +3,17 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.assets.embodiment import Embodiment
+from rtphys.core.errors import UnknownName
 from rtphys.core.poses import Array
 from rtphys.data.touch import Touch
+
+V = TypeVar("V")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +37,16 @@ class View:
     cameras: Mapping[str, CameraView]  # by short name
     cloud: NDArray[np.float32] | None = None  # (1024, 6) x y z [m] in the world, r g b 0..1
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # "actor", "mesh": of ids
+
+
+class ByCamera(dict[str, V]):
+    """By short name, `head`; the official one, `head_camera`, finds the same."""
+
+    def __missing__(self, name: str) -> V:
+        short = name.removesuffix("_camera")
+        if short in self:
+            return self[short]
+        raise UnknownName("camera", name, self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +92,7 @@ class Observation:
             NoRenderer: this machine cannot draw.
             BadValue: senses are asked for, and the process's shader gives none.
         """
-        return self.view.cameras
+        return ByCamera(self.view.cameras)
 
     @property
     def cloud(self) -> NDArray[np.float32] | None:
@@ -88,4 +102,4 @@ class Observation:
     @property
     def images(self) -> Mapping[str, NDArray[np.uint8]]:
         """Pictures alone, (240, 320, 3) RGB by short name. Raises `NoRenderer`."""
-        return {name: view.rgb for name, view in self.cameras.items()}
+        return ByCamera({name: view.rgb for name, view in self.cameras.items()})

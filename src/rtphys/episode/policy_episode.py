@@ -49,6 +49,7 @@ class PolicyEpisode:
         seed: of the episode.
         instruction: a sentence of the recipe's split, the same one for the same seed.
         step_limit: actions that the task allows.
+        filming: the cameras that observations show, and their senses.
         rollout: the world and its recorder; for the expert, tests and videos, never for a policy.
     """
 
@@ -59,6 +60,7 @@ class PolicyEpisode:
         self.step_limit = task.step_limit
         self.rollout: Rollout = start(instance, replace(NO_LIMIT, touch=filming.touch))
         self._control = PolicyControl(self.rollout, recipe.seed)
+        self.filming = filming
         self._mirror = Mirror(instance, pack, filming)
         self._outcome: Outcome | None = None
         self.instruction = instructions(task, recipe.seed, describer(pack))[recipe.setting.split][0]

@@ -1,43 +1,249 @@
-"""Proof by simulation: stored episodes are made again from their recipes and compared."""
+"""Proof by simulation: one seed of a dataset is tried again from its conditions, and compared.
 
-import numpy as np
+Nothing is taken from the episode's own files: its recipe follows from the manifest's conditions and
+the seed, and what comes of it is compared with all that is stored.
+"""
 
-from rtphys.assets.pack import default_pack, pack_with
-from rtphys.core.errors import BadValue
-from rtphys.data.dataset import Dataset
-from rtphys.data.verify import Problem
-from rtphys.episode.generate import attempt
-from rtphys.setting.setting import Recipe
-from rtphys.task.spec import load_task
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+from rtphys.assets.pack import Pack, default_pack, pack_with
+from rtphys.core.errors import BadFile, BadValue, RtphysError
+from rtphys.data import files
+from rtphys.data.compare import Comparison, Made, compare_episode, json_differences
+from rtphys.data.conditions import Conditions, differences
+from rtphys.data.episode import JSON
+from rtphys.data.hdf5_file import open_read
+from rtphys.data.hdf5_record import read_record
+from rtphys.data.json_text import parse_mapping, plain
+from rtphys.data.layout import TaskDataset, embodiment_folder
+from rtphys.data.staging import HDF5, checked, stage_episode
+from rtphys.episode.assemble import assemble, rejection, values
+from rtphys.episode.fingerprint import versions
+from rtphys.episode.generate import Attempt, attempt
+from rtphys.episode.photograph import Film, Photographs, photograph
+from rtphys.setting.filming import Filming
+from rtphys.setting.setting import Recipe, Setting
+from rtphys.sim.renderer import pictures_ready
+from rtphys.task.spec import Task, load_task
 
 
-def replayed(dataset: Dataset, count: int) -> list[Problem]:
-    """Simulates `count` of the expert's episodes again, spread evenly, each with its own assets.
+@dataclass(frozen=True)
+class Claim:
+    """What a dataset says of one seed."""
 
-    Returns:
-        One problem for each episode whose states are not the stored ones. Where the asset pack of
-        the collection is not on this machine, the pack in use stands in, and the problem says so.
+    out: Path
+    conditions: Conditions  # of the manifest
+    seed: int
+    number: int | None  # of the episode; None: rejected
+    recorded: Mapping[str, JSON]  # entry of the journal, else what the manifest keeps of it
+    twin: Setting | None = None  # under which the same seed had to succeed too
+
+    @property
+    def place(self) -> TaskDataset:
+        """Where the task dataset lies."""
+        return self.conditions.task_dataset(self.out)
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        what = "rejected" if self.number is None else f"episode {self.number}"
+        return f"{self.place.name} seed {self.seed} ({what})"
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A claim, and what it is made again with."""
+
+    claim: Claim
+    task: Task
+    pack: Pack
+    folder: Path
+
+    @cached_property
+    def recipe(self) -> Recipe:
+        return Recipe(_on(self.pack, self.claim.conditions.setting), self.claim.seed)
+
+    @property
+    def touch(self) -> bool:
+        """Whether the episode holds what the fingers feel."""
+        return "touch" in (self.claim.conditions.senses or ())
+
+    def others(self) -> list[str]:
+        """One clause for each version that is another one here than when it was collected."""
+        conditions = self.claim.conditions
+        digest = {"digest": self.pack.digest}
+        clauses = differences(conditions.versions, versions(self.task))
+        stored = {"digest": conditions.assets.get("digest", "")}
+        return clauses + [f"assets.{clause}" for clause in differences(stored, digest)]
+
+
+def prove(claim: Claim, folder: Path) -> Comparison:
+    """Makes a seed of a dataset again.
+
+    Args:
+        claim: what the dataset says.
+        folder: for the files of the new episode; need not exist.
     """
-    digests = {entry.assets.get("digest", "") for entry in dataset.task_datasets}
-    packs = {digest: pack_with(digest) or default_pack() for digest in digests}
-    # What a policy did cannot be made again without it.
-    own = [n for n in range(len(dataset)) if dataset.task_dataset(n).policy is None]
-    chosen = np.unique(np.linspace(0, len(own) - 1, min(count, len(own))).astype(int))
-    problems: list[Problem] = []
-    for index in (own[n] for n in chosen):
-        episode, digest = dataset[index], dataset.task_dataset(index).assets.get("digest", "")
-        try:
-            recipe = Recipe.from_json(episode.meta.recipe)
-        except (KeyError, ValueError, BadValue) as error:
-            text = f"its recipe is not whole ({error})"
-            problems.append(Problem(episode.paths.phys_meta, text))
-            continue
-        result = attempt(recipe, load_task(recipe.task), packs[digest])
-        recording = result.recording if result.accepted else None
-        outcome = recording.hash if recording else result.reason
-        if outcome != episode.meta.state_hash:
-            assets = "" if digest == packs[digest].digest else ", with other assets than today's"
-            stored = f"state_hash {episode.meta.state_hash}{assets}"
-            text = f"simulated again it gives {outcome}, not {stored}"
-            problems.append(Problem(episode.paths.phys_meta, text))
-    return problems
+    conditions = claim.conditions
+    place = claim.place.journal
+    if conditions.policy is not None:
+        note = f"{claim.place.name}: what {conditions.policy} did is not made again without it"
+        return Comparison([], [note], made=False)
+    if claim.number is not None:
+        place = claim.place.episode(claim.number).phys_meta
+    try:
+        task, digest = load_task(conditions.setting.task), conditions.assets.get("digest", "")
+        scene = Scene(claim, task, _pack(digest), folder)
+        _check_rules(scene.recipe.setting, conditions)
+        found = _accepted(scene) if claim.number is not None else _rejected(scene)
+        others = scene.others()
+    except RtphysError as error:
+        text = f"seed {claim.seed} cannot be made again: {error}"
+        return Comparison([(place, text)], made=False)
+    if others:
+        named = ", ".join(clause.partition(" was ")[0] for clause in others)
+        suffix = f" (others here than in the collection: {named})"
+        found.problems = [(path, text + suffix) for path, text in found.problems]
+        found.notes.append(f"{claim.place.name}: made again with others: {'; '.join(others)}")
+    return found
+
+
+@lru_cache(maxsize=4)
+def _pack(digest: str) -> Pack:
+    """The pack of the collection, or the one in use, which then stands in."""
+    return pack_with(digest) or default_pack()
+
+
+def _on(pack: Pack, setting: Setting) -> Setting:
+    """With the robot's name; conditions keep that of its folder."""
+    names = {embodiment_folder(name): name for name in pack.embodiments}
+    return replace(setting, embodiment=names.get(setting.embodiment, setting.embodiment))
+
+
+def _check_rules(setting: Setting, conditions: Conditions) -> None:
+    """Raises `BadValue`: the protocol of that name does not draw as the manifest says."""
+    look = setting.visual()
+    drawn = {
+        "domain": (setting.domain.to_json().get("digest"), conditions.domain.get("digest")),
+        "visual": (None if look is None else look.to_json(), conditions.visual),
+    }
+    for key, (here, stored) in drawn.items():
+        if here != stored:
+            allowed = f"protocol {setting.protocol} has {here!r} here"
+            raise BadValue(key, stored, allowed, "manifest.json")
+
+
+# ---- accepted ------------------------------------------------------------------------------------
+
+
+def _accepted(scene: Scene) -> Comparison:
+    claim, number = scene.claim, scene.claim.number
+    assert number is not None
+    paths = claim.place.episode(number)
+    tried = attempt(scene.recipe, scene.task, scene.pack, touch=scene.touch)
+    if not tried.accepted:
+        text = f"made again it is rejected: {tried.reason} ({tried.detail})"
+        return Comparison([(paths.phys_meta, text)])
+    made = made_again(tried, scene)
+    made = replace(made, label=_as_given({**made.label, "episode": number}, claim))
+    found = compare_episode(paths, claim.place.layout, made)
+    found.problems += _side_files(claim, tried, made)
+    own = replace(scene.recipe.setting, ranges=None).domain
+    if own.digest != claim.conditions.domain.get("digest"):
+        text = "drawn from the manifest's domain, which is not the task's own here"
+        found.notes.append(f"{claim.place.name}: {text}")
+    if made.folder is None:
+        text = "pictures, video and camera poses were not drawn again: no device to draw with"
+        found.notes.append(f"{claim.place.name}: {text}")
+    return found
+
+
+def made_again(tried: Attempt, scene: Scene) -> Made:
+    """The episode as `collect` stores it; without pictures where none can be drawn."""
+    assert tried.recording is not None
+    if not pictures_ready():
+        assert tried.instance is not None
+        episode = assemble(tried, Photographs({}, {}, iter(()), tried.instance.look), scene.pack)
+        label = checked("phys_meta", {"recipe": episode.recipe, **episode.phys_meta, "episode": 0})
+        scene_info = checked("scene_info", episode.scene_info)
+        words = checked("instruction", episode.instructions)
+        return Made(episode.frames, label, scene_info, words, None)
+    asked = scene.claim.conditions
+    filming = Filming(asked.cameras, asked.senses or (), asked.camera_type, asked.size)
+    film = Film.of(tried.recording)
+    pictures = photograph(scene.recipe, scene.task, scene.pack, film, filming)
+    episode = assemble(tried, pictures, scene.pack)
+    staged = stage_episode(scene.folder, episode, scene.claim.place.layout)
+    with open_read(scene.folder / HDF5) as file:
+        frames = read_record(file)
+    words = checked("instruction", episode.instructions)
+    return Made(frames, staged.phys_meta, staged.scene_info, words, scene.folder)
+
+
+def _as_given(label: Mapping[str, JSON], claim: Claim) -> dict[str, JSON]:
+    """The new label with what may differ from the stored one: versions, and a domain by name.
+
+    The recipe of a domain of the user's own holds it, that of a task's own does not.
+    """
+    assert claim.number is not None
+    recipe = label["recipe"]
+    assert isinstance(recipe, Mapping)
+    path, own = claim.place.episode(claim.number).phys_meta, {**recipe}
+    stored: JSON = None
+    with suppress(BadFile):  # which the comparison names
+        stored = parse_mapping(files.read(path), path).get("recipe")
+    if not isinstance(stored, Mapping) or "ranges" not in stored:
+        own.pop("ranges", None)
+    return {**label, "recipe": own, "versions": {**claim.conditions.versions}}
+
+
+def _side_files(claim: Claim, tried: Attempt, made: Made) -> list[tuple[Path, str]]:
+    """What the journal and scene_info.json say of the episode otherwise."""
+    assert tried.instance is not None
+    place = claim.place
+    expected: dict[str, JSON] = {
+        "frames": len(made.frames),
+        "scene_info": {**made.scene_info},
+        "physics": plain(values(tried.instance.physics, tried.instance.props)),
+        "recovered": tried.recording is not None and tried.recording.recovered,
+    }
+    recorded = {"recovered": False} | {k: v for k, v in claim.recorded.items() if k in expected}
+    shared = {key: value for key, value in expected.items() if key in recorded}
+    texts = [
+        (place.journal, f"seed {claim.seed}: {text}") for text in json_differences(recorded, shared)
+    ]
+    try:
+        scenes = parse_mapping(files.read(place.scene_info), place.scene_info)
+    except BadFile as error:
+        return [*texts, (place.scene_info, error.problem)]
+    key = f"episode_{claim.number}"
+    return texts + [
+        (place.scene_info, text)
+        for text in json_differences(scenes.get(key), {**made.scene_info}, key)
+    ]
+
+
+# ---- rejected ------------------------------------------------------------------------------------
+
+
+def _rejected(scene: Scene) -> Comparison:
+    """Tries a rejected seed again; half a pair of twins may have been accepted."""
+    claim = scene.claim
+    tried = attempt(scene.recipe, scene.task, scene.pack)
+    if tried.accepted and claim.twin is not None:
+        twin = _on(scene.pack, claim.twin)
+        other = attempt(Recipe(twin, claim.seed), scene.task, scene.pack)
+        if not other.accepted:
+            why = f"under {twin.protocol}: {other.reason}"
+            tried = replace(tried, reason="untwinned", detail=why)
+    said = f"seed {claim.seed} is recorded as rejected ({claim.recorded.get('reason')})"
+    if tried.accepted:
+        return Comparison([(claim.place.journal, f"{said}, tried again it is accepted")])
+    expected = rejection(tried).entry()
+    shared = {key: value for key, value in expected.items() if key in claim.recorded}
+    texts = json_differences({key: claim.recorded[key] for key in shared}, shared)
+    return Comparison([(claim.place.journal, f"{said}: {text}") for text in texts])

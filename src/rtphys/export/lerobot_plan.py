@@ -7,6 +7,7 @@ from fractions import Fraction
 from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data.dataset import Episode
+from rtphys.data.episode import official_camera
 
 VERSIONS = ("v3.0", "v2.1")
 CAMERA_NAMES: dict[str, dict[str, str]] = {
@@ -87,11 +88,8 @@ class Plan:
             }
         for camera in self.depth:
             pixels = len(range(0, height, DEPTH_STEP)) * len(range(0, width, DEPTH_STEP))
-            features[self.depth_key(camera)] = {
-                "dtype": "float32",
-                "shape": [pixels],
-                "names": None,
-            }
+            rows = {"dtype": "float32", "shape": [pixels], "names": None}
+            features[self.depth_key(camera)] = rows
         features["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
         features |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
         return features
@@ -167,6 +165,7 @@ def _names(naming: str, cameras: tuple[str, ...]) -> dict[str, str]:
     chosen: dict[str, str] = {}
     for pair in naming.split(","):
         camera, _, name = pair.partition("=")
+        camera = official_camera(camera)
         if camera not in cameras:
             raise UnknownName("camera", camera, cameras)
         if not name or "/" in name or name in chosen.values():

@@ -1,6 +1,6 @@
 """A task as a Gymnasium environment, with the same worlds as `rtphys evaluate`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import gymnasium
 import numpy as np
@@ -15,6 +15,7 @@ from rtphys.episode.privileged import joint_positions, object_poses
 from rtphys.gym import spaces as shapes
 from rtphys.gym.choice import Choice, certified_seed, choose
 from rtphys.gym.physics import numbers
+from rtphys.setting.filming import Filming
 from rtphys.setting.protocol import load_protocol
 from rtphys.task.spec import load_task
 
@@ -37,13 +38,15 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         protocol: clean, official_random, phys_random, phys_random_all, or a library's own.
         obs: "state" (commands, measurements, object poses) or "pixels" (commands, pictures).
         show_physics: add the 13 attributes to observations, under "physics".
+        senses: also observe "depth" [m], "segmentation" (ids of bodies, named in `info["bodies"]`)
+            or "pointcloud", each under its name.
         render_mode: "rgb_array", the picture of the head camera.
         control: "official": each action is a motion from rest to rest and lasts until it ends;
             "tracking": each action lasts one frame (60 ms), and the arms continue at their present
             speed, as on a real robot.
 
     Raises:
-        UnknownName: no such task, protocol, control or kind of observation.
+        UnknownName: no such task, protocol, control, sense or kind of observation.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 17}  # noqa: RUF012 - as in gymnasium
@@ -56,6 +59,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         show_physics: bool = False,
         render_mode: str | None = None,
         control: str = "official",
+        senses: Sequence[str] = (),
     ) -> None:
         if obs not in MODES:
             raise UnknownName("observation", obs, MODES)
@@ -74,11 +78,14 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             parts = shapes.pixels(bounds, CAMERAS)
         if show_physics:
             parts["physics"] = shapes.physics()
+        self._filming = Filming(CAMERAS, tuple(senses))
+        parts |= shapes.sensed(self._filming)
         self.action_space = shapes.commands(bounds)
         space = spaces.Dict(parts)
         self.observation_space = space  # pyright: ignore[reportAttributeAccessIssue] - of mappings
         self._episode: PolicyEpisode | None = None
         self._attempts = 0
+        self._bodies: tuple[str, ...] = ()  # name of each id, once it is known
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, object] | None = None
@@ -108,7 +115,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         for seed in range(first, first + MOST_SEEDS):
             self._attempts = seed - first + 1
             try:
-                return begin(choice.recipe(seed), self._task, self._pack, CAMERAS)
+                return begin(choice.recipe(seed), self._task, self._pack, self._filming)
             except Infeasible as problem:
                 if self._attempts == MOST_SEEDS:
                     raise problem
@@ -149,7 +156,19 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             shown["pixels"] = {name: now.images[name] for name in CAMERAS}
         if self._show_physics:
             shown["physics"] = numbers(self._running().instance)
-        return shown
+        return shown | self._sensed(now)
+
+    def _sensed(self, now: Observation) -> Obs:
+        """What was asked for beyond colours; draws only then."""
+        found: Obs = {}
+        if "depth" in self._filming.senses:
+            found["depth"] = {name: now.cameras[name].depth for name in CAMERAS}
+        if "segmentation" in self._filming.senses:
+            found["segmentation"] = {name: now.cameras[name].actors for name in CAMERAS}
+            self._bodies = now.view.names["actor"]
+        if "pointcloud" in self._filming.senses:
+            found["pointcloud"] = now.cloud
+        return found
 
     def _state(self, now: Observation) -> Obs:
         episode = self._running()
@@ -177,4 +196,5 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             "success": episode.success,
             "reason": episode.reason,
             "time": episode.rollout.scene.time,
+            **({"bodies": self._bodies} if self._bodies else {}),
         }

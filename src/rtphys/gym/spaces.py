@@ -8,7 +8,10 @@ from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Embodiment
+from rtphys.core.errors import UnknownName
 from rtphys.physics import attributes
+from rtphys.setting.filming import Filming
+from rtphys.setting.senses import CLOUD_POINTS
 from rtphys.task.props import Articulated, Prop
 
 SHAPE = (240, 320, 3)  # of a picture, RGB
@@ -54,6 +57,32 @@ def pixels(bounds: Limits, cameras: Sequence[str]) -> dict[str, spaces.Space]:
         "agent_pos": commands(bounds),
         "pixels": spaces.Dict(views),
     }
+
+
+def sensed(filming: Filming) -> dict[str, spaces.Space]:
+    """Parts for the senses: depth [m], ids of bodies, a point cloud.
+
+    Raises:
+        UnknownName: one that is not drawn.
+    """
+    each: dict[str, tuple[float, type[np.generic]]] = {
+        "depth": (np.inf, np.float32),
+        "segmentation": (255, np.uint8),
+    }
+    found: dict[str, spaces.Space] = {}
+    for sense in filming.senses:
+        if sense == "pointcloud":
+            found[sense] = _numbers(CLOUD_POINTS, 6)
+        elif sense in each:
+            most, kind = each[sense]
+            views: dict[str, spaces.Space] = {
+                name: spaces.Box(0, most, SHAPE[:2], kind)  # type: ignore[arg-type] - a dtype
+                for name in filming.cameras
+            }
+            found[sense] = spaces.Dict(views)
+        else:
+            raise UnknownName("observed sense", sense, (*each, "pointcloud"))
+    return found
 
 
 def physics() -> spaces.Dict:

@@ -29,6 +29,8 @@ class Attribute(ABC, Generic[Target, Label]):
     nominal: ClassVar[float | Vector | None]  # None: the asset's own value
     valid: ClassVar[Interval]  # range of the simulator; a held value may go so far
     when: ClassVar[Literal["before_build", "after_build"]] = "after_build"
+    # Keys of attributes that write the same quantity and must have written it before this one does.
+    applied_after: ClassVar[tuple[str, ...]] = ()
     size: ClassVar[int] = 1  # number of components, each drawn on its own
     resolution: ClassVar[float] = 0.0  # absolute error of `read` in single precision
     # [1] Share of the value by which the world may differ: what `physics audit` resolves.

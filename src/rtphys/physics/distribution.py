@@ -28,6 +28,10 @@ class Distribution(Protocol):
         """Whether `other` could draw every value that this rule can draw."""
         ...
 
+    def narrowed(self, share: float, centre: Value) -> "Distribution":
+        """The rule with every value moved towards `centre`, to this share of the distance."""
+        ...
+
     def to_json(self) -> JsonRule: ...
 
     def __str__(self) -> str:
@@ -59,6 +63,11 @@ class Uniform(_Range):
         drawn = rng.uniform(self.interval.low, self.interval.high, size)
         return float(drawn[0]) if size == 1 else tuple(float(x) for x in drawn)
 
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        low, high = self.interval.low, self.interval.high
+        about = _number(centre, low)
+        return Uniform(Interval(_towards(about, low, share), _towards(about, high, share)))
+
     def to_json(self) -> JsonRule:
         return {"uniform": [self.interval.low, self.interval.high]}
 
@@ -82,6 +91,12 @@ class LogUniform(_Range):
         # exp(log(x)) may leave the interval by one rounding.
         drawn = [min(max(exp(e), low), high) for e in exponents]
         return drawn[0] if size == 1 else tuple(drawn)
+
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        low, high = self.interval.low, self.interval.high
+        about = log(_number(centre, low) or low)
+        ends = (exp(_towards(about, log(end), share)) for end in (low, high))
+        return LogUniform(Interval(*ends))
 
     def to_json(self) -> JsonRule:
         return {"log_uniform": [self.interval.low, self.interval.high]}
@@ -110,6 +125,14 @@ class Fixed:
     def within(self, other: Distribution) -> bool:
         return self.value in other
 
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        if isinstance(self.value, str):
+            return self
+        if isinstance(self.value, tuple):
+            about = _number(centre, 0.0)
+            return Fixed(tuple(_towards(about, x, share) for x in self.value))
+        return Fixed(_towards(_number(centre, self.value), self.value, share))
+
     def to_json(self) -> JsonRule:
         return list(self.value) if isinstance(self.value, tuple) else self.value
 
@@ -134,6 +157,13 @@ class Choice:
     def within(self, other: Distribution) -> bool:
         return all(option in other for option in self.options)
 
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        least = min((o for o in self.options if isinstance(o, float)), default=0.0)
+        about = _number(centre, least)
+        return Choice(
+            tuple(o if isinstance(o, str) else _towards(about, o, share) for o in self.options)
+        )
+
     def to_json(self) -> JsonRule:
         return {"choice": list(self.options)}
 
@@ -157,6 +187,9 @@ class Direction:
 
     def within(self, other: Distribution) -> bool:
         return isinstance(other, Direction)
+
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        return self
 
     def to_json(self) -> JsonRule:
         return {"direction": 3}
@@ -186,6 +219,9 @@ class By:
             )
         return all(rule.within(other) for rule in self.branches.values())
 
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        return By(self.selector, {n: r.narrowed(share, centre) for n, r in self.branches.items()})
+
     def to_json(self) -> JsonRule:
         return {"by": {self.selector: {n: r.to_json() for n, r in self.branches.items()}}}
 
@@ -208,11 +244,25 @@ class SameAs:
     def within(self, other: Distribution) -> bool:
         return self == other
 
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        return self  # its source is narrowed
+
     def to_json(self) -> JsonRule:
         return {"same_as": self.source}
 
     def __str__(self) -> str:
         return f"same as {self.source}"
+
+
+def _towards(centre: float, end: float, share: float) -> float:
+    return centre + share * (end - centre) if share < 1 else end
+
+
+def _number(centre: Value, otherwise: float) -> float:
+    """The centre of one component: 0 for a vector's, `otherwise` where only the asset has one."""
+    if isinstance(centre, tuple):
+        return float(centre[0])
+    return float(centre) if isinstance(centre, int | float) else otherwise
 
 
 def narrows(child: Distribution, parent: Distribution) -> bool:

@@ -3,10 +3,11 @@
 import hashlib
 import json
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import cast
 
+from rtphys.core.errors import UnknownName
 from rtphys.core.seeds import Chance
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import Distribution, JsonRule, SameAs
@@ -94,6 +95,39 @@ class Domain:
                 return False
             return rule.source in held or value in self.rules[rule.source]
         return rule is not None and value in rule
+
+    def of(self, keys: Collection[str]) -> "Domain":
+        """The part of it that varies these attributes; each keeps its stream, so its draws.
+
+        What follows another attribute (`same_as`) that is left out has that one's rule itself.
+
+        Raises:
+            UnknownName: it has no rule for one of them.
+        """
+        kept: dict[str, Distribution] = {k: r for k, r in self.rules.items() if k in AUXILIARY}
+        for key in keys:
+            if key not in self.keys:
+                raise UnknownName(f"attribute of domain {self.name}", key, self.keys)
+            rule = self.rules[key]
+            if isinstance(rule, SameAs) and rule.source not in keys:
+                rule = self.rules[rule.source]
+            kept[key] = rule
+        return replace(
+            self, rules=kept, sources={k: v for k, v in self.sources.items() if k in kept}
+        )
+
+    def narrowed(self, share: float) -> "Domain":
+        """Every range drawn towards the nominal value, to this share of its width.
+
+        The same seed draws the same point of the narrower range. A quantity whose nominal value is
+        the asset's own (`object_joint_damping`) goes towards the lower end of its range.
+        """
+        known = attributes()
+        rules = {
+            key: rule.narrowed(share, known[key].nominal) if key in known else rule
+            for key, rule in self.rules.items()
+        }
+        return replace(self, rules=rules)
 
     def to_json(self) -> dict[str, object]:
         """The resolved domain as plain JSON, for a manifest."""

@@ -1,10 +1,15 @@
 """Writes an episode's physics into the simulator, and checks that the simulator has it."""
 
-from collections.abc import Collection
+import inspect
+from collections.abc import Collection, Generator
+from contextlib import contextmanager
+from pathlib import Path
 
+from rtphys.core.errors import BadFile, RtphysError
+from rtphys.core.python_file import line_of
 from rtphys.physics.attribute import AnyAttribute, Part, Reading
 from rtphys.physics.handles import Blueprint, World
-from rtphys.physics.registry import attributes
+from rtphys.physics.registry import in_order
 from rtphys.physics.values import Physics
 
 
@@ -18,7 +23,8 @@ def enforce(target: Blueprint | World, physics: Physics) -> None:
     for attribute in _for_episode(physics):
         value = physics[attribute.key]
         if attribute.when == stage and value is not None:
-            attribute.apply(target, value)
+            with _naming(attribute, "apply"):
+                attribute.apply(target, value)
 
 
 def acting(physics: Physics, parts: Collection[Part]) -> frozenset[str]:
@@ -28,7 +34,11 @@ def acting(physics: Physics, parts: Collection[Part]) -> frozenset[str]:
 
 def read_back(world: World, physics: Physics) -> dict[str, dict[str, Reading]]:
     """Attribute key -> name of body, surface or joint -> the simulator's value, in label units."""
-    return {attribute.key: attribute.read(world) for attribute in _for_episode(physics)}
+    found: dict[str, dict[str, Reading]] = {}
+    for attribute in _for_episode(physics):
+        with _naming(attribute, "read"):
+            found[attribute.key] = attribute.read(world)
+    return found
 
 
 def disagreements(world: World, physics: Physics) -> list[str]:
@@ -37,9 +47,23 @@ def disagreements(world: World, physics: Physics) -> list[str]:
     for attribute in _for_episode(physics):
         value = physics[attribute.key]
         if value is not None:
-            wrong += attribute.disagreements(world, value)
+            with _naming(attribute, "read"):
+                wrong += attribute.disagreements(world, value)
     return wrong
 
 
 def _for_episode(physics: Physics) -> list[AnyAttribute]:
-    return [a.for_episode(physics) for key, a in attributes().items() if key in physics]
+    return [a.for_episode(physics) for a in in_order() if a.key in physics]
+
+
+@contextmanager
+def _naming(attribute: AnyAttribute, method: str) -> Generator[None]:
+    """Turns what an attribute raises into an error that names its file and line."""
+    try:
+        yield
+    except RtphysError:
+        raise
+    except Exception as error:
+        path = Path(inspect.getfile(type(attribute)))
+        what = f"{attribute.key}.{method} raises {type(error).__name__}: {error}"
+        raise BadFile(path, what + line_of(error, path)) from error

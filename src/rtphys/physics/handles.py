@@ -5,9 +5,9 @@ All numbers are in SI units. Every `nominal_*` is the asset's own value as built
 property without `nominal_` reads the simulator itself, never a cache.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 from numpy.typing import ArrayLike
 
@@ -15,6 +15,7 @@ from rtphys.core.poses import Array, Pose
 
 GRAVITY = 9.81  # [m/s^2] along -z, SAPIEN's default
 
+Hook = Callable[[], None]  # runs at every physics step
 Material = tuple[float, float, float]  # static friction, dynamic friction, restitution
 
 
@@ -32,6 +33,11 @@ class Body(Protocol):
 
     @property
     def name(self) -> str: ...
+    @property
+    def component(self) -> Any:
+        """SAPIEN's own object, for what this handle does not reach."""
+        ...
+
     @property
     def nominal_mass(self) -> float:
         """[kg]"""
@@ -95,6 +101,11 @@ class Joint(Protocol):
     @property
     def name(self) -> str: ...
     @property
+    def joint(self) -> Any:
+        """SAPIEN's own joint."""
+        ...
+
+    @property
     def kind(self) -> Literal["revolute", "prismatic"]: ...
     @property
     def nominal_damping(self) -> float:
@@ -117,6 +128,11 @@ class Servo(Protocol):
 
     @property
     def name(self) -> str: ...
+    @property
+    def joint(self) -> Any:
+        """SAPIEN's own joint."""
+        ...
+
     @property
     def nominal_damping(self) -> float: ...
     @property
@@ -144,6 +160,24 @@ class World(Protocol):
     """The parts of a built scene that physical attributes read and write."""
 
     external_force: float  # [m g] along world +X at every body's CoM, in the policy stage only
+
+    @property
+    def scene(self) -> Any:
+        """SAPIEN's own scene, for what these handles do not reach."""
+        ...
+
+    @property
+    def step_hooks(self) -> Mapping[str, tuple[Hook | None, Hook | None]]:
+        """What `on_step` was called with, by key; `read` may look into its own."""
+        ...
+
+    def on_step(self, key: str, before: Hook | None = None, after: Hook | None = None) -> None:
+        """Calls `before` ahead of every physics step (4 ms), and `after` behind it.
+
+        It begins with the episode's settling. `key`, the attribute's, names the pair: a second call
+        with it takes the place of the first. Forces must be added anew ahead of every step.
+        """
+        ...
 
     @property
     def bodies(self) -> Sequence[Body]: ...

@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import pkgutil
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -49,7 +50,36 @@ def _attributes(files: tuple[Path, ...]) -> Attributes:
         if (key := cls.key) in by_key:
             raise BadFile(where, f"attribute {key!r} exists already, in {origin[key]}")
         by_key[key], origin[key] = cls(), where
-    return MappingProxyType(dict(sorted(by_key.items())))
+    known = MappingProxyType(dict(sorted(by_key.items())))
+    _order(known, origin)
+    return known
+
+
+def in_order() -> tuple[AnyAttribute, ...]:
+    """All attributes as they are applied: by key, but each behind its `applied_after`."""
+    return _order(attributes(), {})
+
+
+def _order(known: Attributes, origin: Mapping[str, str]) -> tuple[AnyAttribute, ...]:
+    """Raises `UnknownName`, or `BadFile` for a circle; `origin`: key -> file, for the messages."""
+    done: dict[str, AnyAttribute] = {}
+
+    def place(key: str, below: tuple[str, ...]) -> None:
+        if key in below:
+            circle = " -> ".join((*below[below.index(key) :], key))
+            raise BadFile(origin.get(key, key), f"applied_after leads in a circle: {circle}")
+        if key not in done:
+            for before in known[key].applied_after:
+                if before not in known:
+                    raise UnknownName(
+                        "attribute in applied_after", before, known, origin.get(key, "")
+                    )
+                place(before, (*below, key))
+            done[key] = known[key]
+
+    for key in known:
+        place(key, ())
+    return tuple(done.values())
 
 
 def _classes(files: tuple[Path, ...]) -> list[tuple[type[AnyAttribute], str]]:

@@ -29,6 +29,7 @@ def split(text: str, more: Mapping[str, str] | None = None) -> tuple[str, Option
     """
     rest, _, tail = text.partition("?")
     try:
+        tail = tail.replace("+", "%2B")  # a plus is a plus, as in the path before `?`
         pairs = parse_qsl(tail, keep_blank_values=True, strict_parsing=bool(tail))
     except ValueError as error:
         raise BadValue("policy", text, "options are ?key=value&key=value") from error

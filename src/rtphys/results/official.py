@@ -8,13 +8,17 @@ from rtphys.data import files
 FOLDER = "eval_result"
 
 
-def result_file(out: Path, task: str, policy: str, protocol: str) -> Path:
-    """`<out>/eval_result/<task>/<policy>/<protocol>/rtphys/_result_{clean,random}.txt`.
+def result_folder(out: Path, task: str, policy: str, protocol: str) -> Path:
+    """`<out>/eval_result/<task>/<policy>/<protocol>/rtphys`, where the result files lie.
 
     Scripts search the folder of a configuration for `_result*.txt` at any depth.
     """
-    kind = "clean" if protocol == "clean" else "random"
-    return out / FOLDER / task / policy / protocol / "rtphys" / f"_result_{kind}.txt"
+    return out / FOLDER / task / policy / protocol / "rtphys"
+
+
+def result_names(protocol: str) -> tuple[str, str]:
+    """Both names that RoboTwin's versions have given the file, and that sweeps look for."""
+    return "_result.txt", f"_result_{'clean' if protocol == 'clean' else 'random'}.txt"
 
 
 def result_text(split: str, rollouts: int, slots: int, successes: int, when: datetime) -> str:
@@ -33,8 +37,12 @@ def result_text(split: str, rollouts: int, slots: int, successes: int, when: dat
     )
 
 
-def write_result(path: Path, split: str, counts: tuple[int, int, int]) -> None:
-    """Write a result file; `counts` are (rollouts, slots, successes). Raises `CannotWrite`."""
-    files.make_folder(path.parent)
+def write_result(folder: Path, protocol: str, split: str, counts: tuple[int, int, int]) -> None:
+    """Write a result under both names; `counts` are (rollouts, slots, successes).
+
+    Raises `CannotWrite`.
+    """
+    files.make_folder(folder)
     text = result_text(split, *counts, datetime.now(UTC))
-    files.replace_file(path, text.encode())
+    for name in result_names(protocol):
+        files.replace_file(folder / name, text.encode())

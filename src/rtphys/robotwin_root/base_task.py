@@ -9,7 +9,9 @@ from rtphys.core.errors import Infeasible, RtphysError, UnknownName
 from rtphys.episode import begin
 from rtphys.episode.control import ActionKind
 from rtphys.episode.generate import attempt
+from rtphys.policies.robotwin.observation import DATA_TYPES
 from rtphys.policies.robotwin.task_env import TaskEnv
+from rtphys.setting.filming import Filming
 from rtphys.setting.protocol import protocol_names
 from rtphys.setting.setting import Recipe, Setting
 from rtphys.task.instructions import scene_info
@@ -75,10 +77,16 @@ class Base_Task(TaskEnv):
         ).at(seed)
         self._init_task_env_(recipe)
 
+    @property
+    def filming(self) -> Filming:
+        """What observations show: the senses that `data_type` asks for, under RoboTwin's names."""
+        asked = {sense for key, sense in DATA_TYPES.items() if self.data_type.get(key)}
+        return Filming(senses=tuple(sorted(asked)))
+
     def _init_task_env_(self, recipe: Recipe) -> None:
         task, pack = load_task(recipe.task), default_pack()
         try:
-            self.begin_episode(begin(recipe, task, pack))
+            self.begin_episode(begin(recipe, task, pack, self.filming))
         except Infeasible as problem:
             raise UnStableError(str(problem)) from problem
         self._made, self._demonstrated, self.plan_success = (recipe, task, pack), None, True

@@ -17,7 +17,7 @@ from rtphys.policies.robotwin.plugin import Plugin, plugin_named
 from rtphys.policies.robotwin.policy import SKIP, play
 from rtphys.results.instance_file import instance_file, read_instances
 from rtphys.results.instances import BENCHMARK, FIRST_SEED
-from rtphys.results.official import result_text
+from rtphys.results.official import result_names, result_text
 from rtphys.robotwin_root.base_task import Base_Task, UnStableError, protocol_of
 
 MAX_INFEASIBLE = 200  # consecutive infeasible seeds after which the search ends
@@ -138,7 +138,7 @@ class Run:
         print(f"{header}\nSuccess rate: {env.suc}/{env.test_num} => {rate:.1f}%, seed {seed}")
 
     def write(self) -> Path:
-        """Write the result file and return its path. Raises `CannotWrite`."""
+        """Write the result under both names; returns `_result_*.txt`. Raises `CannotWrite`."""
         now, args = datetime.now(UTC), self.usr_args
         config = str(self.args["task_config"])
         below = Path("eval_result", self.env.task_name, self.plugin.name, config)
@@ -146,9 +146,9 @@ class Run:
         folder = self.root / Path(str(args.get("eval_output_dir") or below))
         split = str(args["instruction_type"])
         text = result_text(split, self.env.test_num, self.slots, self.env.suc, now)
-        kind = "clean" if protocol_of(self.args) == "clean" else "random"
         files.make_folder(folder)
-        path = folder / f"_result_{kind}.txt"
-        files.replace_file(path, text.encode())
+        *_, path = paths = [folder / name for name in result_names(protocol_of(self.args))]
+        for one in paths:
+            files.replace_file(one, text.encode())
         print(f"Data has been saved to {os.path.relpath(path, self.root)}")
         return path

@@ -7,6 +7,7 @@ from typing import cast
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.physics.registry import attribute, attributes
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,8 @@ class Protocol:
     visual: VisualRules | None  # None: the appearance does not vary
     physics: bool  # whether the physics is drawn from the task's domain
     what: str
+    only: tuple[str, ...] = ()  # attributes that vary alone; empty: all of the domain
+    width: float = 1.0  # share of each range about the nominal value that is drawn from
 
 
 OFFICIAL = VisualRules(
@@ -106,23 +109,43 @@ BUILTIN = (
 )
 
 
+SEVERITIES = (25, 50, 100)  # [%] of the width of every range
+ONE_FACTOR, SEVERITY = "only_", "severity_"  # beginnings of names
+
 PAPER = "phys_random_all"
 """The paper's Physical Random: what is collected where no protocol is named."""
 
 
+def one_factor(key: str) -> Protocol:
+    """The protocol in which one attribute varies over its full range, and all else is nominal."""
+    return Protocol(f"{ONE_FACTOR}{key}", None, True, f"{key} alone", only=(key,))
+
+
+def severity(percent: int) -> Protocol:
+    """The protocol `phys_random_all` with ranges narrowed to a share of their width."""
+    what = f"as phys_random_all, ranges at {percent} % of their width"
+    return Protocol(f"{SEVERITY}{percent}", BESIDE_PHYSICS, True, what, width=percent / 100)
+
+
+def _derived() -> dict[str, Protocol]:
+    """One-factor protocols of every attribute, and the severities."""
+    rows = [*map(one_factor, attributes()), *map(severity, SEVERITIES)]
+    return {row.name: row for row in rows}
+
+
 def protocols() -> dict[str, Protocol]:
-    """All protocols by name: the builtin ones, then those of the libraries.
+    """All protocols by name: the builtin ones, those derived of them, those of the libraries.
 
     Raises:
         BadFile, BadValue, UnknownName: a library's file cannot be read.
     """
     own = {name: read_protocol(path) for name, path in library.names("protocols").items()}
-    return {row.name: row for row in BUILTIN} | own
+    return {row.name: row for row in BUILTIN} | _derived() | own
 
 
 def protocol_names() -> tuple[str, ...]:
     """Names of all protocols, from file names alone."""
-    builtin = tuple(row.name for row in BUILTIN)
+    builtin = (*(row.name for row in BUILTIN), *_derived())
     return (*builtin, *(name for name in library.names("protocols") if name not in builtin))
 
 
@@ -136,6 +159,8 @@ def load_protocol(name: str) -> Protocol:
     for row in BUILTIN:
         if row.name == name:
             return row
+    if name.startswith((ONE_FACTOR, SEVERITY)) and name in (derived := _derived()):
+        return derived[name]
     if name not in protocol_names():
         raise UnknownName("protocol", name, protocol_names())
     return read_protocol(library.find("protocols", name))
@@ -144,14 +169,16 @@ def load_protocol(name: str) -> Protocol:
 def read_protocol(path: Path) -> Protocol:
     """Read a protocol: `what`, `physics: true|false`, and `visual`, a mapping or `official`.
 
+    With physics, `only` may list the attributes that vary, and `width` narrow every range.
+
     Raises:
         BadFile, BadValue, UnknownName: a mistake in the file; they name it.
     """
     content = library.read_yaml(path)
     for key in content:
-        if key not in ("what", "physics", "visual"):
-            raise UnknownName("key of a protocol", key, ("what", "physics", "visual"), path)
-    if any(row.name == path.stem for row in BUILTIN):
+        if key not in _KEYS:
+            raise UnknownName("key of a protocol", key, _KEYS, path)
+    if any(row.name == path.stem for row in BUILTIN) or path.stem in _derived():
         raise BadFile(path, f"{path.stem} is builtin; give the protocol another name")
     physics, visual = content.get("physics", False), content.get("visual")
     if not isinstance(physics, bool):
@@ -167,4 +194,27 @@ def read_protocol(path: Path) -> Protocol:
     if physics and rules is not None and rules.table_drop:
         allowed = "with `physics: true` the domain draws table_height; leave table_drop out"
         raise BadValue("table_drop", rules.table_drop, allowed, path)
-    return Protocol(path.stem, rules, physics, str(content.get("what", "")))
+    what = str(content.get("what", ""))
+    only, width = _alone(content.get("only"), path), _width(content.get("width", 1.0), path)
+    if not physics and (only or width < 1):
+        key = "only" if only else "width"
+        raise BadValue(key, content[key], "it needs `physics: true`", path)
+    return Protocol(path.stem, rules, physics, what, only, width)
+
+
+_KEYS = ("what", "physics", "visual", "only", "width")
+
+
+def _alone(raw: object, path: Path) -> tuple[str, ...]:
+    """Names of attributes: one, or a list."""
+    names = cast(list[object], raw) if isinstance(raw, list) else [raw] if raw is not None else []
+    try:
+        return tuple(attribute(str(name)).key for name in names)
+    except UnknownName as error:
+        raise UnknownName("attribute", error.name, error.known, path) from error
+
+
+def _width(raw: object, path: Path) -> float:
+    if isinstance(raw, bool) or not isinstance(raw, int | float) or not 0 <= raw <= 1:
+        raise BadValue("width", raw, "a share of the ranges' width, from 0 to 1", path)
+    return float(raw)

@@ -67,16 +67,20 @@ class Setting:
 
     @cached_property
     def domain(self) -> Domain:
-        """`ranges`, else the task's own domain; no rule at all under a protocol without physics.
+        """What the protocol draws of `ranges`, else of the task's own domain.
 
-        Attributes that `only` picks are drawn under every protocol.
+        No rule at all under a protocol without physics, but attributes that `only` picks are drawn
+        under every protocol.
 
         Raises:
-            UnknownName: no such protocol.
+            UnknownName: no such protocol; its one attribute has no rule in the domain.
         """
-        if self.only is None and not load_protocol(self.protocol).physics:
+        protocol = load_protocol(self.protocol)
+        if self.only is None and not protocol.physics:
             return NOMINAL
-        return self.ranges or domain_for_task(self.task)
+        whole = self.ranges or domain_for_task(self.task)
+        part = whole.of(protocol.only) if protocol.only else whole
+        return part.narrowed(protocol.width) if protocol.width < 1 else part
 
     def visual(self) -> VisualRules | None:
         """Rules of the look; None where it is that of `clean`. Raises `UnknownName`."""

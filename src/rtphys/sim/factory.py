@@ -19,7 +19,7 @@ from rtphys.sim.urdf import build_articulation, nominal_shape_size
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
 
 UNSTATED_DENSITY = 400.0  # [kg/m^3] for models whose pack states no mass (the official one)
-SPAWN_GAP = 0.001  # [m] above the table
+SPAWN_GAP = 0.001  # [m] above the table, of what may move
 
 
 class ObjectFactory:
@@ -53,9 +53,10 @@ class ObjectFactory:
         return self.X_WT @ prop.pose if prop.on_table else prop.pose
 
     def _stand(self, built: SceneObject) -> None:
-        """Move the object along the table normal until its lowest vertex is 1 mm above."""
+        """Move the object along the table normal: fixed ones stand on it, others 1 mm above."""
         lowest = (self.X_WT.inverse() @ built.points())[:, 2].min()
-        up = self.X_WT.R[:, 2] * (TABLE_TOP + SPAWN_GAP - lowest)
+        gap = 0.0 if built.prop.fixed else SPAWN_GAP
+        up = self.X_WT.R[:, 2] * (TABLE_TOP + gap - lowest)
         moved = to_sapien(built.pose.moved(up))
         if built.articulation is not None:
             built.articulation.set_root_pose(moved)

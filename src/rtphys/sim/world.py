@@ -11,7 +11,7 @@ from sapien import physx
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.core.poses import Pose
-from rtphys.physics.handles import GRAVITY, Blueprint
+from rtphys.physics.handles import GRAVITY, Blueprint, Hook
 from rtphys.sim.body import SimBody, SimJoint, SimServo, SimSurface
 from rtphys.sim.engine import RATE, new_scene
 from rtphys.sim.factory import ObjectFactory
@@ -63,6 +63,7 @@ class World:
         self.external_force = 0.0
         self.steps = 0  # since the world was built
         self.policy_stage = False  # the external force acts only when true
+        self.step_hooks: dict[str, tuple[Hook | None, Hook | None]] = {}  # before, after
 
     @property
     def scene_objects(self) -> dict[str, SceneObject]:
@@ -109,6 +110,9 @@ class World:
     def measured_force(self) -> dict[str, float]:
         return {b.name: self.external_force * b.mass * GRAVITY for b in self._bodies}
 
+    def on_step(self, key: str, before: Hook | None = None, after: Hook | None = None) -> None:
+        self.step_hooks[key] = (before, after)
+
     # ---- time ----------------------------------------------------------------------------------
 
     def step(self) -> None:
@@ -118,7 +122,13 @@ class World:
                 # Cleared by PhysX after every step, and applied at the centre of mass.
                 force = self.external_force * body.mass * GRAVITY
                 body.component.add_force_torque([force, 0.0, 0.0], [0.0, 0.0, 0.0])
+        for before, _ in self.step_hooks.values():
+            if before is not None:
+                before()
         self.solver.step()
+        for _, after in self.step_hooks.values():
+            if after is not None:
+                after()
         self.steps += 1
 
     def settle(self) -> None:

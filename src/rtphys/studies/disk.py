@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-from rtphys.core.errors import RtphysError
+from rtphys.core.errors import BadValue, RtphysError
 from rtphys.doctor import check_disk
 from rtphys.setting.filming import Filming
 from rtphys.setting.protocol import VisualRules
@@ -14,16 +14,19 @@ MOST_FRAMES = 250  # of most episodes
 LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it in memory twice
 
 
-def sensed_bytes(filming: Filming) -> float:
-    """What the senses of one episode take at most [bytes]."""
-    return MOST_FRAMES * filming.frame_bytes()
+def check_fits(filming: Filming) -> None:
+    """Refuses senses that would make an episode too large for a worker. Raises `BadValue`."""
+    if (size := MOST_FRAMES * filming.frame_bytes()) > LARGEST:
+        most = f"an episode has {LARGEST / 1e9:g} GB of them at most, not {size / 1e9:.1f}"
+        cure = "name fewer `cameras` or senses, or a smaller `size`"
+        raise BadValue("senses", ",".join(filming.senses), f"{most}; {cure}")
 
 
 def episode_bytes(filming: Filming, visual: VisualRules | None) -> float:
     """What one episode takes at most [bytes]. `visual`: the rules of its look."""
     share = TEXTURED if visual is not None and visual.textures else 1
     pictures = len(filming.cameras) * share * PICTURES * filming.picture_scale()
-    return pictures + sensed_bytes(filming)
+    return pictures + MOST_FRAMES * filming.frame_bytes()
 
 
 def check_space(out: Path, needed: float) -> None:

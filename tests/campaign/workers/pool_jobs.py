@@ -1,5 +1,6 @@
 """What the pools of test_local and test_ray do; workers import this file."""
 
+import atexit
 import os
 import signal
 import time
@@ -47,7 +48,9 @@ def _tries(job: Trouble) -> int:
 
 
 def act(what: str) -> None:
-    if what == "abort":
+    if what.startswith("farewell:"):
+        atexit.register(Path(what.removeprefix("farewell:")).touch)
+    elif what == "abort":
         os.abort()
     elif what == "killed":
         os.kill(os.getpid(), signal.SIGKILL)

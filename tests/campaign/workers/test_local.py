@@ -37,6 +37,13 @@ def test_every_job_is_done_by_as_many_processes_as_asked_for() -> None:
     assert os.getpid() not in pids
 
 
+def test_what_a_library_registered_for_the_end_is_run(tmp_path: Path) -> None:
+    """At the end of the campaign, and when a worker has done its number of jobs."""
+    run([Trouble(f"farewell:{tmp_path / 'end'}")])
+    run([Trouble(f"farewell:{tmp_path / 'spent'}"), Trouble()], 1, Limits(seconds=20, jobs=1))
+    assert {path.name for path in tmp_path.iterdir()} == {"end", "spent"}
+
+
 @pytest.mark.parametrize("death", ["abort", "exit", "killed"])
 def test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done(death: str) -> None:
     found = run([Trouble(), Trouble(death), Trouble(), Trouble()])

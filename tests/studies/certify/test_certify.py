@@ -90,3 +90,15 @@ def test_the_command(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "1 / 1" in done.output  # replay
     assert len(read_instances(instance_file(tmp_path, "clean", "click_bell")).feasible) == 1
+
+
+def test_one_factor_has_lists_where_it_acts(tmp_path: Path) -> None:
+    tasks, protocols = ("click_bell", "open_laptop"), ("only_object_joint_damping", "only_friction")
+    wanted = replace(plan(tmp_path), tasks=tasks, protocols=protocols).settings()
+    assert [(setting.task, setting.protocol) for setting in wanted] == [
+        ("open_laptop", "only_object_joint_damping"),
+        ("click_bell", "only_friction"),
+        ("open_laptop", "only_friction"),
+    ]
+    cameras = replace(plan(tmp_path), protocols=("only_camera_angle", "only_camera_distance"))
+    assert len(cameras.settings()) == 2

@@ -15,11 +15,11 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.journal import read_journal
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
+from rtphys.episode.assemble import rejection
 from rtphys.episode.generate import Attempt
 from rtphys.setting.setting import Setting
 from rtphys.studies.collect.plan import Run, TaskPlan
 from rtphys.studies.collect.run import collect, conditions_of, open_series
-from rtphys.studies.collect.work import rejection
 from rtphys.task.spec import load_task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]

@@ -142,6 +142,10 @@ def test_a_crash_of_the_policy_is_its_failure(pack: Pack) -> None:
 def test_a_policy_that_is_gone_stops_the_run_and_can_be_resumed(
     tmp_path: Path, lists: Path, pack: Pack
 ) -> None:
+    first = {str(SEEDS[0]): "gone"}
+    with pytest.raises(WorkerFailed, match="its server does not answer"):
+        evaluate(plan(tmp_path, lists, protocols=("clean",), options=first, workers=1), pack)
+    # A start that came to no result does not claim the folder for its options.
     gone = {str(SEEDS[1]): "gone"}
     with pytest.raises(WorkerFailed, match="its server does not answer") as told:
         evaluate(plan(tmp_path, lists, protocols=("clean",), options=gone, workers=1), pack)
@@ -255,7 +259,8 @@ def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None
 def test_a_dataset_is_replayed_on_its_own_seeds(tmp_path: Path, pack: Pack) -> None:
     data = tmp_path / "data"
     options = ["--task", TASK, "--episodes", "1", "--out", str(data), "--workers", "1"]
-    done = CliRunner().invoke(app, ["collect", *options, "--cameras", "head"])
+    clean = ["--protocol", "clean", "--cameras", "head"]
+    done = CliRunner().invoke(app, ["collect", *options, *clean])
     assert done.exit_code == 0, done.output
     out, policy = tmp_path / "out", f"replay:{data}"
     evaluate(plan(out, data, policy=policy, protocols=("clean",), episodes=1), pack)

@@ -6,13 +6,13 @@ import pytest
 
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.core import library
-from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.episode.fingerprint import fingerprint_of, packages
 from rtphys.episode.generate import attempt
 from rtphys.results.instance_file import read_instances
 from rtphys.results.instances import BENCHMARK
 from rtphys.setting.protocol import BUILTIN
 from rtphys.setting.setting import Setting
-from rtphys.studies.evaluate.lists import certified
+from rtphys.studies.evaluate.lists import certified, other_versions
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.task.spec import load_task
 
@@ -76,3 +76,11 @@ def test_the_expert_still_moves_as_listed(path: Path, pack: Pack) -> None:
     recipe = Setting(path.stem, path.parent.name).at(first.seed)
     recording = attempt(recipe, load_task(recipe.task), pack).recording
     assert recording is not None and recording.hash.startswith(first.state)
+
+
+def test_other_versions_of_packages_are_named_but_allowed() -> None:
+    now = packages()
+    assert other_versions({"versions": {**now, "python": "3.9.1", "rtphys": "0.0.1"}}) == []
+    told = other_versions({"versions": {**now, "numpy": "1.0"}})
+    assert told == [f"numpy was 1.0, now {now['numpy']}"]
+    assert other_versions({}) == []

@@ -40,7 +40,7 @@ class Mouse:
     width: float
     height: float
     length: float
-    power: float  # how boxy the cross-section is
+    power: float  # how boxy the cross-section is; below 3.5, steep sides slip out of the fingers
     mass: float
 
 
@@ -86,7 +86,7 @@ MODELS: Models = {
     "047_mouse": {
         0: partial(
             mouse,
-            Mouse(0.0430, 0.0260, 0.0875, 2.4, 0.075),
+            Mouse(0.0430, 0.0260, 0.0875, 4.0, 0.075),
             FLAT,
             (0.92, 0.92, 0.93),
             (0.25, 0.25, 0.27),
@@ -94,7 +94,7 @@ MODELS: Models = {
         ),
         1: partial(
             mouse,
-            Mouse(0.0440, 0.0308, 0.0778, 2.2, 0.082),
+            Mouse(0.0440, 0.0308, 0.0778, 3.6, 0.082),
             ROUND,
             (0.13, 0.13, 0.15),
             (0.80, 0.15, 0.12),
@@ -102,7 +102,7 @@ MODELS: Models = {
         ),
         2: partial(
             mouse,
-            Mouse(0.0720, 0.0470, 0.1300, 2.6, 0.125),
+            Mouse(0.0720, 0.0470, 0.1300, 4.0, 0.125),
             ROUND,
             (0.20, 0.34, 0.62),
             (0.75, 0.78, 0.80),

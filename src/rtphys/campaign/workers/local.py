@@ -5,6 +5,7 @@ caller's main module again in every worker. Workers are fresh interpreters, sinc
 has forked from a renderer hangs: `python -m rtphys.campaign.workers.local FD PARENT`.
 """
 
+import atexit
 import ctypes
 import os
 import signal
@@ -12,6 +13,8 @@ import subprocess
 import sys
 import time
 import traceback
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, Pipe, wait
 from pathlib import Path
@@ -27,11 +30,15 @@ PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
 CRASH, HANG = LOSSES
 RETRIES = 1  # after a crash or a hang that is the job's own doing
 FOREIGN_RETRIES = 3  # after a SIGKILL or SIGTERM that somebody else sent
+FAREWELL = 5.0  # [s] that idle workers have to close what they have open
+MEMORY_FOR_WORKERS = 0.9  # share of it all; the system needs some itself
 LOG_TAIL = 2000  # [characters] of what a dead worker said
 
 
 def main(connection: Connection, parent: int) -> None:
     """The worker: reads its import path, then `setup`, then jobs, until nobody sends any more.
+
+    A setup that has `finish` closes with it what its jobs have left open.
 
     It imports nothing of a robot itself, so that what it cannot load is an error like any other.
     """
@@ -40,14 +47,18 @@ def main(connection: Connection, parent: int) -> None:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it died before the line above
         os._exit(1)
+    setup: Callable[[], Callable[[object], object]] | None = None
     try:
         sys.path[:] = connection.recv()
-        work = connection.recv()()
+        setup = connection.recv()
+        assert setup is not None
+        work = setup()
         connection.send("ready")
         while True:
             connection.send(work(connection.recv()))
     except (EOFError, BrokenPipeError):
-        return
+        with suppress(Exception):  # nobody listens any more
+            getattr(setup, "finish", int)()
     except RtphysError as error:
         connection.send(WorkerFailed(str(error), error.exit_code))
     except BaseException as error:  # sent to the supervisor, who stops the run
@@ -79,8 +90,11 @@ class LocalPool(WorkerPool[J, R]):
     _workers: list[_Worker[J, R]] = field(default_factory=list[_Worker[J, R]], init=False)
 
     def __exit__(self, *_: object) -> None:
+        for worker in self._workers:
+            worker.line.close()  # all at once, so that they end together
+        deadline = time.monotonic() + FAREWELL
         for worker in list(self._workers):
-            self._remove(worker)
+            self._remove(worker, deadline)
 
     def _begin(self, job: Job[J, R]) -> None:
         idle = next((worker for worker in self._workers if worker.job is None), None)
@@ -111,9 +125,12 @@ class LocalPool(WorkerPool[J, R]):
         ours.send(self.setup)
         return worker
 
-    def _remove(self, worker: _Worker[J, R]) -> int:
-        """Ends a process; returns its exit status."""
+    def _remove(self, worker: _Worker[J, R], deadline: float = 0.0) -> int:
+        """Ends a process; returns its exit status. An idle one has until `deadline` to end."""
         worker.line.close()
+        if worker.job is None:
+            with suppress(subprocess.TimeoutExpired):
+                worker.process.wait(max(deadline - time.monotonic(), 0.0))
         worker.log.close()
         worker.process.kill()
         self._workers.remove(worker)
@@ -153,7 +170,7 @@ class LocalPool(WorkerPool[J, R]):
         worker.job, worker.done = None, worker.done + 1
         spent = resident_bytes(worker.process.pid) > self.limits.memory
         if spent or worker.done >= self.limits.jobs or worker.killed:  # killed a moment too late
-            self._remove(worker)
+            self._remove(worker, 0.0 if worker.killed else time.monotonic() + FAREWELL)
         job.end(message)
 
     def _handle_death(self, worker: _Worker[J, R], job: Job[J, R]) -> None:
@@ -184,14 +201,28 @@ def resident_bytes(pid: int) -> int:
         return 0
 
 
+def memory_share(workers: int) -> float:
+    """Memory [bytes] of this machine, or of its container, that each of so many workers may use."""
+    whole = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    with suppress(OSError, ValueError):  # ValueError: "max", where nothing is bounded
+        whole = min(whole, int(Path("/sys/fs/cgroup/memory.max").read_text()))
+    return MEMORY_FOR_WORKERS * whole / workers
+
+
 def cores() -> int:
     """CPU cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def _leave() -> None:
+    """Ends the process without tearing libraries down: SAPIEN's may abort."""
+    sys.stdout.flush()
+    os._exit(0)
+
+
 if __name__ == "__main__":
     handle = int(sys.argv[1])
     os.set_inheritable(handle, False)  # a child of ours would keep the line open after our death
+    # Registered first, it runs last: after what the jobs' libraries have registered for the end.
+    atexit.register(_leave)
     main(Connection(handle), int(sys.argv[2]))
-    sys.stdout.flush()
-    os._exit(0)  # SAPIEN's teardown may abort; nothing is left to be done

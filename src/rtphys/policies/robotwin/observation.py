@@ -7,6 +7,13 @@ from rtphys.episode import CameraView, Observation
 from rtphys.setting.filming import CAMERAS
 
 Robotwin = dict[str, object]
+DATA_TYPES = {
+    "depth": "depth",
+    "pointcloud": "pointcloud",
+    "mesh_segmentation": "segmentation",
+    "actor_segmentation": "segmentation",
+}
+"""Key of RoboTwin's `data_type` -> our sense."""
 MATRICES = ("intrinsic_cv", "extrinsic_cv", "cam2world_gl")
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from rtphys.episode import PolicyEpisode
 from rtphys.episode.control import ActionKind
-from rtphys.policies.robotwin.observation import Robotwin, official
+from rtphys.policies.robotwin.observation import DATA_TYPES, Robotwin, official
 from rtphys.policies.robotwin.parts import Cameras, Robot
 
 
@@ -23,7 +23,7 @@ class TaskEnv:
         eval_success: whether the success condition was true at some instant.
         test_num, suc: number of episodes before this one, and of successes among them.
         now_obs: the last result of `get_obs`.
-        data_type: content of observations; without `rgb` nothing is drawn.
+        data_type: content of observations; without `rgb` and senses nothing is drawn.
     """
 
     robot: Robot
@@ -60,6 +60,8 @@ class TaskEnv:
         self.eval_success, self.now_obs = False, {}
         self._instruction = episode.instruction
         self.robot, self.cameras = Robot(episode), Cameras(episode)
+        senses = episode.filming.senses
+        self.data_type |= {key: True for key, sense in DATA_TYPES.items() if sense in senses}
 
     # ---- what adapters call ----------------------------------------------------------------------
 
@@ -72,7 +74,8 @@ class TaskEnv:
     def get_obs(self) -> Robotwin:
         """Observation of the present instant in RoboTwin's format (`observation.official`)."""
         self._update_render()
-        now = official(self.episode.observe(), self.data_type.get("rgb", False))
+        pictures = any(self.data_type.get(key) for key in ("rgb", *DATA_TYPES))
+        now = official(self.episode.observe(), pictures)
         self.now_obs = deepcopy(now)
         return now
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from rtphys.assets.action_layout import SIDES
+from rtphys.core.errors import UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.episode import Observation
 from rtphys.episode.control import ActionKind, shape_of
@@ -25,6 +26,16 @@ ARM_NAMES: dict[ActionKind, tuple[str, ...]] = {
     "ee": ("{}_ee_pose", "{}_endpose"),
 }
 GRIPPER_NAMES = ("{}_ee_joint_state", "{}_gripper", "{}_gripper_pos")
+
+NAMES = {
+    "action_type",
+    *(
+        name.format(side)
+        for name in (*ARM_NAMES["qpos"], *ARM_NAMES["ee"], *GRIPPER_NAMES)
+        for side in SIDES
+    ),
+}
+"""Every key that an action may have."""
 
 
 def observation(now: Observation, instruction: str) -> dict[str, object]:
@@ -96,6 +107,9 @@ def action(answer: object, kind: str, now: Observation, where: str) -> tuple[Arr
     if action_type not in KINDS:
         raise ServerFailed(f"{where}: action_type {action_type!r} is none of {', '.join(KINDS)}")
     ours = KINDS[action_type]
+    for key in named:
+        if key not in NAMES:
+            raise ServerFailed(f"{where}: {UnknownName('part of an action', str(key), NAMES)}")
     try:
         if named:
             parts = [part for side in SIDES for part in _side(named, side, ours, now)]

@@ -1,6 +1,5 @@
 """Corners of the meshes in glTF, STL and Wavefront files, read without the simulator."""
 
-import json
 import struct
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from rtphys.core.errors import BadFile
+from rtphys.core.json_text import parse_mapping
 from rtphys.core.poses import Array, quat_to_matrix
 
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942  # chunk types of a GLB file
@@ -48,7 +48,7 @@ def _gltf(path: Path) -> list[Array]:
         size, kind = struct.unpack_from("<II", data, at)
         chunks[kind] = data[at + 8 : at + 8 + size]
         at += 8 + size
-    head: dict[str, Any] = json.loads(chunks[_JSON])
+    head: dict[str, Any] = parse_mapping(chunks[_JSON], path)
     found: list[Array] = []
     roots = head["scenes"][head.get("scene", 0)]["nodes"]
     pending = [(node, np.eye(4)) for node in roots]

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
+from rtphys.physics.registry import attribute
 from rtphys.results.instances import FIRST_SEED
 from rtphys.setting.option import (
     Option,
@@ -11,9 +12,14 @@ from rtphys.setting.option import (
     Seed,
     Tasks,
     Workers,
+    at_least,
     checked_dataclass,
     one_of,
 )
+from rtphys.setting.protocol import load_protocol
+from rtphys.setting.setting import Setting
+from rtphys.task.props import parts
+from rtphys.task.spec import load_task
 
 BASELINES = ("replay", "twin")
 """Measured on feasible seeds. replay: the recorded actions alone; twin: those of the clean demo."""
@@ -39,4 +45,30 @@ class CertifyPlan:
     most_attempts: Annotated[
         Positive, Option("Number of seeds to try for one list.", "max_attempts")
     ] = 1000
+    reprove: Annotated[
+        int,
+        at_least(0),
+        Option(
+            "Solve the first so many instances of each list again instead; a list whose states "
+            "agree gets the present fingerprint."
+        ),
+    ] = 0
     workers: Workers = None
+
+    def settings(self) -> list[Setting]:
+        """One for each list: each task under each protocol whose one attribute acts in it."""
+        return [
+            Setting(task, name)
+            for name in self.protocols
+            for task in self.tasks
+            if _acts(task, name)
+        ]
+
+
+def _acts(task: str, protocol: str) -> bool:
+    """Whether anything that the protocol varies alone can change an episode of the task."""
+    alone = load_protocol(protocol).only
+    if not alone:
+        return True
+    has = parts(load_task(task).props(FIRST_SEED))
+    return any(attribute(key).acts(has, attribute(key).valid.high) for key in alone)

@@ -1,8 +1,11 @@
 """`certify`: finds the seeds on which policies are evaluated, those that the expert solves."""
 
+from collections.abc import Mapping
+
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.workers.local import LocalPool, cores
+from rtphys.data.episode import JSON
 from rtphys.data.files import make_folder
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
@@ -25,20 +28,20 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
         RtphysError: a list with another fingerprint; another run at work in the folder; an error
             in a worker.
     """
-    tasks, listener = [load_task(name) for name in plan.tasks], listener or Listener()
+    listener = listener or Listener()
     make_folder(plan.out)
     with FolderLock(plan.out):
         lists = [
-            CertifiedList(
-                plan, Setting(task.name, name), fingerprint_of(task, name, pack).to_json()
-            )
-            for name in plan.protocols
-            for task in tasks
+            CertifiedList(plan, setting, _fingerprint(setting, pack)) for setting in plan.settings()
         ]
         worker, size = CertifyWorker(pack), plan.workers or cores()
         with LocalPool[Job, Slot](worker, size, notice=listener.noticed) as pool:
             run_all([certified.series for certified in lists], pool, listener, plan.out)
     return lists
+
+
+def _fingerprint(setting: Setting, pack: Pack) -> Mapping[str, JSON]:
+    return fingerprint_of(load_task(setting.task), setting.protocol, pack).to_json()
 
 
 class CertifyWorker(StudyWorker[Job, Slot]):

@@ -26,7 +26,7 @@ from rtphys.setting.option import (
 )
 from rtphys.setting.senses import drawn
 from rtphys.setting.setting import Setting, check_varies
-from rtphys.studies.disk import LARGEST, check_space, episode_bytes, sensed_bytes
+from rtphys.studies.disk import check_fits, check_space, episode_bytes
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
@@ -69,10 +69,7 @@ class TaskPlan:
     def __post_init__(self) -> None:
         if HEAD not in self.filming.official:
             raise BadValue("cameras", ",".join(self.cameras), "head is needed, for the video")
-        if (size := sensed_bytes(self.filming)) > LARGEST:
-            most = f"an episode has {LARGEST / 1e9:g} GB of them at most, not {size / 1e9:.1f}"
-            cure = "name fewer `cameras` or senses, or a smaller `size`"
-            raise BadValue("senses", ",".join(self.senses), f"{most}; {cure}")
+        check_fits(self.filming)
 
     @property
     def filming(self) -> Filming:

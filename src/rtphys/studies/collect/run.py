@@ -15,7 +15,7 @@ from rtphys.core.errors import Infeasible, MissingAsset
 from rtphys.data.conditions import Conditions
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
-from rtphys.episode.assemble import describer
+from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
 from rtphys.studies.collect.plan import Run, TaskPlan, check
@@ -26,7 +26,6 @@ from rtphys.studies.collect.work import (
     RemoteWorker,
     Results,
     landed,
-    rejection,
 )
 from rtphys.task.spec import Task
 

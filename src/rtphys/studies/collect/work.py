@@ -5,16 +5,16 @@ import platform
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtphys.core.errors import Infeasible, RtphysError
+from rtphys.core.bounds import LARGEST_EPISODE
+from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection
-from rtphys.episode.assemble import assemble, assemble_failure, kept, values
+from rtphys.episode.assemble import assemble, assemble_failure, kept, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import Film, photograph
@@ -85,20 +85,6 @@ class CollectWorker(StudyWorker[Job, Results]):
         if not (draw and kept(tried)):
             return rejection(tried)
         return replace(rejection(tried), kept=self.stage(tried, folder, job))
-
-
-def rejection(tried: Attempt) -> Rejection:
-    """With the physics of the attempt, as far as it can be known without its world."""
-    recipe, known = tried.recipe, dict[str, object]()
-    if tried.instance is not None:
-        known = values(tried.instance.physics, tried.instance.props)
-    else:
-        with suppress(Infeasible):
-            props = load_task(recipe.task).props(recipe.seed)
-            known = values(recipe.setting.draw(recipe.seed), props)
-            # It is redrawn until it lies inside bodies that nobody built.
-            known.pop("center_of_mass", None)
-    return Rejection(recipe.seed, tried.reason, tried.detail, known)
 
 
 # ---- elsewhere: checked to be the same work, its files sent back ---------------------------------
@@ -181,7 +167,7 @@ def _ship(result: StagedEpisode | Rejection) -> StagedEpisode | Rejection:
 
 
 def _sent(result: StagedEpisode) -> "Shipped":
-    contents = {name: files.read(result.folder / name) for name in result.files}
+    contents = {name: files.read(result.folder / name, LARGEST_EPISODE) for name in result.files}
     shutil.rmtree(result.folder, ignore_errors=True)
     return Shipped(**vars(result), contents=contents)
 

@@ -9,6 +9,7 @@ from rtphys.data.conditions import differences
 from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
 from rtphys.data.layout import MANIFEST
+from rtphys.episode.fingerprint import packages
 from rtphys.results.instance_file import instance_file, read_instances
 from rtphys.results.instances import BENCHMARK, InstanceList, Slot
 from rtphys.studies.evaluate.plan import EvaluatePlan
@@ -62,6 +63,20 @@ def certified(
             "feasible may not be so now: certify anew, or set `accept_changes`"
         )
     return found.first(plan.episodes or held)
+
+
+def other_versions(fingerprint: Mapping[str, JSON]) -> list[str]:
+    """One clause for each package whose version is not the list's; they are allowed to differ.
+
+    Python's own version moves no bit, and what rtphys does is compared by its code.
+    """
+    stored = fingerprint.get("versions")
+    known = stored if isinstance(stored, Mapping) else {}
+    return [
+        f"{name} was {known[name]}, now {version}"
+        for name, version in packages().items()
+        if name in known and known[name] != version and name not in ("rtphys", "python")
+    ]
 
 
 def _file(folder: Path | None, task: str, protocol: str) -> Path:

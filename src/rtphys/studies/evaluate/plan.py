@@ -9,6 +9,7 @@ from rtphys.core.errors import NoRenderer
 from rtphys.doctor import check_renderer
 from rtphys.policies import parse_spec
 from rtphys.results.folder import short_name
+from rtphys.setting.filming import Filming, SenseNames
 from rtphys.setting.option import (
     Option,
     Positive,
@@ -20,6 +21,7 @@ from rtphys.setting.option import (
     checked_dataclass,
     one_of,
 )
+from rtphys.setting.senses import drawn
 from rtphys.setting.setting import SPLITS
 from rtphys.task.spec import Task, load_task
 
@@ -49,6 +51,7 @@ class EvaluatePlan:
     options: Annotated[
         Mapping[str, str], Option("key=value for the policy; repeatable.", "set")
     ] = field(default_factory=dict[str, str])
+    senses: SenseNames = ()
     video: Annotated[bool, Option("Also write each episode as an MP4.")] = False
     record: Annotated[
         Path | None, Option("Also write the episodes, and the failed ones, as a dataset.")
@@ -67,10 +70,17 @@ class EvaluatePlan:
         """Where the results lie."""
         return self.out or Path("eval") / short_name(self.policy)
 
+    @property
+    def filming(self) -> Filming:
+        """What observations show."""
+        return Filming(senses=self.senses)
+
     def check(self) -> list[Task]:
         """The tasks. Raises UnknownName, BadValue, BadFile, NoRenderer before any work is done."""
         parse_spec(self.policy)
         tasks = [load_task(name) for name in self.tasks]
+        if drawn(self.filming.senses) and (finding := check_renderer()).status == "fail":
+            raise NoRenderer(f"no senses can be drawn: {finding.detail}; {finding.cure}")
         if (self.video or self.record) and (finding := check_renderer()).status == "fail":
             cure = f"; cure: {finding.cure}" if finding.cure else ""
             raise NoRenderer(f"no pictures can be drawn: {finding.detail}{cure}")

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
@@ -22,11 +23,11 @@ from rtphys.results import EpisodeRecord, summarise
 from rtphys.results.folder import INSTANCES, RUN, SUMMARY, record_file, short_name, video_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import InstanceList
-from rtphys.results.official import result_file, write_result
+from rtphys.results.official import result_folder, write_result
 from rtphys.results.record_file import read_records, write_records
 from rtphys.results.summary import Summary
 from rtphys.setting.setting import Setting
-from rtphys.studies.evaluate.lists import certified
+from rtphys.studies.evaluate.lists import certified, other_versions
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.studies.evaluate.recorded import (
     Experience,
@@ -38,8 +39,6 @@ from rtphys.studies.evaluate.recorded import (
 from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
 
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
-# Slow servers are fine, a stuck one must not hold up the rest. A model in the worker takes memory.
-MOST_MEMORY = 256e9  # [bytes]
 CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
 """Fields of a plan that two runs must share to continue each other, but for the episodes."""
 
@@ -141,6 +140,9 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         for protocol, fingerprints in ground.items()
         for task, fingerprint in fingerprints.items()
     ]
+    if clauses := {clause for one in lists for clause in other_versions(one.fingerprint)}:
+        text = "the lists were certified with other versions, last bits of states may differ: "
+        listener.noticed(text + "; ".join(sorted(clauses)))
     files.make_folder(plan.folder)
     with FolderLock(plan.folder), dataset_of(plan) as dataset:
         _claim(plan, ground)
@@ -154,8 +156,9 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             )
             for one in lists
         ]
-        worker, size = EvaluateWorker(pack, plan.policy), plan.workers or cores()
-        limits = Limits(plan.timeout, memory=MOST_MEMORY, most_memory=MOST_MEMORY)
+        worker = EvaluateWorker(pack, plan.policy, plan.filming)
+        size = plan.workers or cores()
+        share = max(memory_share(size), Limits().most_memory)
         try:
             with LocalPool[Job, Result](worker, size, limits, listener.noticed) as pool:
                 saved = dataset.checkpoint_if_due if dataset else lambda: None
@@ -169,8 +172,10 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
 def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
     """Writes down what makes two runs continue each other, or compares it."""
     run = {**{key: plain(getattr(plan, key), key) for key in CLAIMED}, "ground": ground}
+    if plan.senses:  # which older runs did not know
+        run["senses"] = list(plan.senses)
     path = plan.folder / RUN
-    if path.exists():
+    if path.exists() and _has_records(plan.folder):
         clauses = ["and `resume` is off"]
         if plan.resume:
             before = {**parse_mapping(files.read(path), path), "episodes": plan.episodes}
@@ -181,6 +186,12 @@ def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
                 "Choose another folder, or ask for the same again"
             )
     files.replace_file(path, pretty(run))
+
+
+def _has_records(folder: Path) -> bool:
+    """Whether an evaluation has come as far as a result: a start that failed claims nothing."""
+    kept = (*folder.glob("*/*.jsonl"), *folder.glob("*/.*.journal"))
+    return any(path.stat().st_size for path in kept)
 
 
 def _conclude(plan: EvaluatePlan, studies: Sequence[TaskEvaluation]) -> Summary:
@@ -197,7 +208,7 @@ def _conclude(plan: EvaluatePlan, studies: Sequence[TaskEvaluation]) -> Summary:
             place = out / f"attributes_{protocol}.png"
             draw_breaks(found, f"{policy} under {protocol}", place)
     for row in summary.tasks:
-        path = result_file(out, row.task, policy, row.protocol)
+        folder = result_folder(out, row.task, policy, row.protocol)
         counts = row.counts.rollouts, row.counts.slots, row.counts.successes
-        write_result(path, plan.split, counts)
+        write_result(folder, row.protocol, plan.split, counts)
     return summary

@@ -9,10 +9,11 @@ from rtphys.data.json_text import plain
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.film import film
 from rtphys.physics import acting, attributes
-from rtphys.policies import Policy, PolicyBroken, PolicyGone, PolicySetup, open_policy
+from rtphys.policies import PolicyBroken, PolicyGone, PolicySetup
+from rtphys.policies.session import PolicySession
 from rtphys.results import EpisodeRecord
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Recipe
-from rtphys.sim import renderer
 from rtphys.studies.evaluate.recorded import Recorded, stage, unplayed
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
@@ -33,7 +34,11 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord | Recorded]):
     """Plays episodes with a policy, which stays open from one to the next of the same setup."""
 
     policy: str
-    _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
+    filming: Filming = field(default_factory=Filming)  # what observations show
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._session = PolicySession(self.policy)
 
     def do(self, job: Job) -> EpisodeRecord | Recorded:
         """Plays one episode.
@@ -44,9 +49,9 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord | Recorded]):
             NoRenderer: it needs pictures, and there is no device.
         """
         recipe = job.recipe
-        policy = self._opened(job.setup)
+        policy = self._session.policy(job.setup)
         try:
-            episode = begin(recipe, self.tasks[recipe.task], self.pack)
+            episode = begin(recipe, self.tasks[recipe.task], self.pack, self.filming)
         except Infeasible as problem:
             lost = lost_record(recipe, "infeasible", str(problem))
             return lost if job.staging is None else unplayed(lost, recipe.setting)
@@ -58,7 +63,7 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord | Recorded]):
         except BaseException:  # a policy's crash is its failure, not ours
             trace = traceback.format_exc()
             try:
-                self._close()  # whatever it remembers now, the next episode must not depend on it
+                self._session.close()  # the next episode must not depend on what it remembers now
             except PolicyBroken as error:
                 trace += f"{error}\n"
         record = _judged(episode, trace)
@@ -66,25 +71,8 @@ class EvaluateWorker(StudyWorker[Job, EpisodeRecord | Recorded]):
             film(episode, self.pack, job.video)
         return record if job.staging is None else stage(episode, record, job.staging, self.pack)
 
-    def _opened(self, setup: PolicySetup) -> Policy:
-        if self._open is None or self._open[0] != setup:
-            self._close()
-            policy = open_policy(self.policy, setup)
-            if policy.needs_images:
-                renderer.hold_anchor()
-            self._open = (setup, policy)
-        return self._open[1]
-
-    def _close(self) -> None:
-        opened, self._open = self._open, None
-        if opened is None:
-            return
-        try:
-            opened[1].close()
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:
-            raise PolicyBroken(self.policy, "closed", error) from error
+    def finish(self) -> None:
+        self._session.close()
 
 
 def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:

@@ -7,7 +7,7 @@ from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.series import Series, Study, Tally
 from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.campaign.workers.pool import Limits, Lost
-from rtphys.core.errors import BadFile, BadValue, MissingAsset, NoRenderer, RtphysError
+from rtphys.core.errors import BadFile, BadValue, NoRenderer, RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import Conditions
 from rtphys.data.convert import conditions_of, rejections_of
@@ -23,10 +23,14 @@ from rtphys.episode.instance import under_look
 from rtphys.setting.protocol import VisualRules
 from rtphys.setting.senses import drawn
 from rtphys.sim import renderer
-from rtphys.studies.disk import check_space, episode_bytes
+from rtphys.studies.disk import check_fits, check_space, episode_bytes
 from rtphys.studies.render.plan import RenderPlan
 from rtphys.studies.render.work import Redrawn, RenderJob, RenderWorker
 from rtphys.task.spec import load_task
+
+
+class MissingPack(RtphysError):
+    """The assets that a dataset was collected with are not here."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +46,7 @@ def render(plan: RenderPlan, listener: Listener | None = None) -> Rendered:
     """Draws every episode again into a dataset of its own. Repeated, it continues.
 
     Raises:
-        MissingAsset: the assets of the collection are not on this machine; names their digest.
+        MissingPack: the assets of the collection are not on this machine; names their digest.
         RtphysError: what else is refused before any work; states that cannot be had.
     """
     manifest = read_manifest(plan.data)
@@ -77,13 +81,15 @@ def _check(plan: RenderPlan, manifest: Manifest) -> dict[str, Pack]:
     needed, packs = 0.0, dict[str, Pack]()
     for entry in manifest.task_datasets.values():
         filming, digest = plan.filming(entry), entry.assets.get("digest", "")
+        check_fits(filming)
         if drawn(filming.senses):
             renderer.check_senses(plan.shader)
         needed += entry.episodes * episode_bytes(filming, _visual(plan, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
-            what = f"assets of digest {digest} ({entry.assets.get('pack', 'unknown')})"
-            raise MissingAsset(what, plan.data, f"{entry.task}; `--assets` names a pack")
+            name = entry.assets.get("pack", "unknown")
+            why = f"{entry.task} was collected with assets of digest {digest} (pack {name})"
+            raise MissingPack(f"{plan.data}: {why}, which are not on this machine; link them")
         packs[digest] = pack
         load_task(entry.task)
     if not packs:

@@ -1,0 +1,222 @@
+"""Compares an episode that was made again with the stored one, and says what differs."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rtphys.core.errors import BadFile, short_repr
+from rtphys.data import files, jpeg, staging, video
+from rtphys.data.episode import JSON, Frames
+from rtphys.data.hdf5_file import content_digest, open_read
+from rtphys.data.hdf5_legacy import legacy_streams
+from rtphys.data.hdf5_native import native_streams
+from rtphys.data.hdf5_record import read_record
+from rtphys.data.json_text import parse_mapping, plain
+from rtphys.data.layout import EpisodePaths
+from rtphys.data.streams import Streams
+
+MOST_NAMED = 5  # differences that one sentence names
+# Another renderer draws the edges of things elsewhere by a fraction of a pixel, another encoder
+# rounds otherwise. What the same scene may differ by, of pixels between 0 and 255:
+FAR = 32  # levels from which a pixel counts as another one
+OTHER_PIXELS = 0.01  # share of such pixels in one picture; between SAPIEN's shaders: 0.0005
+
+PICTURES, VIDEO, CONTAINER = "pictures", "video", "HDF5 file"
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """An episode that was made again."""
+
+    frames: Frames
+    label: Mapping[str, JSON]
+    scene_info: Mapping[str, JSON]
+    instructions: Mapping[str, JSON]
+    folder: Path | None  # where `staging.stage_episode` wrote it; None: nothing was drawn
+
+
+@dataclass
+class Comparison:
+    """What came of comparing; `alike` becomes a problem where `exact` says that it need not be."""
+
+    problems: list[tuple[Path, str]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    # (kind, file, sentence): as like as another renderer or another encoder can make it
+    alike: list[tuple[str, Path, str]] = field(default_factory=list)
+    exact: set[str] = field(default_factory=set)  # kinds of which something was equal to the bit
+    made: bool = True  # False: nothing could be made again
+
+
+def compare_episode(paths: EpisodePaths, layout: str, made: Made) -> Comparison:
+    """Compares all four files. Files that cannot be read are problems, not errors."""
+    found = Comparison()
+    for path, check in (
+        (paths.hdf5, lambda: _hdf5(paths.hdf5, layout, made, found)),
+        (paths.video, lambda: _video(paths.video, made, found)),
+        (paths.phys_meta, lambda: _json(paths.phys_meta, made.label, made, found)),
+        (paths.instruction, lambda: _json(paths.instruction, made.instructions, made, found)),
+    ):
+        try:
+            check()
+        except BadFile as error:
+            found.problems.append((path, error.problem))
+        except (video.BadVideo, jpeg.BadImage) as error:
+            found.problems.append((path, str(error)))
+    return found
+
+
+# ---- HDF5 ----------------------------------------------------------------------------------------
+
+
+def _hdf5(path: Path, layout: str, made: Made, found: Comparison) -> None:
+    new = None if made.folder is None else made.folder / staging.HDF5
+    if new is not None and files.read(path) == files.read(new):
+        found.exact |= {PICTURES, CONTAINER}
+        return
+    with open_read(path) as file:
+        stored = read_record(file)
+        if new is None:
+            stored = replace(stored, cameras={})
+        problems = _frame_differences(stored, made.frames)
+        streams_of = legacy_streams if layout == "legacy" else native_streams
+        shared = stored.cameras.keys() & made.frames.cameras.keys()
+        pictures = {name: streams_of(file, name) for name in sorted(shared)}
+    found.problems += [(path, text) for text in problems]
+    if new is None:
+        return
+    equal = not problems
+    with open_read(new) as file:
+        for name, streams in pictures.items():
+            equal &= _pictures(path, name, (streams, streams_of(file, name)), found)
+    if not equal:
+        return
+    if content_digest(path) == content_digest(new):
+        text = "has equal content in other bytes, as another HDF5 library writes it"
+        found.alike.append((CONTAINER, path, text))
+    else:
+        found.problems.append((path, "holds other sentences, notes or arrays than made again"))
+
+
+def _frame_differences(stored: Frames, made: Frames) -> list[str]:
+    if len(stored) != len(made):
+        return [f"has {len(stored)} frames, made again {len(made)}"]
+    problems: list[str] = []
+    for key in ("joint_names", "stages", "object_poses", "contacts", "cameras"):
+        both = (getattr(frames, key) for frames in (stored, made))
+        old, new = (sorted(one) if isinstance(one, Mapping) else list(one) for one in both)
+        if old != new:
+            problems.append(f"{key} are {short_repr(old)}, made again {short_repr(new)}")
+    old_arrays, clauses = stored.shapes(), list[str]()
+    for key, (new_array, _) in made.shapes().items():
+        if key in old_arrays and (clause := _array_difference(old_arrays[key][0], new_array)):
+            clauses.append(f"{key} {clause}")
+    if clauses:
+        more = f" and {len(clauses) - MOST_NAMED} more" if len(clauses) > MOST_NAMED else ""
+        problems.append(f"not as made again: {'; '.join(clauses[:MOST_NAMED])}{more}")
+    return problems
+
+
+def _array_difference(old: NDArray[np.generic], new: NDArray[np.generic]) -> str:
+    if old.shape != new.shape:
+        return f"has shape {old.shape}, not {new.shape}"
+    if np.array_equal(old, new):
+        return ""
+    gaps = np.abs(np.asarray(old, np.float64) - np.asarray(new, np.float64))
+    first = int(np.flatnonzero(gaps.reshape(len(gaps), -1).max(axis=1))[0])
+    return f"from frame {first} by up to {gaps.max():.3g}"
+
+
+# ---- pictures ------------------------------------------------------------------------------------
+
+
+def _pictures(path: Path, name: str, pair: tuple[Streams, Streams], found: Comparison) -> bool:
+    """Whether all streams of a camera are equal."""
+    old, new = pair
+    if len(old) != len(new):
+        problem = f"has {len(old)} pictures of {name}, made again {len(new)}"
+        found.problems.append((path, problem))
+        return False
+    other = [index for index in range(len(new)) if old[index] != new[index]]
+    if len(other) < len(new):
+        found.exact.add(PICTURES)
+    decoded = ((jpeg.decode(old[index]), jpeg.decode(new[index])) for index in other)
+    _judge((PICTURES, path, f"of {name}"), other, decoded, found)
+    return not other
+
+
+def _video(path: Path, made: Made, found: Comparison) -> None:
+    if made.folder is None:
+        return
+    old, new = files.read(path), files.read(made.folder / staging.VIDEO)
+    if old == new:
+        found.exact.add(VIDEO)
+        return
+    counts = video.frame_count(old), video.frame_count(new)
+    if counts[0] != counts[1]:
+        found.problems.append((path, f"has {counts[0]} frames, made again {counts[1]}"))
+        return
+    decoded = zip(video.decode(old), video.decode(new), strict=False)
+    _judge((VIDEO, path, "of the video"), range(counts[0]), decoded, found)
+
+
+def _judge(
+    what: tuple[str, Path, str],
+    numbers: Sequence[int],
+    pairs: Iterator[tuple[NDArray[np.uint8], NDArray[np.uint8]]],
+    found: Comparison,
+) -> None:
+    """Pixel for pixel. `numbers`: of the pictures whose bytes differ."""
+    if not numbers:
+        return
+    kind, path, whose = what
+    shares, levels = zip(*(_gap(old, new) for old, new in pairs), strict=True)
+    worst = int(np.argmax(shares))
+    text = (
+        f"{len(numbers)} pictures {whose} are not those made again: number {numbers[worst]} "
+        f"by more than {FAR} levels in {shares[worst]:.2%} of its pixels, by {max(levels)} at most"
+    )
+    if shares[worst] > OTHER_PIXELS:
+        found.problems.append((path, text))
+    else:
+        found.alike.append((kind, path, text))
+
+
+def _gap(old: NDArray[np.uint8], new: NDArray[np.uint8]) -> tuple[float, int]:
+    """Share of the pixels that are `FAR` away, and the largest difference of a channel."""
+    if old.shape != new.shape:
+        return 1.0, 255
+    levels = np.abs(old.astype(np.int16) - new.astype(np.int16)).max(axis=-1)
+    return float((levels > FAR).mean()), int(levels.max())
+
+
+# ---- JSON ----------------------------------------------------------------------------------------
+
+
+def _json(path: Path, value: Mapping[str, JSON], made: Made, found: Comparison) -> None:
+    stored, new = parse_mapping(files.read(path), path), plain(value)
+    assert isinstance(new, dict)
+    if made.folder is None and "cameras" in new:
+        stored["cameras"] = new["cameras"]
+    found.problems += [(path, text) for text in json_differences(stored, new)]
+
+
+def json_differences(stored: JSON, made: JSON, place: str = "") -> list[str]:
+    """One sentence for each value that is not the same, keys joined by dots; few are named."""
+    named = [*_json_differences(stored, made, place)]
+    more = [f"and {len(named) - MOST_NAMED} values more"] if len(named) > MOST_NAMED else []
+    return named[:MOST_NAMED] + more
+
+
+def _json_differences(stored: JSON, made: JSON, place: str) -> Iterator[str]:
+    if isinstance(stored, dict) and isinstance(made, dict):
+        for key in sorted({*stored, *made}, key=lambda key: (key != "state_hash", key)):
+            inside = f"{place}.{key}" if place else key
+            if key not in stored or key not in made:
+                yield f"{inside} is {'missing' if key in made else 'not there when made again'}"
+            else:
+                yield from _json_differences(stored[key], made[key], inside)
+    elif stored != made or type(stored) is not type(made):
+        yield f"{place or 'it'} is {short_repr(stored)}, made again {short_repr(made)}"

@@ -1,0 +1,1 @@
+"""`sensitivity`: how far an attribute may be from nominal before a task is lost."""

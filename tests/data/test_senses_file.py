@@ -1,0 +1,257 @@
+"""Senses in both layouts: official keys, types and palette; readers, conversion, verification."""
+
+import io
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import sensing
+import synthetic
+from PIL import ImageColor
+
+from rtphys.core.errors import BadFile, RtphysError, UnknownName
+from rtphys.data.convert import convert, read_episode
+from rtphys.data.dataset import Dataset
+from rtphys.data.encode import encode_images
+from rtphys.data.hdf5_file import open_read
+from rtphys.data.hdf5_legacy import legacy_bytes
+from rtphys.data.hdf5_native import native_bytes
+from rtphys.data.palette import PALETTE, coloured, row_of
+from rtphys.data.staging import stage_episode
+from rtphys.data.verify import Effort, verify
+from rtphys.data.writer import DatasetWriter
+
+T, H, W = 8, synthetic.HEIGHT, synthetic.WIDTH
+R = T - 1
+OFFICIAL = {
+    "legacy": {
+        "observation/head_camera/depth": ((T, H, W), np.float64),
+        "observation/left_camera/mesh_segmentation": ((T, H, W, 3), np.uint8),
+        "observation/right_camera/actor_segmentation": ((T, H, W, 3), np.uint8),
+        "pointcloud": ((T, 1024, 6), np.float32),
+    },
+    "native": {
+        "vision/cam_head/depths": ((R, H, W), np.float64),
+        "vision/cam_left_wrist/mesh_segmentation": ((R, H, W, 3), np.uint8),
+        "vision/cam_right_wrist/actor_segmentation": ((R, H, W, 3), np.uint8),
+        "pointclouds": ((R, 1024, 6), np.float32),
+    },
+}
+
+
+def file_of(layout: str, senses: tuple[str, ...] = sensing.SENSES) -> bytes:
+    frames, images = synthetic.frames_of(4, T), encode_images(synthetic.pictures(4, T))
+    made = sensing.sensed(4, T, senses) if senses else None
+    if layout == "legacy":
+        return legacy_bytes(frames, images, made)
+    return native_bytes(frames, images, ["ring the bell"], "x", made)
+
+
+@pytest.mark.parametrize("layout", OFFICIAL)
+def test_official_keys_and_types(layout: str) -> None:
+    with open_read(file_of(layout)) as file:
+        for key, (shape, dtype) in OFFICIAL[layout].items():
+            assert (file[key].shape, file[key].dtype) == (shape, dtype), key
+            assert file[key].chunks is None
+        depth = next(key for key in OFFICIAL[layout] if "depth" in key)
+        expected = sensing.sensed(4, T).depth["head_camera"][2].astype(np.float64) * 1000
+        assert np.array_equal(file[depth][2], expected), "not millimetres"
+
+
+@pytest.mark.parametrize("layout", OFFICIAL)
+def test_everything_else_is_the_same_without_senses(layout: str) -> None:
+    with open_read(file_of(layout)) as sensing_file, open_read(file_of(layout, ())) as plain:
+        keys: list[str] = []
+        plain.visititems(lambda k, v: keys.append(k) if isinstance(v, h5py.Dataset) else None)
+        assert len(keys) > 40
+        for key in keys:
+            if key != "pointcloud":
+                assert np.array_equal(plain[key][()], sensing_file[key][()]), key
+
+
+def test_the_palette_is_pillow_s() -> None:
+    known = {str(colour).lower() for colour in ImageColor.colormap.values()}
+    official = [tuple(bytes.fromhex(colour[1:])) for colour in sorted(known)]
+    assert np.array_equal(PALETTE, official)
+    ids = np.arange(139, dtype=np.uint8).reshape(1, -1)
+    assert np.array_equal(row_of(coloured(ids)), ids)
+    assert np.array_equal(coloured(np.array([140])), PALETTE[[1]])
+    with pytest.raises(ValueError, match="palette"):
+        row_of(np.array([[[1, 2, 3]]], np.uint8))
+
+
+# ---- other people's readers ----------------------------------------------------------------------
+
+
+def dp3_arrays(source: io.BytesIO) -> dict[str, np.ndarray]:
+    """What DP3's converter takes of a legacy file: every row but the last, and the next vector."""
+    with h5py.File(source, "r") as root:
+        vector, clouds = root["/joint_action/vector"][()], root["/pointcloud"][()]
+    return {
+        "point_cloud": np.array([clouds[i] for i in range(len(vector) - 1)], np.float32),
+        "state": vector[:-1].astype(np.float32),
+        "action": vector[1:].astype(np.float32),
+    }
+
+
+def test_dp3_reads_the_clouds() -> None:
+    taken = dp3_arrays(io.BytesIO(file_of("legacy")))
+    made = sensing.sensed(4, T)
+    assert taken["point_cloud"].shape == (R, 1024, 6)
+    assert np.array_equal(taken["point_cloud"], made.clouds[:-1])
+    assert taken["state"].shape == taken["action"].shape == (R, 14)
+
+
+def test_without_clouds_the_legacy_key_is_there_and_empty() -> None:
+    with open_read(file_of("legacy", ("depth",))) as file:
+        assert file["pointcloud"].shape == (T, 0)
+
+
+# ---- our own reader, conversion, verification ----------------------------------------------------
+
+
+def dataset(folder: Path, layout: str = "native", senses: tuple[str, ...] = sensing.SENSES) -> Path:
+    conditions = replace(synthetic.conditions(layout), senses=senses or None)
+    with DatasetWriter(folder) as opened:
+        task = opened.task(conditions, 2)
+        for seed in range(2):
+            made = sensing.sensed(seed, T, senses) if senses else None
+            episode = replace(synthetic.episode(seed, T), sensed=made)
+            task.record(stage_episode(task.staging(seed), episode, layout))
+    return folder
+
+
+@pytest.mark.parametrize("layout", OFFICIAL)
+def test_our_reader_gives_metres_ids_and_names(tmp_path: Path, layout: str) -> None:
+    episode = Dataset(dataset(tmp_path, layout))[1]
+    made, senses = sensing.sensed(1, T), episode.senses
+    assert senses.senses == sensing.SENSES
+    for t in (0, T - 1, -1):
+        assert np.array_equal(senses.depth("left_camera", t), made.depth["left_camera"][t])
+        assert np.array_equal(senses.ids("head_camera", t), made.actors["head_camera"][t])
+        assert np.array_equal(senses.ids("head_camera", t, "mesh"), made.meshes["head_camera"][t])
+        assert np.array_equal(senses.cloud(t), made.clouds[t])
+    assert senses.names()[2] == "bell"
+    assert made.bodies is not None
+    assert np.array_equal(senses.bodies().poses, made.bodies.poses)
+    with pytest.raises(IndexError):
+        senses.depth("head_camera", T)
+    with pytest.raises(UnknownName, match="head_camera"):
+        senses.depth("haed_camera", 0)
+
+
+def test_what_was_not_recorded_is_named(tmp_path: Path) -> None:
+    episode = Dataset(dataset(tmp_path, senses=("depth",)))[0]
+    with pytest.raises(UnknownName, match="unknown sense 'pointcloud'"):
+        episode.senses.cloud(0)
+
+
+def test_conversion_there_and_back_loses_nothing(tmp_path: Path) -> None:
+    native = dataset(tmp_path / "native")
+    convert(native, tmp_path / "legacy", "legacy")
+    convert(tmp_path / "legacy", tmp_path / "back", "native")
+    first, again = Dataset(native)[1].paths.hdf5, Dataset(tmp_path / "back")[1].paths.hdf5
+    assert first.read_bytes() == again.read_bytes()
+    assert verify(tmp_path / "legacy").problems == []
+    _, _, sensed = read_episode(Dataset(tmp_path / "legacy")[0].paths.hdf5, "legacy")
+    assert sensed is not None and sensed.senses == sensing.SENSES
+
+
+def test_a_dataset_without_senses_says_nothing_of_them(tmp_path: Path) -> None:
+    dataset(tmp_path, senses=())
+    text = (tmp_path / "manifest.json").read_text()
+    assert "senses" not in text and "camera_type" not in text
+
+
+def test_verify_finds_what_was_changed(tmp_path: Path) -> None:
+    assert verify(dataset(tmp_path), Effort.NORMAL).problems == []
+    path = Dataset(tmp_path)[0].paths.hdf5
+    with h5py.File(path, "r+") as file:
+        at, size = file["vision/cam_head/depths"].id.get_offset(), path.stat().st_size
+    data = bytearray(path.read_bytes())
+    data[at + 100] ^= 1
+    path.write_bytes(data)
+    assert path.stat().st_size == size
+    assert any("SHA-256" in str(problem) for problem in verify(tmp_path).problems)
+
+
+def set_colour(file: h5py.File) -> None:
+    file["vision/cam_head/actor_segmentation"][3, 0, 0] = (1, 2, 3)
+
+
+def set_id(file: h5py.File) -> None:
+    file["vision/cam_head/mesh_segmentation"][3, 0, 0] = PALETTE[90]
+
+
+def set_negative(file: h5py.File) -> None:
+    file["vision/cam_head/depths"][3, 0, 0] = -1.0
+
+
+def set_infinite(file: h5py.File) -> None:
+    file["pointclouds"][2, 0, 0] = np.inf
+
+
+def drop_array(file: h5py.File) -> None:
+    del file["vision/cam_left_wrist/depths"]
+
+
+def drop_declaration(file: h5py.File) -> None:
+    del file["rtphys"].attrs["senses"]
+
+
+def cut_short(file: h5py.File) -> None:
+    rows = file["pointclouds"][:-1]
+    del file["pointclouds"]
+    file["pointclouds"] = rows
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (set_colour, "not of the palette"),
+        (set_id, "without a name"),
+        (set_negative, "negative"),
+        (set_infinite, "not finite"),
+        (drop_array, "cam_left_wrist/depths is missing"),
+        (drop_declaration, "not declared"),
+        (cut_short, "pointclouds is float32"),
+    ],
+)
+def test_a_wrong_value_is_named(
+    tmp_path: Path, spoil: Callable[[h5py.File], None], words: str
+) -> None:
+    """Even where digests are those of the changed file."""
+    path = tmp_path / "episode.hdf5"
+    path.write_bytes(file_of("native"))
+    with h5py.File(path, "r+") as file:
+        spoil(file)
+    from rtphys.data.check_hdf5 import check_hdf5
+
+    found = check_hdf5(path, "native", decode=True).problems
+    assert any(words in text for text in found), found
+
+
+def test_a_manifest_that_claims_other_senses_is_caught(tmp_path: Path) -> None:
+    conditions = replace(synthetic.conditions(), senses=("depth",))
+    with DatasetWriter(tmp_path) as opened:
+        task = opened.task(conditions, 1)
+        task.record(stage_episode(task.staging(0), synthetic.episode(0, T)))
+    assert any("holds senses ()" in str(problem) for problem in verify(tmp_path).problems)
+
+
+def test_other_senses_do_not_continue_a_dataset(tmp_path: Path) -> None:
+    dataset(tmp_path, senses=("depth",))
+    with DatasetWriter(tmp_path) as opened, pytest.raises(RtphysError, match="senses was"):
+        opened.task(synthetic.conditions(), 3)
+
+
+def test_body_poses_without_names_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "episode.hdf5"
+    path.write_bytes(file_of("legacy"))
+    with h5py.File(path, "r+") as file:
+        file["rtphys/body_poses"].attrs["names"] = '["ground"]'
+    with pytest.raises(BadFile, match="for 1 bodies"):
+        read_episode(path, "legacy")

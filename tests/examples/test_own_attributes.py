@@ -1,0 +1,84 @@
+"""Attributes of a library of one's own: each obeys its law, alone and with all others varied."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rtphys.assets.pack import default_pack
+from rtphys.physics import attributes, disagreements, load_domain
+from rtphys.physics.handles import GRAVITY
+from rtphys.proofs.lab import Lab, block, launch, record, slope
+from rtphys.sim.engine import TIME_STEP
+
+LIBRARY = Path(__file__).parents[2] / "examples" / "own_attributes"
+HALF = (0.03, 0.04, 0.05)  # [m]
+OTHERS = [{}, {"object_mass": 2.0, "object_scale": 0.9, "arm_joint_damping": 2.0}]
+
+
+@pytest.fixture
+def lab(monkeypatch: pytest.MonkeyPatch) -> Iterator[Lab]:
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(LIBRARY))
+    yield Lab(default_pack())
+
+
+def test_a_root_domain_holds_what_it_does_not_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(LIBRARY))
+    physics = load_domain("thick_air").sample(3)
+    assert set(physics.varied) == {"linear_drag", "gravity", "actuator_latency", "friction"}
+    assert physics["object_mass"] == attributes()["object_mass"].nominal
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("others", OTHERS)
+def test_speed_falls_exponentially_under_drag(lab: Lab, others: dict[str, float]) -> None:
+    values = {**others, "linear_drag": 3.0}
+    world = lab.world([block(HALF, (0, 0, 2))], values)
+    assert not disagreements(world, lab.physics(values))
+    (body,) = world.bodies
+    launch(body, (1.0, 0.0, 0.0))
+    t, v = record(world, 100, lambda: body.component.linear_velocity[0])
+    assert slope(t, np.log(v)) == pytest.approx(-3.0, rel=0.01)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("others", OTHERS)
+@pytest.mark.parametrize("g", [0.0, 1.62, 24.8])
+def test_bodies_fall_as_on_that_planet(lab: Lab, others: dict[str, float], g: float) -> None:
+    values = {**others, "gravity": g}
+    world = lab.world([block(HALF, (0, 0, 2))], values)
+    assert not disagreements(world, lab.physics(values))
+    (body,) = world.bodies
+    t, v = record(world, 50, lambda: body.component.linear_velocity[2])
+    assert slope(t, v) == pytest.approx(-g, rel=1e-3, abs=1e-4)
+
+
+@pytest.mark.sim
+def test_applied_twice_a_planet_is_the_same(lab: Lab) -> None:
+    world = lab.world([block(HALF, (0, 0, 2))], {"gravity": 1.62})
+    attributes()["gravity"].apply(world, GRAVITY)
+    (body,) = world.bodies
+    t, v = record(world, 50, lambda: body.component.linear_velocity[2])
+    assert slope(t, v) == pytest.approx(-GRAVITY, rel=1e-3)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("others", OTHERS)
+def test_a_late_arm_does_the_same_later(lab: Lab, others: dict[str, float]) -> None:
+    def response(latency: float) -> np.ndarray:
+        world = lab.world([], {**others, "actuator_latency": latency})
+        arm = world.robot.arms[0]
+        home = list(arm.target)
+        record(world, 100, lambda: 0.0)  # servos rest, as at an episode's beginning
+        sent = [*home[:2], home[2] + 0.2, *home[3:]]
+        arm.drive(sent, [0.0] * len(home))
+        _, q = record(world, 60, arm.measured)
+        assert list(arm.target) == sent  # what was sent, not what has arrived
+        return q
+
+    steps = round(40e-3 / TIME_STEP)
+    prompt, late = response(0.0), response(40.0)
+    assert np.ptp(prompt[:, 2]) > 0.05
+    np.testing.assert_allclose(late[steps:], prompt[:-steps], atol=1e-5)
+    np.testing.assert_allclose(late[:steps], np.tile(late[0], (steps, 1)), atol=1e-5)

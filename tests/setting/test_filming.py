@@ -1,0 +1,50 @@
+"""What may be asked of cameras, and what is refused before any work."""
+
+import pytest
+
+from rtphys.core.errors import BadValue, RtphysError, UnknownName
+from rtphys.setting.filming import Filming, parse_size
+from rtphys.setting.senses import REDRAWN, SENSES, drawn
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"senses": ("detph",)}, "did you mean 'depth'"),
+        ({"cameras": ("haed",)}, "did you mean 'head'"),
+        ({"camera_type": "D345"}, "did you mean 'D435'"),
+        ({"senses": ("depth", "depth")}, "name each once"),
+        ({"cameras": ("head", "head_camera")}, "name each once"),
+        ({"cameras": ()}, "at least one"),
+        ({"cameras": ("left",), "senses": ("pointcloud",)}, "head camera's"),
+        ({"size": "640"}, "WIDTHxHEIGHT"),
+        ({"size": "64000x48000"}, "16 to 2048"),
+        ({"size": "8x8"}, "16 to 2048"),
+        ({"size": "641x480"}, "even"),
+        ({"size": "-640x480"}, "WIDTHxHEIGHT"),
+    ],
+)
+def test_what_cannot_be_filmed_is_refused(given: dict[str, object], words: str) -> None:
+    with pytest.raises(RtphysError, match=words) as caught:
+        Filming(**given)  # type: ignore[arg-type]
+    assert isinstance(caught.value, BadValue | UnknownName)
+
+
+def test_a_type_gives_size_and_view_and_a_size_overrides_it() -> None:
+    assert Filming().optics("L515") == (320, 180, 45.0)  # a camera's own
+    assert Filming(camera_type="Large_D435").optics("L515") == (640, 480, 37.0)
+    assert Filming(camera_type="L515", size="640x480").optics("D435") == (640, 480, 45.0)
+    assert parse_size("2048x2048") == (2048, 2048)
+
+
+def test_senses_are_counted_by_pixel_and_by_frame() -> None:
+    assert Filming().frame_bytes() == 0
+    three = Filming(senses=("depth", "segmentation")).frame_bytes()
+    assert three == 3 * 320 * 240 * 14
+    assert Filming(("head",), ("depth",), size="640x480").frame_bytes() == 640 * 480 * 8
+    assert Filming(senses=("pointcloud",)).frame_bytes() == 1024 * 6 * 4
+
+
+def test_only_what_cameras_see_needs_them() -> None:
+    assert drawn(("states", "depth")) and not drawn(("states",)) and not drawn(())
+    assert set(REDRAWN) <= set(SENSES) and "states" in REDRAWN

@@ -1,0 +1,184 @@
+"""A dataset drawn again: what was there comes out byte for byte, what is added is right."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from rtphys.core.errors import BadFile, BadValue, RtphysError
+from rtphys.data.dataset import Dataset
+from rtphys.data.verify import Effort, verify
+from rtphys.setting.setting import Setting
+from rtphys.studies.collect.plan import Run, TaskPlan
+from rtphys.studies.collect.run import collect
+from rtphys.studies.render import run as render_module
+from rtphys.studies.render.plan import RenderPlan
+from rtphys.studies.render.run import MissingPack, render
+
+TASK = "click_bell"
+
+
+def collected(out: Path, **given: object) -> Path:
+    plan = TaskPlan(Setting(TASK, "phys_random"), episodes=1, **given)  # type: ignore[arg-type]
+    collect([plan], Run(out=out, workers=1))
+    return out
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Without stored states: drawn again, it is simulated again."""
+    return collected(tmp_path_factory.mktemp("plain") / "data")
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("stored") / "data"
+    return collected(folder, senses=("depth", "states"), layout="legacy")
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    paths = [path for path in folder.rglob("*") if path.is_file() and path.suffix != ".lock"]
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
+
+
+@pytest.mark.sim
+@pytest.mark.render
+@pytest.mark.slow
+class TestDrawnAgain:
+    def test_with_nothing_changed_every_file_is_the_same(
+        self, plain: Path, stored: Path, tmp_path: Path
+    ) -> None:
+        for n, source in enumerate((plain, stored)):
+            out = tmp_path / str(n)
+            done = render(RenderPlan(data=source, out=out, workers=1))
+            assert done.compared == 3 * len(Dataset(source)[0]) and done.differing == 0
+            assert files(out) == files(source)
+
+    def test_stored_states_are_drawn_without_simulating(
+        self, stored: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        from rtphys.studies.render import work
+
+        monkeypatch.setattr(work, "attempt", None)  # of this process: no worker is spawned
+        plan = RenderPlan(data=stored, out=tmp_path, add=("segmentation",))
+        worker = render_module.RenderWorker(*_pack_and_packs(stored), "slim")
+        worker.start()
+        entry = Dataset(stored).task_datasets[0]
+        paths = Dataset(stored)[0].paths
+        scene = {"info": {}}
+        job = work.RenderJob(
+            paths, "legacy", scene, plan.filming(entry), True, entry.assets["digest"], tmp_path
+        )
+        done = worker.do(job)
+        assert done.compared and not done.differing
+
+    def test_senses_are_added_and_nothing_else_changes(self, plain: Path, tmp_path: Path) -> None:
+        add = ("depth", "segmentation", "pointcloud", "states")
+        done = render(RenderPlan(data=plain, out=tmp_path, add=add, workers=1))
+        assert done.differing == 0
+        assert verify(tmp_path, Effort.DEEP).problems == []
+        before, after = Dataset(plain)[0], Dataset(tmp_path)[0]
+        assert set(after.senses.senses) == set(add)
+        with h5py.File(before.paths.hdf5) as old, h5py.File(after.paths.hdf5) as new:
+            keys: list[str] = []
+            old.visititems(lambda k, v: keys.append(k) if isinstance(v, h5py.Dataset) else None)
+            for key in keys:
+                assert np.array_equal(old[key][()], new[key][()]), key
+        assert before.paths.video.read_bytes() == after.paths.video.read_bytes()
+
+    def test_cameras_size_and_look(self, plain: Path, tmp_path: Path) -> None:
+        plan = RenderPlan(
+            data=plain, out=tmp_path, cameras=("front",), size="64x48", look="official_random",
+            workers=1,
+        )  # fmt: skip
+        render(plan)
+        assert verify(tmp_path, Effort.DEEP).problems == []
+        episode = Dataset(tmp_path)[0]
+        assert episode.image("front_camera", 0).shape == (48, 64, 3)
+        assert episode.protocol == "phys_random.look=official_random"
+        assert episode.meta.visual is not None and episode.meta.visual.clutter == []
+        assert np.array_equal(episode.state, Dataset(plain)[0].state)
+
+
+def _pack_and_packs(source: Path):
+    from rtphys.assets.pack import default_pack
+
+    pack = default_pack()
+    return pack, {Dataset(source).task_datasets[0].assets["digest"]: pack}
+
+
+# ---- refused before any work ---------------------------------------------------------------------
+
+
+def synthetic_dataset(folder: Path) -> Path:
+    import synthetic
+
+    from rtphys.data.staging import stage_episode
+    from rtphys.data.writer import DatasetWriter
+
+    with DatasetWriter(folder) as opened:
+        task = opened.task(synthetic.conditions(), 1)
+        task.record(stage_episode(task.staging(0), synthetic.episode(0)))
+    return folder
+
+
+def test_missing_assets_are_named_with_their_digest(tmp_path: Path) -> None:
+    data = synthetic_dataset(tmp_path / "data")
+    with pytest.raises(MissingPack, match="a" * 64):
+        render(RenderPlan(data=data, out=tmp_path / "out"))
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_dataset_itself_is_no_place_for_the_new_one(tmp_path: Path) -> None:
+    data = synthetic_dataset(tmp_path)
+    with pytest.raises(BadValue, match="name another folder"):
+        render(RenderPlan(data=data, out=data))
+
+
+def test_a_shard_is_refused(tmp_path: Path) -> None:
+    data = synthetic_dataset(tmp_path / "data")
+    (data / "shard.json").write_text("{}")
+    with pytest.raises(BadFile, match="merge"):
+        render(RenderPlan(data=data, out=tmp_path / "out"))
+
+
+def test_no_dataset_at_all(tmp_path: Path) -> None:
+    with pytest.raises(BadFile):
+        render(RenderPlan(data=tmp_path, out=tmp_path / "out"))
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"add": ("dept",)},
+        {"cameras": ("haed",)},
+        {"look": "clan"},
+        {"shader": "slimm"},
+        {"camera_type": "D345"},
+    ],
+)
+def test_a_misspelt_name_is_refused(given: dict[str, object], tmp_path: Path) -> None:
+    with pytest.raises(RtphysError, match="did you mean"):
+        RenderPlan(data=tmp_path, out=tmp_path, **given)  # type: ignore[arg-type]
+
+
+def test_a_cloud_without_the_head_camera_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = synthetic_dataset(tmp_path / "data")
+    monkeypatch.setattr(render_module, "pack_with", lambda digest: object())
+    plan = RenderPlan(data=data, out=tmp_path / "out", cameras=("front",), add=("pointcloud",))
+    with pytest.raises(BadValue, match="head camera's"):
+        render(plan)
+
+
+def test_a_disk_that_is_too_small_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from collections import namedtuple
+
+    usage = namedtuple("usage", "total used free")(10**12, 10**12 - 10**8, 10**8)
+    data = synthetic_dataset(tmp_path / "data")
+    monkeypatch.setattr(render_module, "pack_with", lambda digest: object())
+    monkeypatch.setattr("shutil.disk_usage", lambda place: usage)
+    with pytest.raises(RtphysError, match="GB"):
+        render(RenderPlan(data=data, out=tmp_path / "out", add=("depth",)))

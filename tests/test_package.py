@@ -1,0 +1,17 @@
+"""What `import rtphys` offers."""
+
+import subprocess
+import sys
+from importlib.metadata import version
+
+import rtphys
+
+
+def test_names_complete_on_tab_before_they_are_loaded() -> None:
+    code = "import rtphys; print(*dir(rtphys))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert {"Dataset", "Episode", "__version__"} <= set(done.stdout.split())
+
+
+def test_the_version_is_the_installed_one() -> None:
+    assert rtphys.__version__ == version("rtphys")
