@@ -8,7 +8,7 @@ from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.row_journal import RowJournal
 from rtphys.campaign.series import Series, Study, Tally
-from rtphys.campaign.workers.local import LocalPool, cores
+from rtphys.campaign.workers.local import LocalPool, cores, memory_share
 from rtphys.campaign.workers.pool import Limits, Lost
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
@@ -159,6 +159,7 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         worker = EvaluateWorker(pack, plan.policy, plan.filming)
         size = plan.workers or cores()
         share = max(memory_share(size), Limits().most_memory)
+        limits = Limits(plan.timeout, memory=share, most_memory=share)
         try:
             with LocalPool[Job, Result](worker, size, limits, listener.noticed) as pool:
                 saved = dataset.checkpoint_if_due if dataset else lambda: None
