@@ -5,7 +5,7 @@ for episode in Dataset("data").where(task="click_bell"):
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -177,6 +177,10 @@ def _episodes(path: Path, entry: TaskDatasetEntry, failed: bool = False) -> Iter
         yield Episode(entry.task, entry.config, number, seed, entry.layout, paths, failed)
 
 
+def _all_of(path: Path, entries: Iterable[TaskDatasetEntry]) -> tuple[Episode, ...]:
+    return tuple(chain.from_iterable(_episodes(path, entry) for entry in entries))
+
+
 class Dataset(Sequence[Episode]):
     """The episodes of a folder that holds `manifest.json`, in the manifest's order."""
 
@@ -186,8 +190,7 @@ class Dataset(Sequence[Episode]):
         self.path = given.parent if given.name == MANIFEST else given
         self.manifest: Manifest = read_manifest(self.path)
         self.task_datasets = tuple(self.manifest.task_datasets.values())
-        listed = (_episodes(self.path, entry) for entry in self.task_datasets)
-        self._episodes = tuple(chain.from_iterable(listed))
+        self._episodes = _all_of(self.path, self.task_datasets)
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -237,7 +240,7 @@ class Dataset(Sequence[Episode]):
             and protocol in (None, entry.config)
             and robot in (None, embodiment_folder(entry.embodiment))
         )
-        part._episodes = tuple(part._listed())
+        part._episodes = _all_of(part.path, part.task_datasets)
         return part
 
     def pairs(self) -> tuple[Pair, ...]:
