@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
-from rtphys.assets.embodiment import ALOHA_LIMITS, read_embodiment
+from rtphys.assets.embodiment import ALOHA_LIMITS
+from rtphys.assets.embodiment_file import read_embodiment
 from rtphys.assets.embodiments.aloha_agilex import aloha_agilex
 from rtphys.assets.urdf import placed
 from rtphys.core.errors import BadFile
@@ -70,7 +71,7 @@ def test_configuration_and_urdf_agree(builtin):
     for limb in robot.limbs:
         assert [kinds[j] for j in limb.joints] == ["revolute"] * 6
         assert [kinds[j] for j in limb.finger_joints] == ["prismatic"] * 2
-        assert {limb.ee_link, limb.camera_link} <= links
+        assert {limb.ee.link, limb.camera.link} <= links
         np.testing.assert_allclose(limb.limits, ALOHA_LIMITS)
     assert robot.finger_target(0.0) == -0.01 and robot.finger_target(1.0) == pytest.approx(0.045)
     assert (robot.hand.tcp, robot.hand.fingertip, robot.hand.tip) == (0.12, 0.0356, 0.1556)
@@ -88,7 +89,7 @@ def seven_joints(source: Path, folder: Path) -> dict[str, object]:
         names.append(f"{arm}_joint7")
         home.append(0.0)
     per_joint = ("bent_posture", "joint_weights", "joint_velocity", "joint_acceleration")
-    hand = {"fingertip": 0.05, "pad_half_width": 0.01, "pad_half_thickness": 0.004}
+    hand = {"fingertip": 0.05, "palm": 0.03, "pad_half_width": 0.01, "pad_half_thickness": 0.004}
     return {
         **config,
         **{key: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0] for key in per_joint},
@@ -101,7 +102,7 @@ def seven_joints(source: Path, folder: Path) -> dict[str, object]:
 def test_another_robot_says_in_its_configuration_what_is_known_of_the_aloha(builtin, tmp_path):
     folder = tmp_path / "seven"
     config = seven_joints(builtin.embodiment().urdf.parents[1], folder)
-    for key in ("hand", "joint_velocity"):
+    for key in ("hand", "gripper_stiffness"):
         missing = {name: value for name, value in config.items() if name != key}
         (folder / "config.yml").write_text(yaml.safe_dump(missing))
         with pytest.raises(BadFile, match=key):

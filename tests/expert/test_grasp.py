@@ -7,8 +7,8 @@ from rtphys.assets.embodiment import Hand
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.expert.grasp import TILTS, candidates, ee_of_contact, preference, raised_clear
 
-HAND = Hand(0.12, 0.0356, 0.0305, 0.01, 0.045, 0.0475)
-LONG = Hand(0.2, 0.05, 0.0305, 0.01, 0.045, 0.0475)
+HAND = Hand(0.12, 0.0356, 0.0305, 0.01, 0.045, 0.0475, 0.0445)
+LONG = Hand(0.2, 0.05, 0.0305, 0.01, 0.045, 0.0475, 0.0445)
 TOP = 0.74
 
 

@@ -49,6 +49,11 @@ def test_column_is_a_line_through_the_feature_that_goes_best_with_the_values() -
     y = 3 - 2 * X[:, 2]
     model = Column()
     model.fit(X, y)
-    np.testing.assert_allclose(model.predict(X * 5), 3 - 10 * X[:, 2])
+    np.testing.assert_allclose(model.predict(X), y)
+    far = np.array([[1, 0, 1e6], [1, 0, -1e6]])
+    low, width = X[:, 2].min(), np.ptp(X[:, 2])
+    np.testing.assert_allclose(
+        model.predict(far), [3 - 2 * (low + 2 * width), 3 - 2 * (low - width)]
+    )
     model.fit(np.ones((30, 2)), y)  # features that say nothing
     np.testing.assert_allclose(model.predict(np.ones((4, 2))), y.mean())

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from b1_arms import aloha_urdf
 
-from rtphys.assets.embodiment import Embodiment, read_embodiment
+from rtphys.assets.embodiment import Embodiment
+from rtphys.assets.embodiment_file import read_embodiment
 from rtphys.assets.embodiments.aloha_agilex import CONFIG
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.plan.arms import arm_kinematics
@@ -21,7 +22,7 @@ def embodiment(tmp_path_factory: pytest.TempPathFactory) -> Embodiment:
     (folder / "urdf" / "aloha_agilex.urdf").write_text(aloha_urdf(), encoding="utf-8")
     (folder / "config.yml").write_text(CONFIG, encoding="utf-8")
     base = Pose((0, -0.65, 0), axis_angle((0, 0, 1), np.pi / 2))
-    return replace(read_embodiment(folder), bases=(base,))
+    return replace(read_embodiment(folder), base=base)
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ from b1_arms import BASES, BENT, JOINTS, LIMITS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rtphys.assets.embodiment import Mount
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.core.seeds import stream
@@ -87,7 +88,7 @@ def test_limits_hold_where_the_open_solution_breaks_them(embodiment, right) -> N
     narrow = LIMITS.copy()
     narrow[3] = (-0.5, 1.6)  # the posture wants -0.8
     limb = replace(embodiment.right, limits=narrow)
-    tight = ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.bases[0])
+    tight = ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.base)
     found = tight.solve_near(right.ee_pose(q), q, stream(0, "test"), restarts=40)
     assert found is None or found[3] >= -0.5
 
@@ -138,13 +139,13 @@ def test_line_that_only_turns(right) -> None:
 
 def test_unknown_names_and_files_are_refused(embodiment, tmp_path) -> None:
     def read(urdf=embodiment.urdf, **changed) -> None:
-        ArmKinematics.from_urdf(urdf, replace(embodiment.right, **changed), embodiment.bases[0])
+        ArmKinematics.from_urdf(urdf, replace(embodiment.right, **changed), embodiment.base)
 
     names = embodiment.right.joints
     with pytest.raises(UnknownName, match="fr_joint6"):
         read(joints=(*names[:5], "fr_jont6"))
     with pytest.raises(UnknownName, match="fr_link6"):
-        read(ee_link="fr_lnk6")
+        read(ee=Mount("fr_lnk6"))
     with pytest.raises(BadFile, match="no serial chain"):
         read(joints=names[::-1])
     with pytest.raises(BadFile):

@@ -12,7 +12,7 @@ from rtphys.physics.distribution import By, Fixed, SameAs
 from rtphys.physics.values import Value
 from rtphys.proofs.lab import Lab
 from rtphys.proofs.proof import COMPANY, Trial, Values
-from rtphys.proofs.run import proof, run_trials
+from rtphys.proofs.run import proof, prove, run_trials
 
 pytestmark = pytest.mark.sim
 GLOBAL = load_domain("global")
@@ -50,6 +50,24 @@ def test_law_beside_other_attributes(lab: Lab, key: str, others: Values) -> None
 )
 def test_law_in_company_with_all(lab: Lab, key: str, value: Value) -> None:
     assert_passed(run_trials(lab, proof(key), value, proof(key).company))
+
+
+# What acts on the robot itself, and what its fingers do to a thing between them.
+OF_THE_ROBOT = ("arm_joint_damping", "friction", "gripper_joint_damping")
+
+
+@pytest.mark.parametrize("robot", ["franka-panda", "piper"])
+@pytest.mark.parametrize("key", OF_THE_ROBOT)
+def test_law_on_every_robot(key: str, robot: str) -> None:
+    lab, law = Lab(builtin_pack(), embodiment=robot), proof(key)
+    assert_passed(run_trials(lab, law, law.settings[1], law.company))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["franka-panda", "piper"])
+@pytest.mark.parametrize("key", [law.key for law in LAWS])
+def test_all_trials_on_every_robot(key: str, robot: str) -> None:
+    assert_passed(list(prove(Lab(builtin_pack(), embodiment=robot), key)))
 
 
 def test_company_varies_every_attribute() -> None:

@@ -38,8 +38,8 @@ def vertices(robot: physx.PhysxArticulation) -> Array:
 
 def test_folding_moves_no_shape(embodiment: Embodiment) -> None:
     scenes = [new_scene(visuals=False), new_scene(visuals=False)]
-    whole = build_articulation(scenes[0], embodiment.urdf, embodiment.bases[0])
-    folded = build_robot(scenes[1], embodiment.urdf, embodiment.bases[0])
+    whole = build_articulation(scenes[0], embodiment.urdf, embodiment.base)
+    folded = build_robot(scenes[1], embodiment.urdf, embodiment.base)
     assert len(folded.links) < len(whole.links)
     assert [j.name for j in folded.active_joints] == [j.name for j in whole.active_joints]
     a, b = vertices(whole), vertices(folded)

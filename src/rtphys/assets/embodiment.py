@@ -1,47 +1,24 @@
-"""A robot as the official `config.yml` describes it, with names turned into types."""
+"""A robot of two arms: where its files are, how its joints are used, what its hands measure."""
 
-import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.assets.action_layout import SIDES, ActionLayout
-from rtphys.core.errors import BadFile, MissingAsset
-from rtphys.core.library import read_yaml
+from rtphys.assets.action_layout import ActionLayout
+from rtphys.core.errors import BadValue
+from rtphys.core.paths import plain_name
 from rtphys.core.poses import Pose
 
 Array = NDArray[np.float64]
 
-# What the official config of the aloha does not say. The config of another robot says it itself,
-# under the same keys; without `joint_limits` those of its URDF hold.
+DEFAULT = "aloha-agilex"
+
 # The official aloha URDF allows +-10 rad, which invites IK answers wound round by 2 pi.
 # These are the ranges the arm really has and that its workspace was measured with [rad].
 ALOHA_LIMITS = ((-2.6, 2.6), (0.0, 3.5), (0.0, 3.2), (-1.6, 1.6), (-1.6, 1.6), (-3.1, 3.1))
 ALOHA_OPENING = (-0.01, 0.045)  # [m] finger joint at opening 0 and 1, for readers without a pack
-ALOHA = {
-    "joint_limits": [list(pair) for pair in ALOHA_LIMITS],
-    "bent_posture": [0.0, 1.2, 1.0, -0.8, 0.0, 0.0],
-    "joint_weights": [1.5, 1.5, 1.25, 1.0, 0.75, 0.5],
-    # The arm's real servos reach about 3 rad/s; accelerations keep finger loads near 1 g.
-    "joint_velocity": [2.5, 2.5, 2.5, 3.0, 3.0, 3.0],
-    "joint_acceleration": [10.0, 10.0, 10.0, 12.0, 12.0, 14.0],
-    # Inertia of the motors' rotors behind their gears, such as 3.5e-5 kg m^2 times 100 squared.
-    # Without it a servo at rest presses with less than k * error, by 40 % at thrice the damping:
-    # PhysX does not converge on a stiff drive of a light link. Less than 0.3 in the arm lets it
-    # droop by over 1.1 JᵀF/k there; more than 0.4 moves its time constant by over 5 %.
-    "joint_armature": 0.35,
-    "gripper_armature": 0.1,
-    "hand": {
-        "fingertip": 0.0356,
-        "pad_half_width": 0.0305,
-        "pad_half_thickness": 0.01,
-        "finger_travel": 0.0475,
-    },
-}
 
 
 @dataclass(frozen=True)
@@ -57,6 +34,7 @@ class Hand:
     pad_half_thickness: float  # of both closed fingers together, along y
     finger_open: float  # distance of each finger from closed when the gripper is open
     finger_travel: float  # greatest distance of a finger from closed
+    palm: float  # TCP back to the palm, along x: a thing between the fingers reaches no deeper
 
     @property
     def tip(self) -> float:
@@ -74,16 +52,24 @@ class Mimic:
 
 
 @dataclass(frozen=True, eq=False)
+class Mount:
+    """A frame that a link carries."""
+
+    link: str
+    offset: Pose | None = None  # link <- frame; None: the link's own frame
+
+
+@dataclass(frozen=True, eq=False)
 class Limb:
     """One arm with its gripper."""
 
     side: str  # "left" or "right"
     joints: tuple[str, ...]  # n, base to wrist
-    ee_link: str
-    ee_joint: str
-    camera_link: str  # wrist camera
+    ee: Mount  # the end-effector frame: x is the approach, y the closing direction
+    camera: Mount  # wrist camera: x looks forward, y points left
     gripper_joint: str  # base finger
     mimics: tuple[Mimic, ...]
+    finger_signs: tuple[float, ...]  # of each finger joint: +1 where a larger number opens
     home: Array  # (n,) posture at the start of an episode [rad]
     limits: Array  # (n, 2) lower and upper angle [rad]
     # With the elbow up and the tool pitched down: most of the table is reached from there.
@@ -116,7 +102,8 @@ class Embodiment:
     """A dual-arm robot: where its files are and how its joints are used."""
 
     name: str
-    urdf: Path
+    urdf: Path  # of both arms
+    base: Pose  # world <- root link of the URDF
     left: Limb
     right: Limb
     joint_stiffness: float  # [N m/rad]
@@ -127,11 +114,6 @@ class Embodiment:
     gripper_armature: float  # [kg] the same of a finger joint
     hand: Hand  # the same on both arms
     gripper_scale: tuple[float, float]  # [m] finger joint target at g = 0 (closed) and g = 1 (open)
-    bases: tuple[Pose, ...]  # world <- root link; one, or one an arm
-    delta_matrix: Array  # (3, 3)
-    global_trans_matrix: Array  # (3, 3)
-    rotate_limits: tuple[float, float]  # [rad] range of tilted grasp candidates
-    grasp_directions: tuple[str, str]  # preferred side approach of the left and right arm
     cameras: tuple[StaticCamera, ...]
 
     @property
@@ -149,134 +131,42 @@ class Embodiment:
         return closed + g * (opened - closed)
 
 
-def read_embodiment(folder: Path) -> Embodiment:
-    """`<folder>/config.yml` and the URDF it names.
+def canonical(name: str) -> str:
+    """The name as it is stored: without spaces, the distance in its shortest form.
 
     Raises:
-        MissingAsset: config or URDF is not there.
-        BadFile: a key is missing or has the wrong form.
+        BadValue: it cannot be a robot's name.
     """
-    path = folder / "config.yml"
-    if not path.is_file():
-        raise MissingAsset(f"embodiment {folder.name!r}", path)
-    config = read_yaml(path)
-    if folder.name.startswith("aloha-agilex"):
-        config = {**config, **ALOHA}
+    model, distance = named_pair(name)
+    return model if distance is None else f"{model},{model},{distance:g}"
+
+
+def named_pair(name: str) -> tuple[str, float | None]:
+    """Model and distance of the bases [m] that an embodiment's name states; None where it does not.
+
+    RoboTwin writes two single arms as "LEFT,RIGHT,DISTANCE".
+
+    Raises:
+        BadValue: neither one name nor two equal ones with a distance.
+    """
+    words = [word.strip() for word in name.split(",")]
+    if len(words) == 1 and words[0]:
+        return _plain(name, words[0]), None
+    allowed = "it is one name, or LEFT,RIGHT,DISTANCE such as piper,piper,0.6"
     try:
-        urdf = folder / str(config["urdf_path"])
-        if not urdf.is_file():
-            raise MissingAsset(f"URDF of embodiment {folder.name!r}", urdf)
-        return _embodiment(folder.name, urdf.resolve(), config)
-    except (KeyError, IndexError, ValueError, TypeError) as problem:
-        raise BadFile(path, f"not an embodiment description ({problem!r})") from problem
+        left, right, distance = words[0], words[1], float(words[2])
+    except (IndexError, ValueError):
+        raise BadValue("embodiment", name, allowed) from None
+    if len(words) != 3 or not 0.1 <= distance <= 2.0:
+        raise BadValue("embodiment", name, f"{allowed}; the distance is 0.1 to 2 m")
+    if left != right:
+        raise BadValue("embodiment", name, "both arms are of one robot")
+    return _plain(name, left), distance
 
 
-def _embodiment(name: str, urdf: Path, config: Mapping[str, object]) -> Embodiment:
-    limits = _limits_of(urdf)
-    limbs = [_limb(i, config, limits) for i in (0, 1)]
-    if len(limbs[0].joints) != len(limbs[1].joints):
-        raise ValueError("both arms need as many joints")
-    closed, opened = _numbers(config["gripper_scale"])
-    first, last = _numbers(config.get("rotate_lim", [0, 1]))
-    near, far = [str(d) for d in _list(config["grasp_perfect_direction"])]
-    poses = [_numbers(p) for p in _list(config["robot_pose"])]
-    return Embodiment(
-        name=name,
-        urdf=urdf,
-        left=limbs[0],
-        right=limbs[1],
-        joint_stiffness=_number(config["joint_stiffness"]),
-        joint_damping=_number(config["joint_damping"]),
-        gripper_stiffness=_number(config["gripper_stiffness"]),
-        gripper_damping=_number(config["gripper_damping"]),
-        joint_armature=_number(config["joint_armature"]),
-        gripper_armature=_number(config["gripper_armature"]),
-        hand=_hand(config),
-        gripper_scale=(closed, opened),
-        bases=tuple(Pose(p[:3], p[3:7]) for p in poses),
-        delta_matrix=np.array(config["delta_matrix"], float),
-        global_trans_matrix=np.array(config["global_trans_matrix"], float),
-        rotate_limits=(first, last),
-        grasp_directions=(near, far),
-        cameras=tuple(_camera(c) for c in _list(config.get("static_camera_list", []))),
-    )
-
-
-_PER_JOINT = {  # field of `Limb` -> key of the config, a number a joint; both arms are alike
-    "bent": "bent_posture",
-    "weights": "joint_weights",
-    "velocity": "joint_velocity",
-    "acceleration": "joint_acceleration",
-}
-
-
-def _hand(config: Mapping[str, object]) -> Hand:
-    measures = cast(Mapping[str, object], config["hand"])
-    return Hand(
-        tcp=_number(config["gripper_bias"]),
-        fingertip=_number(measures["fingertip"]),
-        pad_half_width=_number(measures["pad_half_width"]),
-        pad_half_thickness=_number(measures["pad_half_thickness"]),
-        finger_open=_numbers(config["gripper_scale"])[1],
-        finger_travel=_number(measures["finger_travel"]),
-    )
-
-
-def _limb(i: int, config: Mapping[str, object], urdf_limits: dict[str, Array]) -> Limb:
-    joints = tuple(str(j) for j in _list(_list(config["arm_joints_name"])[i]))
-    gripper = cast(Mapping[str, object], _list(config["gripper_name"])[i])
-    mimics = [_list(m) for m in _list(gripper["mimic"])]
-    side, n = SIDES[i], len(joints)
-    limits = config.get("joint_limits", [urdf_limits[joint].tolist() for joint in joints])
-    return Limb(
-        side=side,
-        joints=joints,
-        ee_link=str(_list(config["move_group"])[i]),
-        ee_joint=str(_list(config["ee_joints"])[i]),
-        camera_link=f"{side}_camera",
-        gripper_joint=str(gripper["base"]),
-        mimics=tuple(Mimic(str(m[0]), _number(m[1]), _number(m[2])) for m in mimics),
-        home=np.array(_list(config["homestate"])[i], float).reshape(n),
-        limits=np.array(limits, float).reshape(n, 2),
-        **{
-            field: np.array(_list(config[key]), float).reshape(n)
-            for field, key in _PER_JOINT.items()
-        },
-    )
-
-
-def _camera(entry: object) -> StaticCamera:
-    c = cast(Mapping[str, object], entry)
-    return StaticCamera(
-        str(c["name"]),
-        str(c.get("type", "D435")),
-        *(np.array(c[key], float) for key in ("position", "forward", "left")),
-    )
-
-
-def _limits_of(urdf: Path) -> dict[str, Array]:
-    """Joint name -> (lower, upper) as the URDF states them; unlimited is +-pi."""
-    limits = {}
-    for joint in ElementTree.parse(urdf).getroot().iter("joint"):
-        limit = joint.find("limit")
-        bounds = (-np.pi, np.pi)
-        if limit is not None and joint.get("type") != "continuous":
-            bounds = (float(limit.get("lower", "0")), float(limit.get("upper", "0")))
-        limits[joint.get("name", "")] = np.array(bounds)
-    return limits
-
-
-def _list(value: object) -> Sequence[object]:
-    if not isinstance(value, list):
-        raise TypeError(f"expected a list, got {value!r}")
-    return value
-
-
-def _numbers(value: object) -> list[float]:
-    return [_number(v) for v in _list(value)]
-
-
-def _number(value: object) -> float:
-    if not isinstance(value, int | float):
-        raise TypeError(f"expected a number, got {value!r}")
-    return float(value)
+def _plain(name: str, model: str) -> str:
+    """The model's name. Raises `BadValue`: it is no plain component of a path."""
+    try:
+        return plain_name(model)
+    except ValueError as problem:
+        raise BadValue("embodiment", name, str(problem)) from problem

@@ -1,6 +1,7 @@
 """What tells one asset pack from another, and a finished one from one still being built."""
 
 import hashlib
+import os
 from importlib import metadata
 from pathlib import Path
 
@@ -52,3 +53,9 @@ def source_digest() -> str:
 
 def _name_and_size(path: Path, root: Path) -> bytes:
     return f"{path.relative_to(root).as_posix()}\0{path.stat().st_size}\0".encode()
+
+
+def cache_folder() -> Path:
+    """The folder of the built packs: `$XDG_CACHE_HOME/rtphys/assets`, by default in `~/.cache`."""
+    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(base).expanduser() / "rtphys" / "assets"

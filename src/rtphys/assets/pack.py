@@ -8,8 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtphys.assets.embodiment import Embodiment, read_embodiment
-from rtphys.assets.identity import STAMP, description_digest, source_digest
+from rtphys.assets.embodiment import DEFAULT, Embodiment, named_pair
+from rtphys.assets.embodiment_file import read_embodiment
+from rtphys.assets.identity import STAMP, cache_folder, description_digest, source_digest
 from rtphys.assets.material import Picture
 from rtphys.assets.model import (
     Articulation,
@@ -154,18 +155,31 @@ class Pack:
         names = {p.parent.name for p in (self.root / "embodiments").glob("*/config.yml")}
         return tuple(sorted(names | set(self.fallback.embodiments if self.fallback else ())))
 
-    def embodiment(self, name: str = "aloha-agilex") -> Embodiment:
-        """The robot of this name. Raises UnknownName, MissingAsset or BadFile."""
-        folder = self.root / "embodiments" / name
+    def embodiment(self, name: str = DEFAULT) -> Embodiment:
+        """The robot of this name, or two arms as "LEFT,RIGHT,DISTANCE" with the distance in metres.
+
+        Raises UnknownName, BadValue, MissingAsset or BadFile.
+        """
+        model, distance = named_pair(name)
+        folder = self.root / "embodiments" / model
         if name in self._robots:
             return self._robots[name]
         if (folder / "config.yml").is_file():
-            self._robots[name] = read_embodiment(folder)
+            self._robots[name] = read_embodiment(folder, distance)
             return self._robots[name]
         if self.fallback:
             return self.fallback.embodiment(name)
         if folder.is_dir() or not self.embodiments:
-            raise MissingAsset(f"embodiment {name!r}", folder / "config.yml")
+            raise MissingAsset(f"embodiment {model!r}", folder / "config.yml")
+        raise UnknownName("embodiment", model, self.embodiments, self.root)
+
+    def embodiment_folder(self, name: str) -> Path:
+        """The folder of a robot's description. Raises UnknownName."""
+        folder = self.root / "embodiments" / name
+        if (folder / "config.yml").is_file():
+            return folder
+        if self.fallback:
+            return self.fallback.embodiment_folder(name)
         raise UnknownName("embodiment", name, self.embodiments, self.root)
 
     def textures(self, split: str, place: Place) -> tuple[str, ...]:
@@ -263,12 +277,6 @@ def pack_with(digest: str) -> Pack | None:
     roots = ([Path(named)] if named else []) + ([link[0]] if link else [])
     others = [Pack(root, behind) for root in roots for behind in (None, *built)]
     return next((pack for pack in (*built, *others) if pack.digest == digest), None)
-
-
-def cache_folder() -> Path:
-    """The folder of the built packs: `$XDG_CACHE_HOME/rtphys/assets`, by default in `~/.cache`."""
-    base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    return Path(base).expanduser() / "rtphys" / "assets"
 
 
 def linked() -> tuple[Path, bool] | None:

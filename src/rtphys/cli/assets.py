@@ -84,13 +84,14 @@ def check(
 
     pack = _pack() if folder is None else Pack(folder, _fallback(fallback))
     report = check_pack(pack)
+    problems = [*map(str, report.problems), *_unfit(pack, report.loaded)]
     lacks = {name: lacking(pack, name) for name in task_names()}
     if as_json:
-        facts = {"root": str(pack.root), **asdict(report), "lacking": lacks}
+        facts = {"root": str(pack.root), **asdict(report), "problems": problems, "lacking": lacks}
         typer.echo(json.dumps(facts, indent=2, ensure_ascii=False))
     else:
-        _tell(pack, report, lacks)
-    if report.problems:
+        _tell(pack, report, problems, lacks)
+    if problems:
         raise typer.Exit(1)
 
 
@@ -104,19 +105,35 @@ def _owner(pack: Pack, name: str) -> str:
     return "of this pack" if own or pack.fallback is None else f"of {pack.fallback.root}"
 
 
-def _tell(pack: Pack, report: "Report", lacks: Mapping[str, Sequence[str]]) -> None:
+def _tell(
+    pack: Pack, report: "Report", problems: Sequence[str], lacks: Mapping[str, Sequence[str]]
+) -> None:
     out = Screen()
     out.print(f"{pack.root}", soft_wrap=True)
     for name, count in report.loaded.items():
         out.print(f"  {name}: {_models_of(count)}, {_owner(pack, name)}", soft_wrap=True)
     out.print(f"  textures: {report.textures['seen']} seen, {report.textures['unseen']} unseen")
-    for problem in report.problems:
-        out.print(str(problem), style="red", soft_wrap=True)
+    for problem in problems:
+        out.print(problem, style="red", soft_wrap=True)
     able = [name for name, missing in lacks.items() if not missing]
     out.print("tasks that can run: " + (", ".join(able) or "none"), soft_wrap=True)
     for name, missing in lacks.items():
         if missing:
             out.print(f"  {name} lacks {', '.join(missing)}", soft_wrap=True)
+
+
+def _unfit(pack: Pack, loaded: Mapping[str, int]) -> list[str]:
+    """One sentence for each robot that loads, but with which no episode can be tried."""
+    from rtphys.plan.arms import check_robot
+
+    problems: list[str] = []
+    for name in pack.embodiments:
+        try:
+            if name in loaded:
+                check_robot(pack, name)
+        except RtphysError as problem:
+            problems.append(str(problem))
+    return problems
 
 
 @app.command()

@@ -53,7 +53,7 @@ rtphys verify-manifest data
 
 app = typer.Typer(
     cls=LazyGroup,
-    add_completion=False,
+    add_completion=True,  # `rtphys --install-completion`; subcommands have no such options
     no_args_is_help=True,
     pretty_exceptions_show_locals=False,
     epilog=EPILOG,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.cli.domains import AsJson, domain_named
 from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.options import split
@@ -61,6 +62,9 @@ def prove(
     keys: Annotated[list[str] | None, typer.Argument(help="Attributes; all if none.")] = None,
     out: Annotated[Path | None, typer.Option(help="Draw one figure per attribute here.")] = None,
     every: Annotated[bool, typer.Option("--all", help="Show each trial, not the worst.")] = False,
+    embodiment: Annotated[
+        str, typer.Option(help="The robot: a name of the asset pack, or LEFT,RIGHT,DISTANCE.")
+    ] = DEFAULT,
     as_json: AsJson = False,
 ) -> None:
     """Prove each attribute by experiment: a textbook law, what it expects, what the simulator did.
@@ -70,11 +74,15 @@ def prove(
     """
     # Imported here: the simulator takes a second that no other command should wait for.
     from rtphys.assets.pack import default_pack
+    from rtphys.plan.arms import check_robot
     from rtphys.proofs.lab import Lab
     from rtphys.proofs.run import proof, prove
 
     laws = [proof(key) for key in keys or attributes()]
-    lab, failed, total, rows = Lab(default_pack()), 0, 0, list[dict[str, object]]()
+    pack = default_pack()
+    check_robot(pack, embodiment)
+    lab, failed, total = Lab(pack, embodiment=embodiment), 0, 0
+    rows: list[dict[str, object]] = []
     for law in laws:
         trials = list(prove(lab, law.key))
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)

@@ -20,7 +20,7 @@ from rtphys.data import jpeg, schema
 from rtphys.data.episode import Frames
 from rtphys.data.hdf5_pictures import EpisodeFile
 from rtphys.data.hdf5_senses import SenseFile
-from rtphys.data.layout import MANIFEST, EpisodePaths
+from rtphys.data.layout import MANIFEST, EpisodePaths, embodiment_folder
 from rtphys.data.manifest import read_manifest
 from rtphys.data.schema import FailureMeta, Instructions, Manifest, PhysMeta, TaskDatasetEntry
 from rtphys.data.schema_attempts import Failure
@@ -200,6 +200,12 @@ class Dataset(Sequence[Episode]):
         return tuple(dict.fromkeys(entry.config for entry in self.task_datasets))
 
     @property
+    def embodiments(self) -> tuple[str, ...]:
+        """Folder names of the robots."""
+        names = (embodiment_folder(entry.embodiment) for entry in self.task_datasets)
+        return tuple(dict.fromkeys(names))
+
+    @property
     def leaves(self) -> tuple[TaskDatasetEntry, ...]:
         """Older name of `task_datasets`, and their key in `manifest.json`."""
         return self.task_datasets
@@ -208,15 +214,19 @@ class Dataset(Sequence[Episode]):
         """The task dataset that an episode belongs to, by the episode's index."""
         return [entry for entry in self.task_datasets for _ in entry.seeds][index]
 
-    def where(self, task: str | None = None, protocol: str | None = None) -> "Dataset":
-        """The episodes of one task and/or one protocol, as a dataset of its own.
+    def where(
+        self, task: str | None = None, protocol: str | None = None, embodiment: str | None = None
+    ) -> "Dataset":
+        """The episodes of one task, protocol or robot, as a dataset of its own.
 
         Raises:
             UnknownName: the dataset has none of that name.
         """
+        robot = None if embodiment is None else embodiment_folder(embodiment)
         for kind, name, known in (
             ("task", task, self.tasks),
             ("protocol", protocol, self.protocols),
+            ("embodiment", robot, self.embodiments),
         ):
             if name is not None and name not in known:
                 raise UnknownName(kind, name, known, self.path)
@@ -225,7 +235,9 @@ class Dataset(Sequence[Episode]):
         part.task_datasets = tuple(
             entry
             for entry in self.task_datasets
-            if task in (None, entry.task) and protocol in (None, entry.config)
+            if task in (None, entry.task)
+            and protocol in (None, entry.config)
+            and robot in (None, embodiment_folder(entry.embodiment))
         )
         part._episodes = tuple(part._listed())
         return part

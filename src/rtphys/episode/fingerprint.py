@@ -6,6 +6,7 @@ from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.core import library
 from rtphys.core.code_digest import code_digest, imported_files
@@ -20,8 +21,8 @@ SHAPING = ("rtphys", "sapien", "numpy", "scipy", "pin", "coal", "toppra", "rucki
 PACKAGE = Path(__file__).parents[1]
 
 
-def fingerprint_of(task: Task, protocol: str, pack: Pack) -> Fingerprint:
-    """Fingerprint of a task under a protocol: rules, assets and versions that decide feasibility.
+def fingerprint_of(task: Task, protocol: str, pack: Pack, embodiment: str = DEFAULT) -> Fingerprint:
+    """Fingerprint of a task under a protocol: rules, assets, robot and versions.
 
     Raises:
         UnknownName: no such protocol.
@@ -30,7 +31,7 @@ def fingerprint_of(task: Task, protocol: str, pack: Pack) -> Fingerprint:
     domain, visual = setting.domain, setting.visual()
     look = hashlib.sha256(compact(visual.to_json())).hexdigest() if visual else ""
     found = {**versions(task), "dataset": DATASET_VERSION}
-    return Fingerprint(domain.name, domain.digest, look, pack.digest, found)
+    return Fingerprint(domain.name, domain.digest, look, pack.digest, found, embodiment)
 
 
 def versions(task: Task) -> dict[str, str]:

@@ -15,7 +15,7 @@ PATCH = 0.015  # [m] arm with which friction on a pad resists turning
 def grip_force(gap: float, embodiment: Embodiment) -> float:
     """Normal force of one finger on a load that keeps the pads `gap` [m] apart [N]."""
     # A closed command lies past the middle, so an empty hand still presses.
-    closed, _ = embodiment.gripper_scale
+    closed = embodiment.left.finger_signs[0] * embodiment.gripper_scale[0]
     return embodiment.gripper_stiffness * (gap / 2 - closed)
 
 

@@ -75,7 +75,7 @@ import rtphys
 for episode in rtphys.Dataset("path/to/this/folder"):
     print(episode.task, episode.seed, episode.physics["friction"])
     pictures = episode.images("head_camera")   # (T, H, W, 3), RGB
-    actions = episode.action                   # (T - 1, 14), commanded joint targets
+    actions = episode.action                   # (T - 1, N), commanded joint targets, openings
 ```
 
 `rtphys verify-manifest path/to/this/folder` checks every file, and derives the sampled physics of

@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from rtphys.core.errors import BadFile
+from rtphys.core.errors import BadFile, BadValue
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetExists
 from rtphys.data.files import make_folder
@@ -41,13 +41,16 @@ def export_lerobot(
 
     Raises:
         DatasetExists: `out` is not empty.
-        UnknownName, BadValue: see `plan_for`.
+        UnknownName, BadValue: see `plan_for`; the dataset holds several robots.
         BadFile: the dataset has no episode, or one is damaged.
     """
     if not len(dataset):
         raise BadFile(dataset.path, "the dataset has no episode to export")
     if out.exists() and any(out.iterdir()):
         raise DatasetExists(out, len(list(out.iterdir())))
+    if len(robots := dataset.embodiments) > 1:
+        allowed = "an export holds the episodes of one robot"
+        raise BadValue("dataset", ", ".join(robots), allowed, dataset.path)
     plan = plan_for(dataset[0], version, camera_names, features)
     part = out.with_name(f".{out.name}{PART}")
     shutil.rmtree(part, ignore_errors=True)

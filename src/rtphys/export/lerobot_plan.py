@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data.dataset import Episode
 from rtphys.data.episode import official_camera
@@ -21,7 +22,6 @@ CAMERA_NAMES: dict[str, dict[str, str]] = {
     | {"front_camera": "front_camera"},
 }
 RATE = Fraction(250, 15)  # [Hz] frames: one every 15 of 250 control steps per second
-ROBOT = "aloha-agilex"
 CHUNK = 1000  # files in a folder (v3.0), episodes in a folder (v2.1)
 
 POSE = [f"{side}_{part}" for side in SIDES for part in ("x", "y", "z", "qw", "qx", "qy", "qz")]
@@ -42,6 +42,7 @@ class Plan:
     size: tuple[int, int]  # height, width of every picture
     layout: ActionLayout  # of states and actions
     joints: tuple[str, ...]  # of efforts
+    robot: str  # name of the embodiment
     more: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
     """Features that were asked for -> names of their numbers."""
     depth: tuple[str, ...] = ()  # cameras whose depth was asked for
@@ -93,9 +94,9 @@ class Plan:
                 "shape": [pixels],
                 "names": None,
             }
-        features["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
-        features |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
-        return features
+        kinds = {"timestamp": "float32", **dict.fromkeys(INDICES, "int64")}
+        own = {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in kinds.items()}
+        return features | own
 
 
 def plan_for(episode: Episode, version: str, camera_names: str, wanted: Sequence[str] = ()) -> Plan:
@@ -128,7 +129,9 @@ def plan_for(episode: Episode, version: str, camera_names: str, wanted: Sequence
     frames = episode.frames
     more = {feature: names for feature, names in _more(episode, wanted).items() if names}
     depth = tuple(chosen) if "depth" in wanted else ()
-    return Plan(version, chosen, (height, width), frames.layout, frames.joint_names, more, depth)
+    robot = str(episode.meta.recipe.get("embodiment", DEFAULT))
+    size = (height, width)
+    return Plan(version, chosen, size, frames.layout, frames.joint_names, robot, more, depth)
 
 
 def _more(episode: Episode, wanted: Sequence[str]) -> dict[str, list[str]]:

@@ -15,7 +15,7 @@ from rtphys.export.lerobot_episode import (
     sentence_of,
     statistics,
 )
-from rtphys.export.lerobot_plan import CHUNK, RATE, ROBOT, Plan
+from rtphys.export.lerobot_plan import CHUNK, RATE, Plan
 from rtphys.export.statistics import to_json
 from rtphys.export.tables import frame_table, write_table
 
@@ -85,7 +85,7 @@ class WriterV2:
         total = len(self._episodes)
         return {
             "codebase_version": "v2.1",
-            "robot_type": ROBOT,
+            "robot_type": self.plan.robot,
             "total_episodes": total,
             "total_frames": self._frames,
             "total_tasks": len(self._tasks),

@@ -19,7 +19,7 @@ from rtphys.export.lerobot_episode import (
     sentence_of,
     statistics,
 )
-from rtphys.export.lerobot_plan import CHUNK, RATE, ROBOT, Plan
+from rtphys.export.lerobot_plan import CHUNK, RATE, Plan
 from rtphys.export.statistics import PixelCounts, of_numbers, to_json
 from rtphys.export.tables import frame_table, record_table, write_table
 
@@ -157,7 +157,7 @@ class WriterV3:
     def _info(self) -> dict[str, object]:
         return {
             "codebase_version": "v3.0",
-            "robot_type": ROBOT,
+            "robot_type": self.plan.robot,
             "total_episodes": len(self._records),
             "total_frames": self._frames,
             "total_tasks": len(self._tasks),

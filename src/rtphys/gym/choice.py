@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.physics import attributes
@@ -24,12 +25,18 @@ class Choice:
     physics: Mapping[str, Value] = field(default_factory=dict)  # attributes fixed to these values
     index: int | None = None  # of the certified instance, from 0
     split: str = "unseen"
+    embodiment: str = DEFAULT
 
     def recipe(self, seed: int) -> Recipe:
         """Recipe of the episode with this seed."""
-        return Setting(self.task, self.protocol, overrides=dict(self.physics), split=self.split).at(
-            seed
+        setting = Setting(
+            self.task,
+            self.protocol,
+            overrides=dict(self.physics),
+            split=self.split,
+            embodiment=self.embodiment,
         )
+        return setting.at(seed)
 
 
 def choose(default: Choice, options: Mapping[str, object] | None) -> Choice:
@@ -78,9 +85,11 @@ def certified_seed(choice: Choice) -> int:
 
     Raises:
         BadFile: the task is not certified under this protocol.
-        BadValue: there are fewer certified instances.
+        BadValue: there are fewer certified instances, or they are another robot's.
     """
     folder = library.bundled() / "manifests" / BENCHMARK
+    if choice.embodiment != DEFAULT:
+        raise BadValue("index", choice.index, f"instances are certified for the {DEFAULT} alone")
     feasible = read_instances(instance_file(folder, choice.protocol, choice.task)).feasible
     index = choice.index or 0
     if index >= len(feasible):

@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from rtphys.assets.embodiment import DEFAULT, canonical
 from rtphys.assets.pack import default_pack
 from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.episode import Observation, PolicyEpisode, begin
@@ -15,6 +16,7 @@ from rtphys.episode.privileged import joint_positions, object_poses
 from rtphys.gym import spaces as shapes
 from rtphys.gym.choice import Choice, certified_seed, choose
 from rtphys.gym.physics import numbers
+from rtphys.plan.arms import check_robot
 from rtphys.setting.filming import Filming
 from rtphys.setting.protocol import load_protocol
 from rtphys.task.spec import load_task
@@ -44,9 +46,12 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         control: "official": each action is a motion from rest to rest and lasts until it ends;
             "tracking": each action lasts one frame (60 ms), and the arms continue at their present
             speed, as on a real robot.
+        embodiment: the robot, a name of the asset pack or LEFT,RIGHT,DISTANCE; it decides the
+            length of an action.
 
     Raises:
-        UnknownName: no such task, protocol, control, sense or kind of observation.
+        UnknownName: no such task, protocol, control, robot, sense or kind of observation.
+        BadFile, MissingAsset: the robot's description is not usable.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 17}  # noqa: RUF012 - as in gymnasium
@@ -60,6 +65,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         render_mode: str | None = None,
         control: str = "official",
         senses: Sequence[str] = (),
+        embodiment: str = DEFAULT,
     ) -> None:
         if obs not in MODES:
             raise UnknownName("observation", obs, MODES)
@@ -67,11 +73,11 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             raise UnknownName("control", control, CONTROLS)
         load_protocol(protocol)
         self._task, self._pack = load_task(task), default_pack()
-        self._default = Choice(task, protocol)
+        self._default = Choice(task, protocol, embodiment=canonical(embodiment))
         self._obs, self._show_physics = obs, show_physics
         self._kind: ActionKind = CONTROLS[control]
         self.render_mode = render_mode
-        bounds = shapes.limits(self._pack.embodiment())
+        bounds = shapes.limits(check_robot(self._pack, self._default.embodiment))
         if obs == "state":
             parts = shapes.state(bounds, self._task.props(0))
         else:

@@ -11,6 +11,7 @@ from rtphys.core.poses import Array
 from rtphys.core.python_file import load_file
 
 BASELINE = "trees"
+TINY = 1e-300  # in place of 0 in a denominator
 TREES = {
     "max_iter": 150,
     "learning_rate": 0.08,
@@ -58,7 +59,11 @@ class Trees:
 
 
 class Column:
-    """A straight line through the one feature that goes best with the values."""
+    """A straight line through the one feature that goes best with the values.
+
+    It goes on for one width of the feature's range to either side, so that a feature that hardly
+    varied where it was learnt makes no wild guess.
+    """
 
     def fit(self, X: Array, y: Array) -> None:
         centred, aim = X - X.mean(axis=0), y - y.mean()
@@ -67,14 +72,15 @@ class Column:
         self._best = int(np.argmax(matches))
         column = centred[:, self._best]
         self._slope = float(aim @ column / max(float(column @ column), TINY))
-        self._level = float(y.mean() - self._slope * X[:, self._best].mean())
+        self._mean, self._level = float(X[:, self._best].mean()), float(y.mean())
+        low, high = float(column.min()), float(column.max())
+        self._ends = 2 * low - high, 2 * high - low
 
     def predict(self, X: Array) -> Array:
-        return self._level + self._slope * X[:, self._best]
+        return self._level + self._slope * np.clip(X[:, self._best] - self._mean, *self._ends)
 
 
 BUILTIN: dict[str, Callable[[], Estimator]] = {BASELINE: Trees, "column": Column}
-TINY = 1e-300
 
 
 def open_estimator(spec: str) -> Callable[[], Estimator]:

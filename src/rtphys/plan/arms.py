@@ -2,7 +2,11 @@
 
 from functools import lru_cache
 
+import numpy as np
+
 from rtphys.assets.embodiment import Embodiment
+from rtphys.assets.pack import Pack
+from rtphys.core.errors import BadFile
 from rtphys.plan.kinematics import ArmKinematics
 
 
@@ -14,6 +18,30 @@ def arm_kinematics(embodiment: Embodiment) -> dict[str, ArmKinematics]:
         BadFile, UnknownName: the URDF does not hold the arms that the embodiment names.
     """
     return {
-        limb.side: ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.bases[0])
+        limb.side: ArmKinematics.from_urdf(embodiment.urdf, limb, embodiment.base)
         for limb in embodiment.limbs
     }
+
+
+# Where tasks put things, with room above: x, y, z from and to [m], world.
+WORKSPACE = np.array([[-0.4, 0.4], [-0.3, 0.25], [0.75, 1.1]])
+LEAST_REACH = 5  # of the 2000 postures of an arm's atlas that must end there
+
+
+def check_robot(pack: Pack, name: str) -> Embodiment:
+    """The robot of this name, once it is sure that episodes can be tried with it.
+
+    Raises:
+        UnknownName, BadValue, MissingAsset, BadFile: as `Pack.embodiment`; an arm reaches nothing
+            on the table.
+    """
+    robot = pack.embodiment(name)
+    for side, kinematics in arm_kinematics(robot).items():
+        low, high = WORKSPACE.T
+        tools = kinematics.tool_points(robot.hand.tcp)
+        there = ((low < tools) & (tools < high)).all(axis=1).sum()
+        if there < LEAST_REACH:
+            at = np.round(robot.base.p, 3).tolist()
+            problem = f"the {side} arm reaches nothing on the table; see `robot_pose`"
+            raise BadFile(robot.urdf, f"{problem} of {name!r} (root at {at})")
+    return robot

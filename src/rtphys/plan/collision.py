@@ -45,7 +45,7 @@ class CollisionChecker:
 
     Margins are those of `rtphys.plan.pairs`. Never checked: neighbours in the chain, the parts of
     one hand among themselves, static parts with one another, pairs too far apart to meet in any
-    posture, and pairs of the robot's own shapes that touch at q = 0 or in the bent posture (hulls
+    posture, and pairs of the robot's own shapes that touch at home or in the bent posture (hulls
     of concave links overlap at their joints).
     """
 
@@ -59,11 +59,11 @@ class CollisionChecker:
             BadFile, UnknownName: see `RobotShapes.of`.
         """
         self._robot = RobotShapes.of(embodiment)
+        self._home = [limb.home for limb in embodiment.limbs]
         self._bent = [limb.bent for limb in embodiment.limbs]
         self._open = embodiment.hand.finger_open
         self._q = pin.neutral(self._robot.model)
         self._data = self._robot.model.createData()
-        self._wrists = {s.owner: s.joint for s in self._robot.shapes if s.hand and not s.finger}
         self._obstacles: list[Item] = []
         self._carried: list[Item] = []
         self._hulls: dict[tuple, coal.CollisionGeometry] = {}
@@ -110,13 +110,12 @@ class CollisionChecker:
         Args:
             side: "left" or "right".
             name: of the body.
-            vertices: (n, 3) hull points in the frame of the last arm joint's link, which is the
-                end-effector frame [m].
+            vertices: (n, 3) hull points in the end-effector frame [m].
         """
         self._check_side(side)
         item = Item(
             Body(name, side, carried=True),
-            *(self._wrists[side], pin.SE3.Identity(), self._shape(vertices)),
+            *(*self._robot.wrists[side], self._shape(vertices)),
         )
         self._carried.append(item)
         self._obstacles = [o for o in self._obstacles if o.body.name != name]
@@ -205,7 +204,8 @@ class CollisionChecker:
         for side, angles, finger in zip(SIDES, (q_left, q_right), fingers, strict=True):
             q[robot.arm_index[side]] = angles
             low, high = robot.finger_limits[side]
-            q[robot.finger_index[side]] = min(max(finger, low), high)
+            opened = finger * robot.finger_signs[side]
+            q[robot.finger_index[side]] = np.minimum(np.maximum(opened, low), high)
         return self._current()
 
     def _current(self) -> PairModel:
@@ -238,7 +238,7 @@ class CollisionChecker:
         """Pairs of the robot's own shapes that touch while it rests."""
         self._model = model = PairModel(self._robot, self._own_margins, [])
         touching: set[int] = set()
-        for postures in ([np.zeros_like(q) for q in self._bent], self._bent):
+        for postures in (self._home, self._bent):
             for opening in (0.0, self._open):
                 asked = self._asked(postures[0], postures[1], (opening, opening))
                 touching.update(asked.touching(self._data, self._q))

@@ -26,6 +26,7 @@ _ATLAS_LENGTH = 0.15  # [m] that count as much as a radian
 _SAME_BRANCH = 1.0  # weighted distance below which no other branch can be nearer
 _LARGEST_JUMP = 0.35  # [rad] between neighbours of a line; more is another branch
 _ANGLE_STEP = 0.05  # [rad] between neighbours of a line
+_LEAN = 0.1  # [rad] a joint per iteration, towards the bent posture, of an arm with joints to spare
 
 
 @lru_cache(maxsize=8)
@@ -51,6 +52,19 @@ def _reduced(urdf: Path, joints: Sequence[str], X_WB: Pose) -> pin.Model:
     return model
 
 
+def ee_frame(model: pin.Model, limb: Limb) -> int:
+    """The frame of an arm's end effector in a model; it is added where it is no link's own."""
+    frame = model.getFrameId(limb.ee.link)
+    if limb.ee.offset is None:
+        return frame
+    name, offset, host = f"{limb.side} ee", limb.ee.offset, model.frames[frame]
+    if not model.existFrame(name):
+        placement = host.placement * pin.SE3(offset.R, offset.p)
+        kind = pin.FrameType.OP_FRAME
+        model.addFrame(pin.Frame(name, host.parentJoint, frame, placement, kind))
+    return model.getFrameId(name)
+
+
 @dataclass(frozen=True)
 class _Goal:
     """An end-effector pose to solve for, with what counts as reaching it."""
@@ -64,16 +78,17 @@ class ArmKinematics:
     """Kinematics of one arm in the world frame.
 
     `q` is always (n,) in radians, one number for each of the limb's n joints. The end-effector
-    frame is its `ee_link`'s, whose x is the approach and whose y the closing direction.
+    frame is its `ee`, whose x is the approach and whose y the closing direction.
     """
 
     def __init__(self, model: pin.Model, limb: Limb) -> None:
         self._model = model
+        self._frame = ee_frame(model, limb)
         self._data = model.createData()
-        self._frame = model.getFrameId(limb.ee_link)
         self._X_JE = pin.SE3(model.frames[self._frame].placement)
         self._joint = model.frames[self._frame].parentJoint
         self._bent, self._weights = limb.bent, limb.weights
+        self._redundant = model.nq > 6
         self.limits = np.array(limb.limits, float)
         self.limits.setflags(write=False)
         self._low, self._high = self.limits[:, 0].copy(), self.limits[:, 1].copy()
@@ -99,9 +114,9 @@ class ArmKinematics:
             UnknownName: a joint or link that the URDF lacks.
         """
         model = _reduced(Path(urdf), limb.joints, X_WB)
-        if not model.existBodyName(limb.ee_link):
+        if not model.existBodyName(limb.ee.link):
             links = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
-            raise UnknownName("link", limb.ee_link, links, urdf)
+            raise UnknownName("link", limb.ee.link, links, urdf)
         return cls(model, limb)
 
     def _forward(self, q: Array) -> pin.SE3:
@@ -115,6 +130,10 @@ class ArmKinematics:
     def ee_matrix(self, q: Array) -> Array:
         """World pose of the end-effector frame at q (n,) as a (4, 4) matrix."""
         return self._forward(np.asarray(q, float)).homogeneous
+
+    def tool_points(self, tcp: float) -> Array:
+        """Points (k, 3) that the TCP, `tcp` ahead of the ee, has in the postures of the atlas."""
+        return self._atlas_p + tcp * self._atlas_R[:, 0::3]
 
     def solve(
         self,
@@ -188,7 +207,12 @@ class ArmKinematics:
                     J[:, i] = push[i] = 0
         H = J.T.dot(J)
         diagonal = H.reshape(-1)[:: len(H) + 1]
-        diagonal += 0.02 * error + 1e-6
+        damping = 0.02 * error + 1e-6
+        diagonal += damping
+        if self._redundant:
+            # H⁻¹ damping is the projection onto what moves the joints but not the tool.
+            lean = np.minimum(np.maximum(self._bent - q, -_LEAN), _LEAN) * J.any(axis=0)
+            push = push + damping * lean
         step = _SOLVE_POSITIVE(H, push)[1]
         size = max(map(abs, step.tolist()))
         return step if size <= _LARGEST_STEP else step * (_LARGEST_STEP / size)

@@ -9,9 +9,10 @@ import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 import numpy as np
 import pinocchio as pin  # pyright: ignore[reportMissingImports]
 
-from rtphys.assets.embodiment import Embodiment
+from rtphys.assets.embodiment import Embodiment, Limb
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.poses import Array
+from rtphys.plan.kinematics import ee_frame
 
 Side = str  # "left" or "right"
 STATIC = "static"
@@ -46,8 +47,10 @@ class RobotShapes:
     model: pin.Model
     shapes: tuple[Shape, ...]
     arm_index: dict[Side, Array]  # (n,) positions of the arm's joints in the model's q
+    wrists: dict[Side, tuple[int, pin.SE3]]  # last arm joint, and the ee frame in its frame
     finger_index: dict[Side, Array]  # (2,)
-    finger_limits: dict[Side, Array]  # (2,) lower and upper position of a finger [m]
+    finger_signs: dict[Side, Array]  # (2,) +1 where a larger number opens
+    finger_limits: dict[Side, tuple[Array, Array]]  # lower and upper (2,) positions [m]
 
     @classmethod
     def of(cls, embodiment: Embodiment) -> "RobotShapes":
@@ -59,7 +62,7 @@ class RobotShapes:
             BadFile: no readable URDF or mesh.
             UnknownName: a joint that the URDF lacks.
         """
-        urdf, X_WB = embodiment.urdf, embodiment.bases[0]
+        urdf, X_WB = embodiment.urdf, embodiment.base
         model, geometry = _read(urdf)
         kept = [name for limb in embodiment.limbs for name in (*limb.joints, *limb.finger_joints)]
         for name in kept:
@@ -83,13 +86,13 @@ class RobotShapes:
 
         fingers = {limb.side: _indices(model, limb.finger_joints) for limb in embodiment.limbs}
         limits = {
-            side: np.array(
-                [model.lowerPositionLimit[index].min(), model.upperPositionLimit[index].max()]
-            )
+            side: (model.lowerPositionLimit[index].copy(), model.upperPositionLimit[index].copy())
             for side, index in fingers.items()
         }
+        signs = {limb.side: np.array(limb.finger_signs) for limb in embodiment.limbs}
         arm_index = {limb.side: _indices(model, limb.joints) for limb in embodiment.limbs}
-        return cls(model, tuple(shapes), arm_index, fingers, limits)
+        wrists = {limb.side: _wrist(model, limb) for limb in embodiment.limbs}
+        return cls(model, tuple(shapes), arm_index, wrists, fingers, signs, limits)
 
     def reach(self, shape: Shape) -> tuple[Array, float]:
         """A ball in the world that a shape never leaves: centre (3,) and radius [m]."""
@@ -101,7 +104,7 @@ class RobotShapes:
             length += float(np.linalg.norm(placement.translation))
             joint = self.model.parents[joint]
         if shape.finger:  # it slides as well
-            length += float(self.finger_limits[shape.owner].max())
+            length += float(np.abs(self.finger_limits[shape.owner]).max())
         return np.array(self.model.jointPlacements[joint].translation), length
 
 
@@ -158,6 +161,11 @@ def _shape(read: pin.GeometryObject, owner: _Owner, root: pin.SE3) -> Shape:
     centre, radius = bounding_sphere(geometry)
     link = read.name.rsplit("_", 1)[0]  # pin appends the index of the <collision>
     return Shape(link, *owner, read.parentJoint, geometry, placement, placement.act(centre), radius)
+
+
+def _wrist(model: pin.Model, limb: Limb) -> tuple[int, pin.SE3]:
+    frame = model.frames[ee_frame(model, limb)]
+    return frame.parentJoint, pin.SE3(frame.placement)
 
 
 def _indices(model: pin.Model, names: Sequence[str]) -> Array:

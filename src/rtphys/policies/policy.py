@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.bounds import LONGEST_REPORT
 from rtphys.core.errors import RtphysError
 from rtphys.core.poses import Array
@@ -57,6 +58,8 @@ class PolicySetup:
     split: str = "unseen"  # of instructions and textures: "seen" or "unseen"
     seed: int = 0  # for the policy's own random numbers, not an episode's seed
     options: Mapping[str, str] = field(default_factory=dict)  # given by the user, by key
+    embodiment: str = DEFAULT
+    arm_joints: int = 6  # of each arm of the robot
 
 
 class Policy(Protocol):

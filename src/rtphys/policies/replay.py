@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset
 from rtphys.data.dataset import Episode as Stored
@@ -22,8 +23,8 @@ class Replay:
 
     needs_images = False
 
-    def __init__(self, folder: Path, task: str, protocol: str) -> None:
-        data = Dataset(folder).where(task=task)
+    def __init__(self, folder: Path, task: str, protocol: str, embodiment: str = DEFAULT) -> None:
+        data = Dataset(folder).where(task=task, embodiment=embodiment)
         protocols = data.protocols
         if protocol in protocols:
             data = data.where(protocol=protocol)
@@ -53,4 +54,4 @@ def open_replay(argument: str, setup: PolicySetup) -> Replay:
     folder = Path(argument)
     if not folder.exists():
         raise BadFile(folder, "no such dataset")
-    return Replay(folder, setup.task, setup.protocol)
+    return Replay(folder, setup.task, setup.protocol, setup.embodiment)

@@ -14,14 +14,15 @@ STEP = 0.1  # [rad]
 
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     trials = []
-    for joint in range(len(lab.pack.embodiment().left.joints)):
+    for joint in range(len(lab.pack.embodiment(lab.embodiment).left.joints)):
         world = lab.world([], {**others, "arm_joint_damping": value})
         body = world.robot.embodiment
         tau = number(value) * body.joint_damping / body.joint_stiffness
         steps = []
         for arm in world.robot.arms:  # both at once: they are far apart
             # Towards the middle of the joint's range, so that no limit stops it.
-            steps.append(STEP if arm.target[joint] <= 0 else -STEP)
+            middle = arm.limb.limits[joint].mean()
+            steps.append(STEP if arm.target[joint] <= middle else -STEP)
             target = arm.target
             target[joint] += steps[-1]
             arm.drive(target.tolist(), [0.0] * len(target))

@@ -4,12 +4,13 @@ import numpy as np
 
 from rtphys.proofs.lab import Lab, floating, record, slope
 from rtphys.proofs.proof import Values
-from rtphys.sim.engine import RATE, from_sapien
+from rtphys.sim.engine import RATE
 from rtphys.sim.world import World
 from rtphys.task.props import Box
 
 HALF = 0.02  # [m] thickness between the fingers
 LONG = 0.03  # [m] along the pull: stays between the pads while it is pulled
+FREE = 0.002  # [m] between the block and the palm
 GRIP = 0.004  # [m] depth of the finger targets inside the block: a few newtons, which the arm bears
 DENSITY = 5000.0  # [kg/m³] heavy enough that a 4 ms step does not jerk it
 SPARE = 8.0  # [m/s²] of the pull beyond friction: the pads yield a little, the block must slide
@@ -24,7 +25,7 @@ def finger_friction(lab: Lab, values: Values, mu: float) -> float:
     """
     empty = lab.world([], values)  # a name keeps it alive: its robot dies with it
     tcp = empty.robot.left.tcp()
-    size = (LONG, HALF, LONG)
+    size = (min(LONG, empty.robot.embodiment.hand.palm - FREE), HALF, LONG)
     block = Box(
         name="block", pose=tcp, half_size=size, resting=False, on_table=False, density=DENSITY
     )
@@ -36,7 +37,7 @@ def finger_friction(lab: Lab, values: Values, mu: float) -> float:
     arm.grip(_opening(world, HALF - GRIP))
     for _ in range(CLOSE):
         world.step()
-    along = from_sapien(arm.ee_link.entity_pose).R[:, 2]
+    along = arm.ee().R[:, 2]
     force = 2 * mu * squeeze(world) + SPARE * body.mass
     push, none = (force * along).tolist(), [0.0, 0.0, 0.0]
     t, recorded = record(
@@ -62,5 +63,6 @@ def squeeze(world: World) -> float:
 
 def _opening(world: World, half_gap: float) -> float:
     """The gripper command that sends each finger to `half_gap` [m]."""
-    closed, fully = (world.robot.embodiment.finger_target(x) for x in (0.0, 1.0))
+    robot = world.robot.embodiment
+    closed, fully = (robot.left.finger_signs[0] * robot.finger_target(x) for x in (0.0, 1.0))
     return (half_gap - closed) / (fully - closed)

@@ -17,7 +17,8 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     start = np.array([arm.gap() for arm in arms])
     for arm in arms:
         arm.grip(OPENING)
-    steps = 2 * body.finger_target(OPENING) - start
+    sign = body.left.finger_signs[0]
+    steps = 2 * sign * body.finger_target(OPENING) - start
     names = [f"tau of the {side} fingers" for side in ("left", "right")]
     return step_response(world, lambda: np.array([arm.gap() for arm in arms]), steps, tau, names)
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from rtphys.core.poses import Array
 from rtphys.physics.handles import GRAVITY
-from rtphys.proofs.grip import squeeze
+from rtphys.proofs.grip import FREE, squeeze
 from rtphys.proofs.lab import Lab, floating, pose_of, record
 from rtphys.proofs.proof import Values
 from rtphys.sim.body import SimBody
@@ -57,7 +57,7 @@ def _gripped(lab: Lab, values: Values, mu: float) -> tuple[World, SimBody, float
     block = Box(
         name="block",
         pose=empty.robot.left.tcp(),
-        half_size=(HALF, HALF, HALF),
+        half_size=(min(HALF, empty.robot.embodiment.hand.palm - FREE), HALF, HALF),
         resting=False,
         on_table=False,
         mass_kg=2 * mu * GRIP / GRAVITY,

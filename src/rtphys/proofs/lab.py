@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.core.poses import Array, Pose
 from rtphys.physics.auxiliary import AUXILIARY
@@ -25,10 +26,12 @@ class Lab:
     Args:
         pack: the asset pack with the robot and the articulated objects.
         visuals: whether there is a renderer, for experiments with pictures.
+        embodiment: the robot.
     """
 
     pack: Pack
     visuals: bool = False
+    embodiment: str = DEFAULT
 
     def physics(self, values: Mapping[str, Value]) -> Physics:
         """Nominal physics except for `values`."""
@@ -40,7 +43,13 @@ class Lab:
         """A world whose physics is nominal except for `values`."""
         physics, blueprint = self.physics(values), Blueprint()
         enforce(blueprint, physics)
-        plan = WorldPlan(self.pack, tuple(props), blueprint, visuals=self.visuals)
+        plan = WorldPlan(
+            self.pack,
+            tuple(props),
+            blueprint,
+            embodiment=self.embodiment,
+            visuals=self.visuals,
+        )
         world = World(plan)
         enforce(world, physics)
         return world

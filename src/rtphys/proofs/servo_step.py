@@ -7,10 +7,11 @@ import numpy as np
 from rtphys.core.poses import Array
 from rtphys.proofs.lab import record
 from rtphys.proofs.proof import Trace, Trial
-from rtphys.sim.engine import RATE
+from rtphys.sim.engine import RATE, TIME_STEP
 from rtphys.sim.world import World
 
 TOLERANCE = 0.05
+LONG = 3.0  # time constants for which the motion is watched
 
 
 def step_response(
@@ -18,26 +19,18 @@ def step_response(
 ) -> list[Trial]:
     """Time constants of servos (n,) whose targets have just moved by `steps` (n,) [rad or m].
 
-    The time from 20 % to 60 % of the step gives each, which is tau ln 2 for exp(-t / tau). So the
-    start of the curve (the link's inertia) and its end do not matter.
+    d dq/dt = k lag - (inertia) d²q/dt², and the servo stands still before and, nearly, after: so
+    tau is the lag summed over time, over the way gone, whatever inertia a heavy arm adds.
     """
     start = np.array(read(), float)
-    t, q = record(world, int(RATE * 2 * max(tau, 0.05)), read)
+    t, q = record(world, int(RATE * LONG * max(tau, 0.05)), read)
     law = 1 - np.exp(-t / tau)
     trials = []
     for i, name in enumerate(names):
         share = (q[:, i] - start[i]) / steps[i]
-        measured = (_crossing(t, share, 0.6) - _crossing(t, share, 0.2)) / np.log(2)
+        lag = np.concatenate([[1.0], 1 - share])
+        area = (lag.sum() - (lag[0] + lag[-1]) / 2) * TIME_STEP
+        measured = area / share[-1]
         trace = Trace(t, share, law, "time [s]", "share of the step [1]")
         trials.append(Trial(name, tau, float(measured), "s", tolerance=TOLERANCE, trace=trace))
     return trials
-
-
-def _crossing(t: Array, share: Array, level: float) -> float:
-    """Interpolated time [s] at which `share` (n,) first reaches `level`; nan if it never does."""
-    above = np.nonzero(share >= level)[0]
-    if not len(above) or above[0] == 0:
-        return float("nan")
-    i = above[0]
-    part = (level - share[i - 1]) / (share[i] - share[i - 1])
-    return float(t[i - 1] + part * (t[i] - t[i - 1]))

@@ -58,10 +58,17 @@ def panels(frames: Frames) -> list[Panel]:
             Panel(f"{side} {k + 1} [rad]", angles[:, k], measured[k])
             for k in range(angles.shape[1])
         ]
-        closed, opened = ALOHA_OPENING
-        finger = closed + getattr(frames, f"{side}_gripper") * (opened - closed)
-        shown.append(Panel(f"{side} finger [m]", finger, measured[angles.shape[1]]))
+        shown.append(_finger(frames, side, measured[angles.shape[1]]))
     return shown
+
+
+def _finger(frames: Frames, side: str, measured: Floats | None) -> Panel:
+    """The aloha's finger in metres; of another robot, whose stroke no file tells, the command."""
+    opening = getattr(frames, f"{side}_gripper")
+    if not any(name.startswith("fl_") for name in frames.joint_names):
+        return Panel(f"{side} opening [1]", opening, None)
+    closed, opened = ALOHA_OPENING
+    return Panel(f"{side} finger [m]", closed + opening * (opened - closed), measured)
 
 
 def _names_by_arm(frames: Frames) -> tuple[list[str], list[str]]:

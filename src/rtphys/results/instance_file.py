@@ -75,6 +75,7 @@ class _File(Model):
     look: str
     assets: str
     versions: dict[str, JsonValue]
+    embodiment: str | None = None  # None: the aloha
     baselines: list[str]
     instances: list[Annotated[tuple[int, str, bool | None, bool | None], Field(strict=False)]]
     infeasible: dict[str, list[int]]  # seeds by reason
@@ -99,7 +100,8 @@ def read_instances(path: Path) -> InstanceList:
     slots.sort(key=lambda slot: slot.seed)
     if any(after.seed != before.seed + 1 for before, after in pairwise(slots)):
         raise BadFile(path, "a seed is missing or occurs twice; certify it again")
-    fingerprint = file.model_dump(include={"domain", "look", "assets", "versions"})
+    included = {"domain", "look", "assets", "versions", "embodiment"}
+    fingerprint = file.model_dump(include=included, exclude_none=True)
     instances = InstanceList(
         file.task, file.protocol, fingerprint, tuple(slots), tuple(file.baselines)
     )

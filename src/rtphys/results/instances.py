@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.data.episode import JSON
 
 BENCHMARK = "benchmark_v2"
@@ -42,6 +43,7 @@ class Fingerprint:
     look_digest: str  # of the protocol's visual rules; empty without any
     assets: str  # digest of the pack
     versions: Mapping[str, str]
+    embodiment: str = DEFAULT
 
     def to_json(self) -> dict[str, JSON]:
         """Plain values, nested as they are written to disk."""
@@ -50,6 +52,7 @@ class Fingerprint:
             "look": self.look_digest,
             "assets": self.assets,
             "versions": dict(sorted(self.versions.items())),
+            **({} if self.embodiment == DEFAULT else {"embodiment": self.embodiment}),
         }
 
 

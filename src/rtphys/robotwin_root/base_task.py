@@ -4,6 +4,7 @@ from subprocess import Popen
 
 from numpy.typing import ArrayLike
 
+from rtphys.assets.embodiment import DEFAULT, canonical
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.core.errors import Infeasible, RtphysError, UnknownName
 from rtphys.episode import begin
@@ -41,6 +42,16 @@ def protocol_of(args: dict[str, object]) -> str:
     return name
 
 
+def embodiment_of(args: dict[str, object]) -> str:
+    """Robot of a task configuration's arguments, which are `[NAME]` or `[LEFT, RIGHT, DISTANCE]`.
+
+    Raises:
+        BadValue: another form.
+    """
+    named = args.get("embodiment") or DEFAULT
+    return canonical(named if isinstance(named, str) else ",".join(map(str, named)))  # type: ignore[call-overload]
+
+
 class Base_Task(TaskEnv):
     """RoboTwin task whose name is its class's name: `class click_bell(Base_Task)`."""
 
@@ -67,15 +78,19 @@ class Base_Task(TaskEnv):
         Raises:
             UnStableError: the world cannot be set up.
             UnknownName: the configuration names no protocol.
+            BadValue: it names no robot.
         """
         self.ep_num = now_ep_num
         self.eval_video_path = args.get("eval_video_save_dir")
         if isinstance(wanted := args.get("data_type"), dict):
             self.data_type = dict(wanted)
-        recipe = Setting(
-            self.task_name, protocol_of(args), split="unseen" if is_test else "seen"
-        ).at(seed)
-        self._init_task_env_(recipe)
+        setting = Setting(
+            self.task_name,
+            protocol_of(args),
+            split="unseen" if is_test else "seen",
+            embodiment=embodiment_of(args),
+        )
+        self._init_task_env_(setting.at(seed))
 
     @property
     def filming(self) -> Filming:

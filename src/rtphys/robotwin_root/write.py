@@ -63,8 +63,7 @@ def _code() -> dict[str, str]:
 
 def _configs(pack: Pack) -> dict[str, str]:
     embodiments = {
-        name: {"file_path": f"{pack.embodiment(name).urdf.parents[1]}/"}
-        for name in pack.embodiments
+        name: {"file_path": f"{pack.embodiment_folder(name)}/"} for name in pack.embodiments
     }
     cameras = {
         kind: {"fovy": fovy, "w": width, "h": height}

@@ -63,9 +63,9 @@ class Filming:
     def __post_init__(self) -> None:
         if not self.cameras:
             raise BadValue("cameras", "", f"name at least one of {', '.join(CAMERAS)}")
-        for key, names in (("cameras", self.official), ("senses", self.senses)):
+        for key, names in (("camera", self.official), ("sense", self.senses)):
             if len(set(names)) < len(names):
-                raise BadValue(key, ",".join(getattr(self, key)), "name each once")
+                raise BadValue(f"{key}s", ",".join(names), f"name each {key} once")
         for name in self.senses:
             if SENSES[name].scope == "head" and HEAD not in self.official:
                 allowed = f"it is the head camera's, and the cameras are {','.join(self.cameras)}"

@@ -11,6 +11,7 @@ from typing import Annotated
 from pydantic import AfterValidator, Field, ValidationInfo
 from pydantic.dataclasses import dataclass as checked_dataclass
 
+from rtphys.assets.embodiment import canonical
 from rtphys.core import library
 from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import BadValue, UnknownName
@@ -20,6 +21,7 @@ __all__ = [
     "Option",
     "Positive",
     "Protocols",
+    "RobotName",
     "Seed",
     "Tasks",
     "Workers",
@@ -108,6 +110,13 @@ Protocols = Annotated[
     one_of("protocol", protocol_names),
     Option("clean, phys_random; several with commas.", "protocol"),
 ]
+
+RobotName = Annotated[
+    str,
+    AfterValidator(lambda name: canonical(name)),
+    Option("The robot: a name of the asset pack, or LEFT,RIGHT,DISTANCE (arms, and m between)."),
+]
+"""Which robot; raises `BadValue` where it cannot be one. Packs know the names."""
 
 Workers = Annotated[
     int | None, at_least(1, most=1000), Option("Worker processes; default one a core.")

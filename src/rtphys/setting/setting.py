@@ -8,12 +8,13 @@ from typing import Annotated, cast
 import numpy as np
 from pydantic import PlainSerializer, PlainValidator, TypeAdapter, ValidationError
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.errors import BadValue
 from rtphys.core.seeds import Chance
 from rtphys.physics.domain import Domain
 from rtphys.physics.load import domain_for_task, load_domain
 from rtphys.physics.values import Physics, Value, Vector
-from rtphys.setting.option import Option, checked_dataclass, one_of
+from rtphys.setting.option import Option, RobotName, checked_dataclass, one_of
 from rtphys.setting.protocol import PAPER, VisualRules, load_protocol
 from rtphys.setting.rules import Rules
 
@@ -60,7 +61,7 @@ class Setting:
     recovery: Annotated[bool, Option("Keep episodes in which a load was lost and taken again.")] = (
         True
     )
-    embodiment: str = "aloha-agilex"
+    embodiment: RobotName = DEFAULT
     pair_tasks: Annotated[
         bool, Option("Draw the same physics and look of a seed in every task.")
     ] = False

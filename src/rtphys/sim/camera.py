@@ -101,7 +101,8 @@ def _spec(embodiment: Embodiment, name: str, filming: Filming) -> CameraSpec:
             pose = looking(camera.position.tolist(), camera.forward.tolist(), camera.left)
     for limb in embodiment.limbs:
         if name == f"{limb.side}_camera":
-            kind, pose, link = "D435", Pose(), limb.camera_link
+            kind, link = "D435", limb.camera.link
+            pose = limb.camera.offset or Pose()
     if kind not in KINDS:
         raise UnknownName("camera type", kind, KINDS, name)
     width, height, fovy_deg = filming.optics(kind)

@@ -5,7 +5,6 @@ import sapien
 from sapien import physx
 
 from rtphys.assets.embodiment import Embodiment, Limb
-from rtphys.core.errors import BadFile
 from rtphys.core.poses import Array, Pose
 from rtphys.sim.body import SimServo, SimSurface
 from rtphys.sim.engine import from_sapien
@@ -28,7 +27,7 @@ class SimArm:
         names = [j.name for j in art.active_joints]
         self.index = np.array([names.index(j) for j in limb.joints])
         self.finger_index = np.array([names.index(j) for j in limb.finger_joints])
-        self._finger_columns = self.finger_index.tolist()
+        self._finger_columns = list(zip(self.finger_index.tolist(), limb.finger_signs, strict=True))
         self.joints = [art.active_joints[i] for i in self.index]
         self._fingers = [art.active_joints[i] for i in self.finger_index]
         self._mimics = [(1.0, 0.0), *((m.multiplier, m.offset) for m in limb.mimics)]
@@ -40,7 +39,7 @@ class SimArm:
         self.finger_servos = [
             SimServo(j, finger_gains, body.gripper_armature) for j in self._fingers
         ]
-        self.ee_link = art.find_link_by_name(limb.ee_link)
+        self.ee_link = art.find_link_by_name(limb.ee.link)
         self.finger_links = [j.child_link for j in self._fingers]
         self.links = [*(j.child_link for j in self.joints), *self.finger_links]
         self._embodiment, self._articulation = body, art
@@ -107,7 +106,7 @@ class SimArm:
     def gap(self) -> float:
         """Distance between the finger pads [m], from joint positions."""
         qpos = self._articulation.qpos
-        return sum([float(qpos[i]) for i in self._finger_columns])
+        return sum([sign * float(qpos[i]) for i, sign in self._finger_columns])
 
     def opening(self) -> float:
         """Measured opening 0..1: the gap over the gap that a fully open command makes."""
@@ -115,7 +114,8 @@ class SimArm:
 
     def ee(self) -> Pose:
         """Measured end-effector pose, world."""
-        return from_sapien(self.ee_link.entity_pose)
+        X_WL, offset = from_sapien(self.ee_link.entity_pose), self.limb.ee.offset
+        return X_WL if offset is None else X_WL @ offset
 
     def tcp(self) -> Pose:
         """Measured tool centre point, world."""
@@ -126,10 +126,8 @@ class SimRobot:
     """Both arms at home with open grippers, gravity compensated, driven by PD servos."""
 
     def __init__(self, scene: sapien.Scene, embodiment: Embodiment) -> None:
-        if len(embodiment.bases) != 1:
-            raise BadFile(embodiment.urdf.parent, "only one URDF for both arms is supported")
         self.scene, self.embodiment = scene, embodiment
-        art = build_robot(scene, embodiment.urdf, embodiment.bases[0])
+        art = build_robot(scene, embodiment.urdf, embodiment.base)
         art.set_name(embodiment.name)
         art.set_sleep_threshold(SLEEP)
         self.articulation: physx.PhysxArticulation = art
@@ -149,7 +147,7 @@ class SimRobot:
         overlook(self._never_in_contact())
         for arm in self.arms:
             qpos[arm.index] = arm.target
-            qpos[arm.finger_index] = embodiment.hand.finger_open
+            qpos[arm.finger_index] = embodiment.hand.finger_open * np.array(arm.limb.finger_signs)
         art.set_qpos(qpos.astype(np.float32))
         for arm in self.arms:
             for link in arm.finger_links:

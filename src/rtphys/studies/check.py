@@ -8,6 +8,7 @@ from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.series import Series, Study, Tally
@@ -19,12 +20,14 @@ from rtphys.episode import begin
 from rtphys.episode.generate import attempt, start
 from rtphys.episode.instance import prepare
 from rtphys.episode.photograph import Film, photograph
+from rtphys.plan.arms import check_robot
 from rtphys.policies import open_policy
 from rtphys.setting.filming import Filming
 from rtphys.setting.option import (
     Option,
     Positive,
     Protocols,
+    RobotName,
     Seed,
     Tasks,
     Workers,
@@ -54,6 +57,7 @@ class CheckPlan:
     robots: Annotated[
         Seed, Option("Number of seeds for the robots that see nothing, which cost the most.")
     ] = 20
+    embodiment: RobotName = DEFAULT
     workers: Workers = None
     ranges: Annotated[
         Ranges, Option("Draw from this domain (name or file), not from the task's own.", "domain")
@@ -170,12 +174,14 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list
         RtphysError: what `CheckPlan.check` refuses, or an error in a worker.
     """
     plan.check()
+    check_robot(pack, plan.embodiment)
     listener, size = listener or Listener(), plan.workers or cores()
     counts: dict[Robot, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
     counts |= dict.fromkeys(BLIND, plan.robots)
     scores, series = [], []
     for task, protocol in product(plan.tasks, plan.protocols):
-        scores.append(Score(Setting(task, protocol, ranges=plan.ranges), plan.seeds))
+        setting = Setting(task, protocol, ranges=plan.ranges, embodiment=plan.embodiment)
+        scores.append(Score(setting, plan.seeds))
         for robot, count in counts.items():
             tally = Tally(f"{task}, {protocol} ({robot})", count)
             seeds = range(plan.first_seed, plan.first_seed + count)

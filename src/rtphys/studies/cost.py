@@ -3,17 +3,28 @@
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import Annotated
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.core.timing import PhaseTimer
 from rtphys.data.staging import stage_episode
 from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.photograph import Film, photograph
+from rtphys.plan.arms import check_robot
 from rtphys.setting.filming import Filming
-from rtphys.setting.option import Option, Positive, Protocols, Seed, Tasks, checked_dataclass
+from rtphys.setting.option import (
+    Option,
+    Positive,
+    Protocols,
+    RobotName,
+    Seed,
+    Tasks,
+    checked_dataclass,
+)
 from rtphys.setting.setting import Setting
 from rtphys.sim import renderer
 from rtphys.studies.worker import LoadedTasks
@@ -35,6 +46,7 @@ class BenchPlan:
     episodes: Annotated[Positive, Option("Number of attempts of each task and protocol.")] = 2
     first_seed: Annotated[Seed, Option("The first seed.")] = 0
     pictures: Annotated[bool, Option("Draw and write what is accepted.")] = True
+    embodiment: RobotName = DEFAULT
 
 
 @dataclass
@@ -162,6 +174,7 @@ def bench(plan: BenchPlan, pack: Pack, measured: Callable[[Cost], None]) -> list
     Raises:
         NoRenderer: pictures are wanted and cannot be drawn.
     """
+    check_robot(pack, plan.embodiment)
     if plan.pictures:
         renderer.configure()
         renderer.hold_anchor()
@@ -169,7 +182,8 @@ def bench(plan: BenchPlan, pack: Pack, measured: Callable[[Cost], None]) -> list
     seeds = range(plan.first_seed, plan.first_seed + plan.episodes)
     with tempfile.TemporaryDirectory(prefix="rtphys-bench-") as scratch:
         meter = Meter(pack, Path(scratch))
-        for setting in (Setting(t, protocol) for t in plan.tasks for protocol in plan.protocols):
+        for task, protocol in product(plan.tasks, plan.protocols):
+            setting = Setting(task, protocol, embodiment=plan.embodiment)
             meter.warm_up(setting, seeds.stop, plan.pictures)
             costs.append(meter.cost(setting, seeds, len(seeds) if plan.pictures else 0))
             measured(costs[-1])

@@ -7,8 +7,6 @@ from rtphys.core import library
 from rtphys.core.errors import BadValue
 from rtphys.policies.options import literal
 
-ARM_JOINTS = 6  # of each arm of the aloha-agilex
-
 
 def pairs(words: Sequence[str]) -> dict[str, object]:
     """Parse the words of RoboTwin's override option, `--key value --key value`, into a mapping.
@@ -25,7 +23,10 @@ def pairs(words: Sequence[str]) -> dict[str, object]:
 
 
 def user_args(
-    config: Path | None, run: Mapping[str, object], overrides: Mapping[str, object]
+    config: Path | None,
+    run: Mapping[str, object],
+    overrides: Mapping[str, object],
+    arm_joints: int = 6,
 ) -> dict[str, object]:
     """Arguments for `get_model`.
 
@@ -34,6 +35,7 @@ def user_args(
         run: values of the evaluation (`task_name`, `task_config`, `seed`, `instruction_type`, ...);
             used for keys that the file lacks or leaves null.
         overrides: take precedence over both.
+        arm_joints: of each arm of the robot.
 
     Raises:
         BadFile: the YAML cannot be read.
@@ -41,4 +43,4 @@ def user_args(
     args: dict[str, object] = dict(library.read_yaml(config)) if config else {}
     args |= {key: value for key, value in run.items() if args.get(key) is None}
     args |= overrides
-    return {**args, "left_arm_dim": ARM_JOINTS, "right_arm_dim": ARM_JOINTS}
+    return {**args, "left_arm_dim": arm_joints, "right_arm_dim": arm_joints}

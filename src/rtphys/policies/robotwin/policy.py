@@ -102,5 +102,5 @@ def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
     config = Path(str(given.pop("config"))) if "config" in given else default
     run = {**run_args(setup), "policy_name": plugin.name}
     # The run's task takes precedence over the file's: RoboTwin's launchers override it too.
-    usr_args = user_args(config, run, {"task_name": setup.task, **given})
+    usr_args = user_args(config, run, {"task_name": setup.task, **given}, setup.arm_joints)
     return RoboTwinPolicy(plugin, usr_args)

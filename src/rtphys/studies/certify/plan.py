@@ -3,12 +3,14 @@
 from pathlib import Path
 from typing import Annotated
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.physics.registry import attribute
 from rtphys.results.instances import FIRST_SEED
 from rtphys.setting.option import (
     Option,
     Positive,
     Protocols,
+    RobotName,
     Seed,
     Tasks,
     Workers,
@@ -53,12 +55,13 @@ class CertifyPlan:
             "agree gets the present fingerprint."
         ),
     ] = 0
+    embodiment: RobotName = DEFAULT
     workers: Workers = None
 
     def settings(self) -> list[Setting]:
         """One for each list: each task under each protocol whose one attribute acts in it."""
         return [
-            Setting(task, name)
+            Setting(task, name, embodiment=self.embodiment)
             for name in self.protocols
             for task in self.tasks
             if _acts(task, name)

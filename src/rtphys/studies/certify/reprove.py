@@ -12,14 +12,12 @@ from rtphys.core.errors import BadValue
 from rtphys.data.conditions import differences
 from rtphys.data.episode import JSON
 from rtphys.data.lock import FolderLock
-from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.results.instance_file import instance_file, read_instances, write_instances
 from rtphys.results.instances import InstanceList, Slot
 from rtphys.setting.setting import Setting
 from rtphys.studies.certify.certified_list import Job
 from rtphys.studies.certify.plan import CertifyPlan
-from rtphys.studies.certify.run import CertifyWorker
-from rtphys.task.spec import load_task
+from rtphys.studies.certify.run import CertifyWorker, fingerprint
 
 
 @dataclass
@@ -27,6 +25,7 @@ class Reproof(Study[Job, Slot]):
     """The first instances of one list, solved again."""
 
     path: Path
+    setting: Setting
     listed: InstanceList
     fingerprint: dict[str, JSON]  # as it is now
     solved: int = 0
@@ -39,7 +38,7 @@ class Reproof(Study[Job, Slot]):
         return differences(self.listed.fingerprint, self.fingerprint)
 
     def job(self, seed: int) -> Job:
-        return Job(Setting(self.listed.task, self.listed.protocol).at(seed), ())
+        return Job(self.setting.at(seed), ())
 
     def reason(self, result: Slot) -> str:
         return ""
@@ -79,10 +78,9 @@ def reprove(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
     """
     listener = listener or Listener()
     studies = [
-        Reproof(path, read_instances(path), fingerprint_of(load_task(task), name, pack).to_json())
-        for name in plan.protocols
-        for task in plan.tasks
-        if (path := instance_file(plan.out, name, task)).is_file()
+        Reproof(path, setting, read_instances(path), dict(fingerprint(setting, pack)))
+        for setting in plan.settings()
+        if (path := instance_file(plan.out, setting.protocol, setting.task)).is_file()
     ]
     if not studies:
         raise BadValue("out", str(plan.out), "a folder with lists of these tasks and protocols")

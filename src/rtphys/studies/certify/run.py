@@ -9,6 +9,7 @@ from rtphys.data.episode import JSON
 from rtphys.data.files import make_folder
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.plan.arms import check_robot
 from rtphys.results.instances import HASH_LENGTH, Slot
 from rtphys.setting.setting import Setting
 from rtphys.studies.certify.certified_list import CertifiedList, Job
@@ -29,10 +30,11 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
             in a worker.
     """
     listener = listener or Listener()
+    check_robot(pack, plan.embodiment)
     make_folder(plan.out)
     with FolderLock(plan.out):
         lists = [
-            CertifiedList(plan, setting, _fingerprint(setting, pack)) for setting in plan.settings()
+            CertifiedList(plan, setting, fingerprint(setting, pack)) for setting in plan.settings()
         ]
         worker, size = CertifyWorker(pack), plan.workers or cores()
         with LocalPool[Job, Slot](worker, size, notice=listener.noticed) as pool:
@@ -40,8 +42,10 @@ def certify(plan: CertifyPlan, pack: Pack, listener: Listener | None = None) -> 
     return lists
 
 
-def _fingerprint(setting: Setting, pack: Pack) -> Mapping[str, JSON]:
-    return fingerprint_of(load_task(setting.task), setting.protocol, pack).to_json()
+def fingerprint(setting: Setting, pack: Pack) -> Mapping[str, JSON]:
+    """Certification fingerprint of a setting's list, as it is now."""
+    task = load_task(setting.task)
+    return fingerprint_of(task, setting.protocol, pack, setting.embodiment).to_json()
 
 
 class CertifyWorker(StudyWorker[Job, Slot]):

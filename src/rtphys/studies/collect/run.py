@@ -18,6 +18,7 @@ from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
+from rtphys.plan.arms import check_robot
 from rtphys.studies.collect.plan import Run, TaskPlan, check
 from rtphys.studies.collect.shard import Shard, claim
 from rtphys.studies.collect.work import (
@@ -104,6 +105,7 @@ def conditions_of(
 ) -> Conditions:
     """What makes two runs continue each other. `stride`: a shard's first attempt and step."""
     setting, rules = plan.setting, plan.setting.visual()
+    check_robot(pack, setting.embodiment)
     name = "builtin" if (pack.root / STAMP).is_file() else pack.root.name
     return Conditions(
         setting=setting,

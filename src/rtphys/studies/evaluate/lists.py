@@ -3,12 +3,13 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.data.conditions import differences
 from rtphys.data.dataset import Dataset
 from rtphys.data.episode import JSON
-from rtphys.data.layout import MANIFEST
+from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.episode.fingerprint import packages
 from rtphys.results.instance_file import instance_file, read_instances
 from rtphys.results.instances import BENCHMARK, InstanceList, Slot
@@ -95,7 +96,12 @@ def _of_dataset(
     folder: Path, task: str, protocol: str, fingerprint: Mapping[str, JSON]
 ) -> InstanceList:
     """Every seed that was tried for a dataset; its manifest has vouched for the ground."""
-    entries = [entry for entry in Dataset(folder).task_datasets if entry.task == task]
+    robot = embodiment_folder(str(fingerprint.get("embodiment", DEFAULT)))
+    every = [entry for entry in Dataset(folder).task_datasets if entry.task == task]
+    entries = [entry for entry in every if embodiment_folder(entry.embodiment) == robot]
+    if every and not entries:
+        problem = f"the dataset has no episodes of {task} with the robot {robot}"
+        raise BadValue("instances", str(folder), problem)
     if not entries:
         raise BadValue("instances", str(folder), f"the dataset has no episodes of {task}")
     own = [entry for entry in entries if protocol in (entry.protocol, entry.config)]

@@ -5,6 +5,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.errors import NoRenderer
 from rtphys.doctor import check_renderer
 from rtphys.policies import parse_spec
@@ -14,6 +15,7 @@ from rtphys.setting.option import (
     Option,
     Positive,
     Protocols,
+    RobotName,
     Seed,
     Tasks,
     Workers,
@@ -63,6 +65,7 @@ class EvaluatePlan:
     timeout: Annotated[float, at_least(1), Option("Seconds of an episode before it is lost.")] = (
         1800.0
     )
+    embodiment: RobotName = DEFAULT
     workers: Workers = None
 
     @property

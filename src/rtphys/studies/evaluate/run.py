@@ -4,6 +4,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.campaign.engine import Listener, run_all
 from rtphys.campaign.row_journal import RowJournal
@@ -17,6 +18,7 @@ from rtphys.data.episode import JSON
 from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.plan.arms import check_robot
 from rtphys.policies import PolicySetup
 from rtphys.report.figures.breaks import draw_breaks
 from rtphys.results import EpisodeRecord, summarise
@@ -37,6 +39,7 @@ from rtphys.studies.evaluate.recorded import (
     unplayed,
 )
 from rtphys.studies.evaluate.work import EvaluateWorker, Job, lost_record
+from rtphys.task.spec import Task
 
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
 CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
@@ -57,10 +60,17 @@ class TaskEvaluation(Study[Job, Result]):
     """
 
     def __init__(
-        self, plan: EvaluatePlan, instances: InstanceList, experience: Experience | None = None
+        self,
+        plan: EvaluatePlan,
+        instances: InstanceList,
+        experience: Experience | None = None,
+        arm_joints: int = 6,
     ) -> None:
         self.plan, self.instances, self.experience = plan, instances, experience
-        self.setting = setting = Setting(instances.task, instances.protocol, split=plan.split)
+        self._arm_joints = arm_joints
+        self.setting = setting = Setting(
+            instances.task, instances.protocol, split=plan.split, embodiment=plan.embodiment
+        )
         self.path = record_file(plan.folder, setting.protocol, setting.task)
         there = read_records(self.path) if self.path.exists() else []
         self._journal = RowJournal(self.path, {})
@@ -87,7 +97,15 @@ class TaskEvaluation(Study[Job, Result]):
 
     def job(self, seed: int) -> Job:
         plan, setting = self.plan, self.setting
-        setup = PolicySetup(setting.task, setting.protocol, plan.split, plan.seed, plan.options)
+        setup = PolicySetup(
+            setting.task,
+            setting.protocol,
+            plan.split,
+            plan.seed,
+            plan.options,
+            setting.embodiment,
+            self._arm_joints,
+        )
         video = video_file(plan.folder, setting.protocol, setting.task, seed)
         staging = self.experience.writer.staging(seed) if self.experience else None
         return Job(setting.at(seed), setup, video if plan.video else None, staging)
@@ -131,8 +149,13 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             evaluation in the folder; a policy that cannot be reached; an error in a worker.
     """
     tasks, listener = plan.check(), listener or Listener()
+    robot = check_robot(pack, plan.embodiment)
+
+    def fingerprint(task: Task, protocol: str) -> Mapping[str, JSON]:
+        return fingerprint_of(task, protocol, pack, plan.embodiment).to_json()
+
     ground = {
-        protocol: {task.name: fingerprint_of(task, protocol, pack).to_json() for task in tasks}
+        protocol: {task.name: fingerprint(task, protocol) for task in tasks}
         for protocol in plan.protocols
     }
     lists = [
@@ -149,10 +172,13 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         for instances in lists:
             copy = instance_file(plan.folder / INSTANCES, instances.protocol, instances.task)
             write_instances(copy, instances)
-        known = {task.name: task for task in tasks}
+        known, joints = {task.name: task for task in tasks}, robot.action_layout.numbers_per_arm
         studies = [
             TaskEvaluation(
-                plan, one, dataset and experience(plan, one, (known[one.task], pack), dataset)
+                plan,
+                one,
+                dataset and experience(plan, one, (known[one.task], pack), dataset),
+                joints,
             )
             for one in lists
         ]
@@ -169,11 +195,17 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
         return _conclude(plan, studies)
 
 
+def _robot_of(plan: EvaluatePlan) -> dict[str, JSON]:
+    """The robot, where it is not the aloha."""
+    return {} if plan.embodiment == DEFAULT else {"embodiment": plan.embodiment}
+
+
 def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
     """Writes down what makes two runs continue each other, or compares it."""
     run = {**{key: plain(getattr(plan, key), key) for key in CLAIMED}, "ground": ground}
     if plan.senses:  # which older runs did not know
         run["senses"] = list(plan.senses)
+    run |= _robot_of(plan)
     path = plan.folder / RUN
     if path.exists() and _has_records(plan.folder):
         clauses = ["and `resume` is off"]
@@ -201,7 +233,7 @@ def _conclude(plan: EvaluatePlan, studies: Sequence[TaskEvaluation]) -> Summary:
         {key: study.instances for key, study in cells.items()},
     )
     policy, out = short_name(plan.policy), plan.folder
-    text = {"policy": plan.policy, "split": plan.split, **summary.to_json()}
+    text = {"policy": plan.policy, "split": plan.split, **_robot_of(plan), **summary.to_json()}
     files.replace_file(out / SUMMARY, pretty(text))
     for protocol, found in summary.breaks.items():
         if found:

@@ -1,0 +1,156 @@
+"""Robots of two single arms: one URDF of both from a URDF of one, and what is refused."""
+
+import shutil
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from rtphys.assets.embodiment import canonical, named_pair
+from rtphys.assets.embodiment_file import read_embodiment
+from rtphys.assets.embodiments import EMBODIMENTS
+from rtphys.assets.known_robots import PIPER
+from rtphys.assets.pack import Pack
+from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError, UnknownName
+
+SINGLE = ("franka-panda", "piper")
+JOINTS = {"franka-panda": 7, "piper": 6}
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The descriptions that the builtin pack writes, by name."""
+    root = tmp_path_factory.mktemp("robots") / "embodiments"
+    for name in SINGLE:
+        EMBODIMENTS[name](root / name)
+    return {name: root / name for name in SINGLE}
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+@pytest.mark.parametrize("name", SINGLE)
+def test_two_arms_stand_in_one_file(folders: dict[str, Path], name: str) -> None:
+    robot = read_embodiment(folders[name])
+    tree = ElementTree.parse(robot.urdf).getroot()
+    joints = {j.get("name"): j for j in tree.findall("joint")}
+    links = {link.get("name") for link in tree.findall("link")}
+    fixed = [j for j, element in joints.items() if element.get("type") == "fixed"]
+    assert sorted(map(str, fixed)) == ["left_mount", "right_mount"]  # the rest is folded away
+    assert robot.action_layout.size == 2 * (JOINTS[name] + 1)
+    for limb in robot.limbs:
+        assert len(limb.joints) == JOINTS[name]
+        assert {*limb.joints, *limb.finger_joints} <= joints.keys()
+        assert {limb.ee.link, limb.camera.link} <= links
+        assert (limb.limits[:, 0] <= limb.home).all() and (limb.home <= limb.limits[:, 1]).all()
+        assert (limb.limits[:, 0] <= limb.bent).all() and (limb.bent <= limb.limits[:, 1]).all()
+    assert robot.hand.tcp == 0.12  # RoboTwin's virtual wrist, of every robot
+    assert robot.hand.finger_open == 0.04
+    for mesh in tree.iter("mesh"):
+        assert Path(mesh.get("filename", "")).is_file()
+
+
+@pytest.mark.parametrize("name", SINGLE)
+def test_folding_keeps_mass_and_its_centre(folders: dict[str, Path], name: str) -> None:
+    def moments(urdf: Path) -> tuple[float, int]:
+        links = ElementTree.parse(urdf).getroot().findall("link")
+        masses = [float(m.get("value", "0")) for link in links for m in link.iter("mass")]
+        return sum(masses), len(links)
+
+    single, few = moments(next(folders[name].glob("*.urdf")))
+    both, many = moments(read_embodiment(folders[name]).urdf)
+    assert both == pytest.approx(2 * single, rel=1e-6)
+    assert many < 2 * few
+
+
+def test_the_distance_is_between_the_feet(folders: dict[str, Path]) -> None:
+    def feet(distance: float | None) -> list[float]:
+        tree = ElementTree.parse(read_embodiment(folders["piper"], distance).urdf).getroot()
+        mounts = [j for j in tree.findall("joint") if j.get("type") == "fixed"]
+        origins = [mount.find("origin") for mount in mounts]
+        return [float(str(o.get("xyz")).split()[0]) for o in origins if o is not None]
+
+    assert feet(None) == [-0.25, 0.25]
+    assert feet(0.7) == [-0.35, 0.35]
+
+
+def test_names_of_pairs() -> None:
+    assert named_pair("piper") == ("piper", None)
+    assert named_pair(" piper, piper ,0.60") == ("piper", 0.6)
+    assert canonical("piper, piper,0.60") == "piper,piper,0.6"
+    for wrong in ("", "piper,piper", "piper,franka-panda,0.6", "a,a,9", "a,a,nan", "../x", "a,a,b"):
+        with pytest.raises(BadValue):
+            canonical(wrong)
+
+
+def change(folder: Path, file: str, old: str, new: str) -> None:
+    path = folder / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def without_limits(folder: Path) -> None:
+    tree = ElementTree.parse(folder / "piper.urdf")
+    joint = next(j for j in tree.getroot().findall("joint") if j.get("name") == "joint3")
+    limit = joint.find("limit")
+    assert limit is not None
+    joint.remove(limit)
+    tree.write(folder / "piper.urdf")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "error", "says"),
+    [
+        (lambda f: change(f, "config.yml", '"joint6"]', '"joint9"]'), UnknownName, "joint9.*joint"),
+        (lambda f: change(f, "config.yml", "link6", "link66"), UnknownName, "link66.*link6"),
+        (lambda f: change(f, "config.yml", "joint8", "joint3"), BadFile, "joint3.*prismatic"),
+        (without_limits, BadFile, "joint3.*no limits"),
+        (lambda f: (f / "meshes" / "link2.glb").unlink(), MissingAsset, "link2.glb"),
+        (lambda f: change(f, "config.yml", "palm:", "plam:"), BadFile, "hand holds fingertip"),
+        (lambda f: change(f, "config.yml", "homestate:", "home:"), BadFile, "homestate"),
+        (lambda f: change(f, "config.yml", "[[0, 0, 0, 0, 0, 0]", "[[0]"), BadFile, "homestate"),
+        (lambda f: change(f, "config.yml", '"./piper', '"./pipr'), MissingAsset, "pipr.urdf"),
+        (lambda f: change(f, "piper.urdf", "<robot", "<rob"), BadFile, "is not XML"),
+        (lambda f: change(f, "piper.urdf", 'link="link4"', 'link="link5"'), BadFile, "root links"),
+    ],
+)
+def test_what_cannot_be_a_robot_is_refused_by_name(
+    folders: dict[str, Path],
+    tmp_path: Path,
+    spoil: Callable[[Path], object],
+    error: type[RtphysError],
+    says: str,
+) -> None:
+    folder = tmp_path / "embodiments" / "my-arm"  # no name that is known beforehand
+    shutil.copytree(folders["piper"], folder)
+    with (folder / "config.yml").open("a") as file:
+        file.write(f"hand: {yaml.safe_dump(PIPER['hand'], default_flow_style=True)}")
+    read_embodiment(folder)
+    spoil(folder)
+    with pytest.raises(error, match=says):
+        Pack(tmp_path).embodiment("my-arm")
+
+
+def test_fingers_may_open_towards_smaller_numbers(folders: dict[str, Path], tmp_path: Path) -> None:
+    folder = tmp_path / "piper"
+    shutil.copytree(folders["piper"], folder)
+    for joint in ("joint7", "joint8"):
+        tree = ElementTree.parse(folder / "piper.urdf")
+        element = next(j for j in tree.getroot().findall("joint") if j.get("name") == joint)
+        axis, limit = element.find("axis"), element.find("limit")
+        assert axis is not None and limit is not None
+        axis.set("xyz", "0 0 1")
+        limit.set("lower", "-0.04")
+        limit.set("upper", "0")
+        tree.write(folder / "piper.urdf")
+    change(folder, "config.yml", "gripper_scale: [-0.01, 0.04]", "gripper_scale: [0.01, -0.04]")
+    robot = read_embodiment(folder)
+    assert robot.left.finger_signs == (-1.0, -1.0)
+    assert (robot.hand.finger_open, robot.hand.finger_travel) == (0.04, 0.04)
+    np.testing.assert_allclose(robot.finger_target(1.0), -0.04)

@@ -1,0 +1,112 @@
+"""Robots of two single arms in the simulator: frames, fingers, and an episode of each."""
+
+from pathlib import Path
+from shutil import copytree
+
+import numpy as np
+import pytest
+
+from rtphys.assets.pack import Pack, builtin_pack
+from rtphys.core.errors import BadFile, BadValue
+from rtphys.episode import begin
+from rtphys.episode.generate import attempt
+from rtphys.episode.replay import actions_of, replay
+from rtphys.plan.arms import arm_kinematics, check_robot
+from rtphys.plan.collision import CollisionChecker
+from rtphys.setting.setting import Setting
+from rtphys.sim.engine import new_scene
+from rtphys.sim.robot import SimRobot
+from rtphys.task.spec import load_task
+
+pytestmark = pytest.mark.sim
+PACK = builtin_pack()
+SIZES = {"franka-panda": 16, "piper": 14, "piper,piper,0.7": 14}
+
+
+@pytest.fixture(params=["franka-panda", "piper"])
+def name(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
+def test_simulator_and_planner_agree_on_the_hand(name: str) -> None:
+    robot = check_robot(PACK, name)
+    simulated = SimRobot(new_scene(visuals=False), robot)
+    assert len(simulated.articulation.links) == 1 + 2 * (robot.action_layout.numbers_per_arm + 2)
+    kinematics = arm_kinematics(robot)
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        qpos = np.array(simulated.articulation.qpos)
+        for arm in simulated.arms:
+            qpos[arm.index] = rng.uniform(*arm.limb.limits.T)
+        simulated.articulation.set_qpos(qpos.astype(np.float32))
+        for arm in simulated.arms:
+            planned = kinematics[arm.side].ee_pose(arm.measured())
+            np.testing.assert_allclose(arm.ee().p, planned.p, atol=2e-5)
+            assert arm.ee().angle_to(planned) < 1e-3
+
+
+def test_at_home_the_hands_are_open_and_nothing_touches(name: str) -> None:
+    robot = PACK.embodiment(name)
+    simulated = SimRobot(new_scene(visuals=False), robot)
+    for _ in range(50):
+        simulated.scene.step()
+    for arm in simulated.arms:
+        assert arm.opening() == pytest.approx(1.0, abs=0.01)
+        np.testing.assert_allclose(arm.measured(), arm.limb.home, atol=1e-3)
+    assert CollisionChecker(robot).clear(robot.left.home, robot.right.home)
+    assert not simulated.scene.get_contacts()
+
+
+def test_closed_fingers_meet_in_the_middle(name: str) -> None:
+    simulated = SimRobot(new_scene(visuals=False), PACK.embodiment(name))
+    simulated.left.grip(0.0)
+    for _ in range(500):
+        simulated.scene.step()
+    assert simulated.left.gap() == pytest.approx(0.0, abs=1e-3)
+
+
+def test_spare_joints_lean_to_the_bent_posture() -> None:
+    robot = PACK.embodiment("franka-panda")
+    left = arm_kinematics(robot)["left"]
+    twisted = robot.left.bent + np.array([0.3, 0.2, 0.8, 0.1, -0.5, -0.3, 0.4])
+    goal = left.ee_pose(robot.left.bent).moved((0.02, 0.0, 0.0))
+    found = left.solve(goal, twisted)
+    assert found is not None
+    assert left.ee_pose(found).angle_to(goal) < 2e-3
+    np.testing.assert_allclose(left.ee_pose(found).p, goal.p, atol=2e-4)
+    # Without the lean the elbow would stay where the search began, 0.8 rad away.
+    assert left.distance(found, robot.left.bent) < 0.7 * left.distance(twisted, robot.left.bent)
+    assert (robot.left.limits[:, 0] <= found).all() and (found <= robot.left.limits[:, 1]).all()
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_the_expert_rings_the_bell_and_its_actions_do_again(name: str) -> None:
+    task, recipe = load_task("click_bell"), Setting("click_bell", "clean", embodiment=name).at(0)
+    done, again = (attempt(recipe, task, PACK) for _ in range(2))
+    assert done.accepted, done.detail
+    assert done.recording is not None and again.recording is not None
+    assert done.recording.hash == again.recording.hash
+    actions = actions_of(done.recording)
+    assert actions.shape[1] == SIZES[name]
+    assert replay(recipe, task, PACK, actions)
+    assert recipe.to_json()["embodiment"] == name
+
+
+def test_an_action_has_as_many_numbers_as_the_robot() -> None:
+    recipe = Setting("click_bell", "clean", embodiment="franka-panda").at(0)
+    episode = begin(recipe, load_task("click_bell"), PACK)
+    now = episode.observe()
+    assert now.vector.shape == now.measured.shape == now.efforts.shape == (16,)
+    episode.act(now.vector)
+    with pytest.raises(BadValue, match="16 finite numbers: left arm 7"):
+        episode.act(np.zeros(14))
+
+
+def test_an_arm_that_reaches_nothing_is_refused(tmp_path: Path) -> None:
+
+    folder = tmp_path / "embodiments" / "piper"
+    copytree(PACK.embodiment_folder("piper"), folder)
+    config = folder / "config.yml"
+    config.write_text(config.read_text().replace("[[0, -0.45, 0.85", "[[0, -2.45, 0.85"))
+    with pytest.raises(BadFile, match=r"left arm reaches nothing on the table.*robot_pose"):
+        check_robot(Pack(tmp_path), "piper")
