@@ -21,7 +21,6 @@ from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
 from rtphys.data.episode import JSON
 from rtphys.data.layout import EpisodePaths
 from rtphys.data.manifest import dataset_digest
-from rtphys.data.schema import PhysMeta
 from rtphys.data.verified import Verified
 from rtphys.physics import attributes
 
@@ -91,7 +90,8 @@ def verify(
         return Report(problems=[Problem(error.path, error.problem)])
     report.digest, report.newer = dataset_digest(tree.data), tree.newer
     sizes = {listed.path: listed.allowed[-1].size for listed in tree.files.values()}
-    inside = sum(sizes.get(path, 0) for paths, _ in _claims(tree) for path in paths.all())
+    claimed = (paths for name in tree.task_datasets for paths, _ in _claims(tree, name))
+    inside = sum(sizes.get(path, 0) for paths in claimed for path in paths.all())
     meter = _Meter(sum(sizes.values()) + inside, progress)
     for listed in tree.files.values():
         report.files += 1
@@ -125,18 +125,17 @@ def _file_problem(out: Path, listed: ListedFile) -> str:
     return ""
 
 
-def _claims(tree: Tree) -> Iterator[tuple[EpisodePaths, EpisodeClaim]]:
-    """Every episode, then every failure that was kept, of one task dataset after the other."""
-    for name, entry in tree.manifest.task_datasets.items():
-        place = tree.task_datasets[name]
-        kinds = (
-            (place, entry.seeds, tree.episodes[name]),
-            (place.failures, [one.seed for one in entry.failures], tree.failures[name]),
-        )
-        for where, seeds, count in kinds:
-            for number in range(count):
-                seed = seeds[number] if number < len(seeds) else None
-                yield where.episode(number), EpisodeClaim(entry, number, seed, where.failed)
+def _claims(tree: Tree, name: str) -> Iterator[tuple[EpisodePaths, EpisodeClaim]]:
+    """Every episode of a task dataset, then every failure that was kept."""
+    entry, place = tree.manifest.task_datasets[name], tree.task_datasets[name]
+    kinds = (
+        (place, entry.seeds, tree.episodes[name]),
+        (place.failures, [one.seed for one in entry.failures], tree.failures[name]),
+    )
+    for where, seeds, count in kinds:
+        for number in range(count):
+            seed = seeds[number] if number < len(seeds) else None
+            yield where.episode(number), EpisodeClaim(entry, number, seed, where.failed)
 
 
 def _check_episodes(
@@ -145,56 +144,35 @@ def _check_episodes(
     """Yields an episode's paths once its content is checked."""
     damaged = {path for path, _ in findings.problems}
     sound: list[str] = []
-    checks = {name: _Redrawn.of(name, tree, findings) for name in tree.manifest.task_datasets}
-    looked = {name: _looked(tree, name, effort, one) for name, one in checks.items()}
-    names = {id(entry): name for name, entry in tree.manifest.task_datasets.items()}
-    for paths, claim in _claims(tree):
-        name = names[id(claim.entry)]
-        key = _key(tree, paths, claim, looked[name])
-        # A file that is damaged was named already; what it holds is worth no second sentence.
-        if key not in memory and not damaged.intersection(paths.all()):
-            before = len(findings.problems)
-            meta = check_episode(paths, claim, findings, effort)
-            for text in checks[name].problems(meta) if meta else ():
-                findings.problem(paths.phys_meta, text)
-            sound += [key] if len(findings.problems) == before else []
-        yield paths
+    find_pack = cache(pack_with)  # for this call only: packs come and go
+    for name, entry in tree.manifest.task_datasets.items():
+        physics, look = (
+            PhysicsCheck(entry, tree.manifest),
+            LookCheck(entry, tree.manifest, find_pack),
+        )
+        if look.gap:
+            findings.notes.append(f"{name}: {look.gap}")
+        task = physics.task.digest if physics.task else None  # without it less is compared
+        looked = _looked(tree, entry, effort, [look.gap, task])
+        for paths, claim in _claims(tree, name):
+            key = _key(tree, paths, claim, looked)
+            # A file that is damaged was named already; what it holds is worth no second sentence.
+            if key not in memory and not damaged.intersection(paths.all()):
+                before = len(findings.problems)
+                meta = check_episode(paths, claim, findings, effort)
+                for text in (physics.problems(meta) + look.problems(meta)) if meta else ():
+                    findings.problem(paths.phys_meta, text)
+                sound += [key] if len(findings.problems) == before else []
+            yield paths
     memory.remember(sound)
 
 
-@dataclass(frozen=True)
-class _Redrawn:
-    """What the seeds of a task dataset say of its labels."""
-
-    physics: PhysicsCheck
-    look: LookCheck
-
-    @staticmethod
-    def of(name: str, tree: Tree, findings: Findings) -> "_Redrawn":
-        """Notes what cannot be drawn again here."""
-        entry, find_pack = tree.manifest.task_datasets[name], cache(pack_with)
-        look = LookCheck(entry, tree.manifest, find_pack)
-        if look.gap:
-            findings.notes.append(f"{name}: {look.gap}")
-        return _Redrawn(PhysicsCheck(entry, tree.manifest), look)
-
-    def problems(self, meta: PhysMeta) -> list[str]:
-        return [*self.physics.problems(meta), *self.look.problems(meta)]
-
-    @property
-    def here(self) -> list[JSON]:
-        """What decides how much can be compared here."""
-        task = self.physics.task
-        return [self.look.gap, task.digest if task else None]
-
-
-def _looked(tree: Tree, name: str, effort: Effort, redrawn: _Redrawn) -> list[JSON]:
+def _looked(tree: Tree, entry: TaskDatasetEntry, effort: Effort, here: list[JSON]) -> list[JSON]:
     """What the verdict on every episode of a task dataset depends on, its own files apart.
 
     How many episodes there are is none of it: a dataset may grow.
     """
-    entry, here = tree.manifest.task_datasets[name], redrawn.here
-    grows = {"attempts", "seeds", "failures", "journal", "rejections", "episodes", "frames"}
+    grows = {"attempts", "seeds", "journal", "rejections", "episodes", "frames", "failures"}
     conditions: JSON = entry.model_dump(mode="json", exclude=grows)
     domain: JSON = tree.manifest.domains.get(entry.domain.digest, {})
     code: list[JSON] = [version("rtphys"), effort.name, *sorted(attributes())]
@@ -207,4 +185,4 @@ def _key(tree: Tree, paths: EpisodePaths, claim: EpisodeClaim, looked: list[JSON
     digests: list[JSON] = [
         tree.files[name].allowed[-1].sha256 if name in tree.files else None for name in names
     ]
-    return Verified.key(*looked, digests, claim.failed, claim.number, claim.seed)
+    return Verified.key(*looked, digests, claim.number, claim.seed, claim.failed)

@@ -67,6 +67,11 @@ class Scene:
     def recipe(self) -> Recipe:
         return Recipe(_on(self.pack, self.claim.conditions.setting), self.claim.seed)
 
+    @property
+    def touch(self) -> bool:
+        """Whether the episode holds what the fingers feel."""
+        return "touch" in (self.claim.conditions.senses or ())
+
     def others(self) -> list[str]:
         """One clause for each version that is another one here than when it was collected."""
         conditions = self.claim.conditions
@@ -85,6 +90,9 @@ def prove(claim: Claim, folder: Path) -> Comparison:
     """
     conditions = claim.conditions
     place = claim.place.journal
+    if conditions.policy is not None:
+        note = f"{claim.place.name}: what {conditions.policy} did is not made again without it"
+        return Comparison([], [note], made=False)
     if claim.number is not None:
         place = claim.place.episode(claim.number).phys_meta
     try:
@@ -136,7 +144,7 @@ def _accepted(scene: Scene) -> Comparison:
     claim, number = scene.claim, scene.claim.number
     assert number is not None
     paths = claim.place.episode(number)
-    tried = attempt(scene.recipe, scene.task, scene.pack, touch=_filming(claim.conditions).touch)
+    tried = attempt(scene.recipe, scene.task, scene.pack, touch=scene.touch)
     if not tried.accepted:
         text = f"made again it is rejected: {tried.reason} ({tried.detail})"
         return Comparison([(paths.phys_meta, text)])

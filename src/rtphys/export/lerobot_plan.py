@@ -89,14 +89,11 @@ class Plan:
             }
         for camera in self.depth:
             pixels = len(range(0, height, DEPTH_STEP)) * len(range(0, width, DEPTH_STEP))
-            features[self.depth_key(camera)] = {
-                "dtype": "float32",
-                "shape": [pixels],
-                "names": None,
-            }
-        kinds = {"timestamp": "float32", **dict.fromkeys(INDICES, "int64")}
-        own = {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in kinds.items()}
-        return features | own
+            rows = {"dtype": "float32", "shape": [pixels], "names": None}
+            features[self.depth_key(camera)] = rows
+        features["timestamp"] = {"dtype": "float32", "shape": [1], "names": None}
+        features |= {name: {"dtype": "int64", "shape": [1], "names": None} for name in INDICES}
+        return features
 
 
 def plan_for(episode: Episode, version: str, camera_names: str, wanted: Sequence[str] = ()) -> Plan:

@@ -41,7 +41,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         obs: "state" (commands, measurements, object poses) or "pixels" (commands, pictures).
         show_physics: add the 13 attributes to observations, under "physics".
         senses: also observe "depth" [m], "segmentation" (ids of bodies, named in `info["bodies"]`)
-            or "pointcloud", each under its name.
+            "pointcloud", or "touch" (what each finger feels), each under its name.
         render_mode: "rgb_array", the picture of the head camera.
         control: "official": each action is a motion from rest to rest and lasts until it ends;
             "tracking": each action lasts one frame (60 ms), and the arms continue at their present
@@ -174,6 +174,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             self._bodies = now.view.names["actor"]
         if "pointcloud" in self._filming.senses:
             found["pointcloud"] = now.cloud
+        if "touch" in self._filming.senses:
+            found["touch"] = shapes.felt(now.touch)
         return found
 
     def _state(self, now: Observation) -> Obs:

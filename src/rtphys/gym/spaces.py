@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import UnknownName
+from rtphys.data.touch import Touch
 from rtphys.physics import attributes
 from rtphys.setting.filming import Filming
 from rtphys.setting.senses import CLOUD_POINTS
@@ -59,8 +60,19 @@ def pixels(bounds: Limits, cameras: Sequence[str]) -> dict[str, spaces.Space]:
     }
 
 
+FINGERS = 4  # left hand first
+FELT = ("normal", "tangential", "slip", "margin")  # of each, after its force
+
+
+def felt(touch: Touch | None) -> NDArray[np.float32]:
+    """(4, 7) force x y z [N], normal, tangential [N], slip [m/s] and margin of each finger."""
+    assert touch is not None
+    parts = [getattr(touch, part)[0][:, None] for part in FELT]
+    return np.concatenate([touch.force[0], *parts], axis=1)
+
+
 def sensed(filming: Filming) -> dict[str, spaces.Space]:
-    """Parts for the senses: depth [m], ids of bodies, a point cloud.
+    """Parts for the senses: depth [m], ids of bodies, a point cloud, what the fingers feel.
 
     Raises:
         UnknownName: one that is not drawn.
@@ -73,6 +85,8 @@ def sensed(filming: Filming) -> dict[str, spaces.Space]:
     for sense in filming.senses:
         if sense == "pointcloud":
             found[sense] = _numbers(CLOUD_POINTS, 6)
+        elif sense == "touch":
+            found[sense] = _numbers(FINGERS, len(FELT) + 3)
         elif sense in each:
             most, kind = each[sense]
             views: dict[str, spaces.Space] = {
@@ -81,7 +95,7 @@ def sensed(filming: Filming) -> dict[str, spaces.Space]:
             }
             found[sense] = spaces.Dict(views)
         else:
-            raise UnknownName("observed sense", sense, (*each, "pointcloud"))
+            raise UnknownName("observed sense", sense, (*each, "pointcloud", "touch"))
     return found
 
 
