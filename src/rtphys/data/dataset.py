@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Literal, NamedTuple, overload
 
@@ -185,11 +186,8 @@ class Dataset(Sequence[Episode]):
         self.path = given.parent if given.name == MANIFEST else given
         self.manifest: Manifest = read_manifest(self.path)
         self.task_datasets = tuple(self.manifest.task_datasets.values())
-        self._episodes = tuple(self._listed())
-
-    def _listed(self) -> Iterator[Episode]:
-        for entry in self.task_datasets:
-            yield from _episodes(self.path, entry)
+        listed = (_episodes(self.path, entry) for entry in self.task_datasets)
+        self._episodes = tuple(chain.from_iterable(listed))
 
     @property
     def tasks(self) -> tuple[str, ...]:

@@ -21,6 +21,7 @@ from rtphys.data.check_tree import Findings, ListedFile, Tree, read_tree
 from rtphys.data.episode import JSON
 from rtphys.data.layout import EpisodePaths
 from rtphys.data.manifest import dataset_digest
+from rtphys.data.schema import TaskDatasetEntry
 from rtphys.data.verified import Verified
 from rtphys.physics import attributes
 

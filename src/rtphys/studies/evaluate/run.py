@@ -149,15 +149,7 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             evaluation in the folder; a policy that cannot be reached; an error in a worker.
     """
     tasks, listener = plan.check(), listener or Listener()
-    robot = check_robot(pack, plan.embodiment)
-
-    def fingerprint(task: Task, protocol: str) -> Mapping[str, JSON]:
-        return fingerprint_of(task, protocol, pack, plan.embodiment).to_json()
-
-    ground = {
-        protocol: {task.name: fingerprint(task, protocol) for task in tasks}
-        for protocol in plan.protocols
-    }
+    robot, ground = check_robot(pack, plan.embodiment), _fingerprints(plan, tasks, pack)
     lists = [
         certified(plan, task, protocol, fingerprint)
         for protocol, fingerprints in ground.items()
@@ -193,6 +185,19 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             for study in studies:
                 study.write()
         return _conclude(plan, studies)
+
+
+def _fingerprints(
+    plan: EvaluatePlan, tasks: Sequence[Task], pack: Pack
+) -> dict[str, dict[str, dict[str, JSON]]]:
+    """Protocol -> task -> certification fingerprint, as they are now."""
+    return {
+        protocol: {
+            task.name: fingerprint_of(task, protocol, pack, plan.embodiment).to_json()
+            for task in tasks
+        }
+        for protocol in plan.protocols
+    }
 
 
 def _robot_of(plan: EvaluatePlan) -> dict[str, JSON]:
