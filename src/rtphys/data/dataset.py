@@ -177,8 +177,10 @@ def _episodes(path: Path, entry: TaskDatasetEntry, failed: bool = False) -> Iter
         yield Episode(entry.task, entry.config, number, seed, entry.layout, paths, failed)
 
 
-def _all_of(path: Path, entries: Iterable[TaskDatasetEntry]) -> tuple[Episode, ...]:
-    return tuple(chain.from_iterable(_episodes(path, entry) for entry in entries))
+def _all_of(
+    path: Path, entries: Iterable[TaskDatasetEntry], failed: bool = False
+) -> tuple[Episode, ...]:
+    return tuple(chain.from_iterable(_episodes(path, entry, failed) for entry in entries))
 
 
 class Dataset(Sequence[Episode]):
@@ -265,11 +267,7 @@ class Dataset(Sequence[Episode]):
         They have everything that an episode has, and `failure`, which tells why and when it went
         wrong. Works after `where` too.
         """
-        return tuple(
-            failure
-            for entry in self.task_datasets
-            for failure in _episodes(self.path, entry, failed=True)
-        )
+        return _all_of(self.path, self.task_datasets, failed=True)
 
     def __len__(self) -> int:
         return len(self._episodes)
