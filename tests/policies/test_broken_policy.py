@@ -7,6 +7,8 @@ import pytest
 
 from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.policies import PolicyBroken, PolicySetup, open_policy
+from rtphys.policies.session import PolicySession
+from rtphys.setting.filming import Filming
 from rtphys.setting.setting import Setting
 from rtphys.studies.evaluate import work
 from rtphys.studies.evaluate.work import EvaluateWorker, Job
@@ -66,8 +68,8 @@ def job(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], Job]:
 
 def worker_of(spec: str) -> EvaluateWorker:
     worker = object.__new__(EvaluateWorker)  # without an asset pack, which these episodes lack too
-    worker.policy, worker._open, worker.pack = spec, None, None  # type: ignore[assignment]
-    vars(worker)["tasks"] = {"click_bell": None}
+    known = {"policy": spec, "pack": None, "filming": Filming(), "_session": PolicySession(spec)}
+    vars(worker).update(known, tasks={"click_bell": None})
     return worker
 
 

@@ -113,7 +113,7 @@ def test_a_plugin_rings_the_bell(
         "recording": "",
         "chunk": [6, 7],
         "left": 1e-3,
-        "note": "a b",
+        "note": "a+b",
     }
     assert model.resets == 2
     assert (policy.env.test_num, policy.env.suc) == (2, 2)

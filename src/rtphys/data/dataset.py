@@ -168,10 +168,9 @@ class Pair(NamedTuple):
 
 
 def _episodes(path: Path, entry: TaskDatasetEntry, failed: bool = False) -> Iterator[Episode]:
-    place, seeds = entry.below(path), entry.seeds
-    place.check_links()
-    if failed:
-        place, seeds = place.failures, [failure.seed for failure in entry.failures]
+    (place := entry.below(path)).check_links()
+    seeds = [failure.seed for failure in entry.failures] if failed else entry.seeds
+    place = place.failures if failed else place
     for number, seed in enumerate(seeds):
         paths = place.episode(number)
         yield Episode(entry.task, entry.config, number, seed, entry.layout, paths, failed)

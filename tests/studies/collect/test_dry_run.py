@@ -1,5 +1,6 @@
 """`collect --dry-run`: what would be collected and where, and nothing is done."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -27,8 +28,8 @@ def rows(*options: str) -> tuple[dict[str, list[str]], str]:
     done = CliRunner().invoke(app, line, env={"COLUMNS": "200"})
     assert done.exit_code == 0, done.output
     *table, last = done.stdout.strip().splitlines()
-    cells = [[cell.strip() for cell in row.split("│")[1:-1]] for row in table]
-    return {row[0]: row[1:] for row in cells if row}, last
+    cells = [re.split(r" {2,}", row.strip()) for row in table]
+    return {row[0]: row[1:] for row in cells if len(row) > 1 and row[0] != "folder"}, last
 
 
 def test_it_names_every_folder_and_writes_nothing(

@@ -81,7 +81,7 @@ def test_a_false_label_is_an_error_not_an_episode() -> None:
     task, pack = load_task("click_bell"), default_pack()
     tried = attempt(Setting("click_bell", "phys_random").at(0), task, pack)
     assert tried.instance is not None
-    nothing = Photographs({}, {}, iter(()))
+    nothing = Photographs({}, {}, iter(()), tried.instance.look)
     assemble(tried, nothing, pack)
     for surface in tried.instance.world.surfaces:
         surface.set_material(0.123, 0.123, 0.0)
@@ -92,6 +92,7 @@ def test_a_false_label_is_an_error_not_an_episode() -> None:
 def test_a_rejected_attempt_is_no_episode() -> None:
     task, pack = load_task("click_bell"), default_pack()
     tried = attempt(Setting("click_bell", "clean").at(0), task, pack)
+    assert tried.instance is not None
     rejected = replace(tried, reason="slipped")
     with pytest.raises(ValueError, match="slipped"):
-        assemble(rejected, Photographs({}, {}, iter(())), pack)
+        assemble(rejected, Photographs({}, {}, iter(()), tried.instance.look), pack)

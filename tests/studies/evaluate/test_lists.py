@@ -27,10 +27,10 @@ def pack() -> Pack:
 
 # Feasible instances of each task, and whether the actions of each were replayed.
 CERTIFIED = {
-    "clean": (12, True),
-    "official_random": (3, False),
-    "phys_random": (12, True),
-    "phys_random_all": (3, False),
+    "clean": (24, True),
+    "official_random": (5, False),
+    "phys_random": (24, True),
+    "phys_random_all": (8, False),
 }
 
 
