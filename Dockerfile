@@ -1,4 +1,4 @@
-# docker build -t rtphys . && docker run -v "$PWD/data:/work/data" rtphys collect --task click_bell --episodes 2 --out /work/data
+# docker build -t rtphys . && docker run -v "$PWD/data:/data" rtphys collect --task click_bell --episodes 2 --out /data
 # Both README commands:  docker run --entrypoint make rtphys collect    and    docker run --entrypoint make rtphys test
 FROM python:3.12-slim-trixie
 RUN apt-get update && apt-get install -y --no-install-recommends make git ca-certificates \

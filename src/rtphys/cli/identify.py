@@ -1,4 +1,4 @@
-"""`rtphys identify`: which physical attributes can be told from what a robot senses."""
+"""`rtphys identify`: which physical attributes can be inferred from what a robot senses."""
 
 from rtphys.cli.derived import takes
 from rtphys.cli.stopping import Incomplete, resumable
@@ -8,7 +8,7 @@ from rtphys.studies.identify.plan import IdentifyPlan
 
 @takes(IdentifyPlan)
 def identify(plan: IdentifyPlan) -> None:
-    """Find which physics can be told from what a robot senses, and which signal carries it.
+    """Find which physics can be inferred from what a robot senses, and which signal carries it.
 
     The expert's episodes, without pictures, become features: statistics of
     commands, measured joints, tracking, effort and touch in each stage, and

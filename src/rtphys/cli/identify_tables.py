@@ -10,7 +10,7 @@ from rtphys.identification.scoring import Beyond, Score
 from rtphys.physics import attributes
 
 FEW = 6  # tasks that are shown one by one
-GOOD = 0.8  # R2 from which an attribute counts as told
+GOOD = 0.8  # R2 from which an attribute counts as inferred
 
 
 def show(result: Result) -> None:
@@ -48,11 +48,11 @@ def _by_attribute(result: Result) -> None:
         if not scores:
             continue
         best = max(scores, key=lambda task: scores[task].r2)
-        told = sum(score.r2 >= GOOD for score in scores.values())
+        inferred = sum(score.r2 >= GOOD for score in scores.values())
         mean = sum(score.r2 for score in scores.values()) / len(scores)
         shuffled = sum(score.shuffled for score in scores.values()) / len(scores)
         top = f"{best} {_number(scores[best].r2)}"
-        cells = (str(len(scores)), _number(mean), top, str(told), _number(shuffled))
+        cells = (str(len(scores)), _number(mean), top, str(inferred), _number(shuffled))
         table.add_row(key, *cells, carriers(scores[best]))
     print_table(table)
 

@@ -21,7 +21,7 @@ COMMANDS = {
     "check": "Try a task's expert over many seeds, without pictures.",
     "certify": "Find the seeds on which policies are evaluated.",
     "evaluate": "Run a policy on certified instances and say how often it succeeds.",
-    "identify": "Find which physics can be told from what a robot senses.",
+    "identify": "Find which physics can be inferred from what a robot senses.",
     "sensitivity": "Measure how far physics may be from nominal before a task is lost.",
     "compare": "Show evaluations side by side, and beside the paper's.",
     "robotwin-root": "Write a folder that RoboTwin's launch scripts take for RoboTwin.",

@@ -116,9 +116,9 @@ def _check_meta(meta: PhysMeta, path: Path, claim: EpisodeClaim, findings: Findi
         ),
     }
     if isinstance(meta, FailureMeta) and claim.number < len(entry.failures):
-        listed, told = entry.failures[claim.number], meta.failure
+        listed, labelled = entry.failures[claim.number], meta.failure
         for key in ("reason", "event", "time"):
-            pairs[f"failure.{key}"] = (getattr(told, key), getattr(listed, key))
+            pairs[f"failure.{key}"] = (getattr(labelled, key), getattr(listed, key))
     for key, (stored, expected) in pairs.items():
         if stored != expected:
             findings.problem(path, f"{key} is {stored!r}, the manifest says {expected!r}")

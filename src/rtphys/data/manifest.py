@@ -116,9 +116,9 @@ class TaskDatasetHistory:
     def _failures(self) -> dict[str, JSON]:
         if self.header.get("keep_failures") is None:
             return {}
-        told = ("event", "time", "frames")
+        stored = ("event", "time", "frames")
         kept = [
-            {"seed": entry["seed"], "reason": entry["reason"], **{key: kept[key] for key in told}}
+            {"seed": entry["seed"], "reason": entry["reason"], **{key: kept[key] for key in stored}}
             for entry, kept in self.kept
         ]
         return {"failures": kept}

@@ -1,4 +1,4 @@
-"""What the fingers felt, from what the simulator told at every step.
+"""What the fingers felt, from what the simulator reported at every step.
 
 A finger's force is what its joint transmits to it: with 26 g of its own it weighs nothing beside a
 load. Its normal is that of the contacts at the frame (the joint's axis where there are none), the

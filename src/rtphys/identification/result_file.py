@@ -1,4 +1,4 @@
-"""The results of an estimator on disk: for each task and attribute how well it can be told."""
+"""The results of an estimator on disk: for each task and attribute how well it can be inferred."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field

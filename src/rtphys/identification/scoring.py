@@ -1,4 +1,4 @@
-"""How well an attribute can be told: R2 of fixed splits, intervals, what shuffled labels give."""
+"""How well an attribute can be inferred: R2 of fixed splits, intervals, what shuffled labels give."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class NotFinite(ValueError):
 
 @dataclass(frozen=True)
 class Score:
-    """How well one attribute can be told in one task.
+    """How well one attribute can be inferred in one task.
 
     Attributes:
         r2: out of fold, averaged over the components of a vector.

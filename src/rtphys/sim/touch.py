@@ -35,7 +35,7 @@ class Press(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class TouchRow:
-    """One frame: the n steps that ended in it, as the simulator told them."""
+    """One frame: the n steps that ended in it, as the simulator reports them."""
 
     wrenches: list[NDArray[np.float32]]  # n of (L, 6): force [N], torque [N m] on each link
     packed: list[bytes]  # n + 1 of `scene.pack_poses()`, from the frame before on

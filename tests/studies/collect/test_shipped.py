@@ -36,7 +36,7 @@ def test_damage_on_the_way_is_seen(shipped: Shipped, tmp_path: Path) -> None:
         damaged.land(tmp_path / "seed_7")
 
 
-@pytest.mark.parametrize("name", ["../out", "/tmp/out", "data.hdf5/../../out", "", "other"])
+@pytest.mark.parametrize("name", ["../out", "/elsewhere/out", "data.hdf5/../../out", "", "other"])
 def test_files_that_no_episode_has_do_not_land(name: str, shipped: Shipped, tmp_path: Path) -> None:
     odd = replace(shipped, contents={**CONTENTS, name: b"x"})
     with pytest.raises(OtherMachine, match="an episode has no file"):

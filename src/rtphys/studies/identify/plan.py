@@ -52,7 +52,7 @@ class IdentifyPlan:
             ImportError: the baseline without scikit-learn.
         """
         if not load_protocol(self.protocol).physics:
-            raise BadValue("protocol", self.protocol, "it varies no physics that could be told")
+            raise BadValue("protocol", self.protocol, "it varies no physics that could be inferred")
         make = open_estimator(self.estimator)
         if self.estimator == BASELINE:
             make()
