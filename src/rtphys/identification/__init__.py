@@ -1,1 +1,1 @@
-"""Which physical attributes can be inferred from what a robot senses: features, estimators, scores."""
+"""Which physical attributes can be inferred from what a robot senses: features and estimators."""

@@ -1,4 +1,4 @@
-"""How well an attribute can be inferred: R2 of fixed splits, intervals, what shuffled labels give."""
+"""How well an attribute can be inferred: R2 of fixed splits, intervals, shuffled labels beside."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
