@@ -119,13 +119,15 @@ def stated(entry: TaskDatasetEntry, manifest: Manifest) -> Conditions:
         setting = Setting(**known)
     except (RtphysError, KeyError, TypeError, ValueError) as error:
         raise BadFile(MANIFEST, f"its conditions cannot be read: {error}") from error
-    own = {name: getattr(entry, name) for name in ("first_seed", "versions", "assets", "layout")}
+    same = ("first_seed", "versions", "assets", "layout", "camera_type", "size", "keep_failures")
+    own = {name: getattr(entry, name) for name in (*same, "policy")}
     return Conditions(
         **own,
         setting=setting,
         domain=domain,
         visual=entry.visual,
         cameras=tuple(entry.cameras),
+        senses=None if entry.senses is None else tuple(entry.senses),
         config=entry.config,
         twin=entry.twin,
         twin_of=entry.twin_of,

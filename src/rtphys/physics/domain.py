@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import cast
 
-from rtphys.core.errors import UnknownName
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.seeds import Chance
 from rtphys.physics.auxiliary import AUXILIARY
 from rtphys.physics.distribution import Distribution, JsonRule, SameAs
@@ -25,6 +25,7 @@ class Domain:
     rules: Mapping[str, Distribution]
     sources: Mapping[str, str] = field(default_factory=dict[str, str])  # key -> domain of its rule
     why: str = ""  # the reason for these ranges, in words
+    width: float = 1.0  # to what share of it every range was narrowed
 
     @cached_property
     def digest(self) -> str:
@@ -120,14 +121,17 @@ class Domain:
         """Every range drawn towards the nominal value, to this share of its width.
 
         The same seed draws the same point of the narrower range. A quantity whose nominal value is
-        the asset's own (`object_joint_damping`) goes towards the lower end of its range.
+        the asset's own (`object_joint_damping`) goes towards the lower end of its range. A domain
+        that was narrowed before, as a manifest stores it, stays as it is.
         """
+        if self.width < 1:
+            return self
         known = attributes()
         rules = {
             key: rule.narrowed(share, known[key].nominal) if key in known else rule
             for key, rule in self.rules.items()
         }
-        return replace(self, rules=rules)
+        return replace(self, rules=rules, width=share)
 
     def to_json(self) -> dict[str, object]:
         """The resolved domain as plain JSON, for a manifest."""
@@ -137,6 +141,7 @@ class Domain:
             "why": self.why,
             "rules": {key: rule.to_json() for key, rule in sorted(self.rules.items())},
             "sources": dict(sorted(self.sources.items())),
+            **({"width": self.width} if self.width < 1 else {}),
         }
 
     @staticmethod
@@ -147,11 +152,15 @@ class Domain:
             BadValue: a rule that cannot be read.
         """
         rules, sources = _mapping(data.get("rules")), _mapping(data.get("sources"))
+        width = data.get("width", 1.0)
+        if isinstance(width, bool) or not isinstance(width, int | float) or not 0 <= width <= 1:
+            raise BadValue("width", width, "a share from 0 to 1", where)
         return Domain(
             name=str(data.get("name", "")),
             rules={key: parse_rule(key, rules[key], where) for key in sorted(rules)},
             sources={key: str(domain) for key, domain in sources.items()},
             why=str(data.get("why", "")),
+            width=float(width),
         )
 
 
