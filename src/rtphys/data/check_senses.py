@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 
 from rtphys.data.episode import Frames
-from rtphys.data.hdf5_file import group
+from rtphys.data.hdf5_file import group, holds
 from rtphys.data.hdf5_record import GROUP
 from rtphys.data.hdf5_senses import (
     KINDS,
@@ -51,7 +51,7 @@ def check_senses(
     for expected in _expected(file, layout, shapes, senses):
         if expected.sense in senses:
             problems += _stream_problems(file, expected, len(frames), every)
-        elif expected.stream.key in file and expected.stream.key != "pointcloud":
+        elif holds(file, expected.stream.key) and expected.stream.key != "pointcloud":
             problems.append(f"{expected.stream.key} is there, and {expected.sense} is not declared")
     if "states" in senses:
         poses = body_poses(file).poses
@@ -61,7 +61,7 @@ def check_senses(
             problems.append("body_poses holds quaternions that are not of unit length")
     if "touch" in senses:
         problems += read_touch(group(file, GROUP)).problems(len(frames))
-    elif f"{GROUP}/touch" in file:
+    elif holds(file, f"{GROUP}/touch"):
         problems.append(f"{GROUP}/touch is there, and touch is not declared")
     return problems, senses
 

@@ -193,9 +193,17 @@ def group(node: h5py.Group, key: str) -> h5py.Group:
     return below
 
 
+def holds(node: h5py.Group, key: str) -> bool:
+    """Whether anything of that name lies below a group."""
+    try:  # `key in node` takes ten times as long, and a check asks a dozen times
+        return bool(node.id.links.exists(key.encode()))
+    except (KeyError, RuntimeError):  # a group on the way there is absent
+        return False
+
+
 def arrays(node: h5py.Group, key: str) -> dict[str, np.ndarray]:
     """The datasets directly below a group, by name; empty when the group is absent."""
-    if key not in node:
+    if not holds(node, key):
         return {}
     below = group(node, key)
     return {str(name): array(below, str(name)) for name in below}
