@@ -34,10 +34,13 @@ def draw_tolerance(results: Sequence[Mapping[str, JSON]], path: Path) -> None:
     image = panel.imshow(shares, vmin=0, vmax=1, cmap="RdYlGn", aspect="auto")
     for (row, column), share in np.ndenumerate(shares):
         if np.isfinite(share):
-            panel.text(column, row, f"{100 * share:.0f}", ha="center", va="center", fontsize=6)
+            colour = "k" if 0.15 < share < 0.85 else "w"  # the ends of the colour map are dark
+            text = f"{100 * share:.0f}"
+            panel.text(column, row, text, ha="center", va="center", fontsize=7, color=colour)
     panel.set_xticks(range(len(keys)), [k.replace("_", " ") for k in keys], rotation=60, ha="right")
     panel.set_yticks(range(len(tasks)), tasks)
     panel.tick_params(labelsize=7)
     bar = figure.colorbar(image, ax=panel, shrink=0.6)
     bar.set_label("tolerated share of the range", fontsize=8)
+    bar.ax.tick_params(labelsize=7)
     figure.savefig(path, dpi=150)
