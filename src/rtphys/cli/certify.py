@@ -9,6 +9,7 @@ import typer
 from rtphys.cli.derived import takes
 from rtphys.cli.options import AsJson
 from rtphys.cli.stopping import Incomplete, resumable
+from rtphys.cli.terminal import say
 from rtphys.studies.certify.plan import CertifyPlan
 
 if TYPE_CHECKING:
@@ -32,6 +33,9 @@ def certify(plan: CertifyPlan, output: AsJson) -> None:
     if plan.reprove:
         _reprove(plan)
         return
+    if left_out := plan.without():
+        text = f"left out, since the attribute acts on nothing there: {'; '.join(left_out)}"
+        say(text, err=True)
     with resumable(), campaign_progress("feasible seeds") as listener:
         lists = run_certification(plan, default_pack(listener.building), listener)
     if output.as_json:

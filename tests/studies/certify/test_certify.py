@@ -100,5 +100,7 @@ def test_one_factor_has_lists_where_it_acts(tmp_path: Path) -> None:
         ("click_bell", "only_friction"),
         ("open_laptop", "only_friction"),
     ]
+    left_out = replace(plan(tmp_path), tasks=tasks, protocols=protocols).without()
+    assert left_out == ["click_bell, only_object_joint_damping"]
     cameras = replace(plan(tmp_path), protocols=("only_camera_angle", "only_camera_distance"))
-    assert len(cameras.settings()) == 2
+    assert len(cameras.settings()) == 2 and not cameras.without()

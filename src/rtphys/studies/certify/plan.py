@@ -67,6 +67,12 @@ class CertifyPlan:
             if _acts(task, name)
         ]
 
+    def without(self) -> list[str]:
+        """Names of the lists that are left out: the protocol's one attribute acts on nothing."""
+        kept = {(setting.task, setting.protocol) for setting in self.settings()}
+        lists = ((task, name) for name in self.protocols for task in self.tasks)
+        return [f"{task}, {name}" for task, name in lists if (task, name) not in kept]
+
 
 def _acts(task: str, protocol: str) -> bool:
     """Whether anything that the protocol varies alone can change an episode of the task."""
