@@ -13,14 +13,16 @@ from rtphys.proofs.lab import Lab
 RUN = CliRunner()
 
 
-def told(app, *arguments):
+def output_of(app, *arguments):
     result = RUN.invoke(app, list(arguments))
     assert result.exit_code == 0, result.output
     return result.output
 
 
 def test_sample_as_json_is_what_the_domain_draws():
-    rows = json.loads(told(physics.app, "sample", "--task", "global", "--episodes", "3", "--json"))
+    rows = json.loads(
+        output_of(physics.app, "sample", "--task", "global", "--episodes", "3", "--json")
+    )
     assert [row["seed"] for row in rows] == [0, 1, 2]
     for row in rows:
         assert Physics.from_json(row) == load_domain("global").sample(row["seed"])
@@ -28,7 +30,7 @@ def test_sample_as_json_is_what_the_domain_draws():
 
 def test_sample_of_a_part_and_of_a_held_value():
     arguments = ("--only", "friction, restitution", "--set", "restitution=0.1", "--json")
-    (row,) = json.loads(told(physics.app, "sample", "--task", "scan_object.yaml", *arguments))
+    (row,) = json.loads(output_of(physics.app, "sample", "--task", "scan_object.yaml", *arguments))
     assert row["varied"] == ["friction", "restitution"]
     assert row["values"]["restitution"] == 0.1
 
@@ -40,7 +42,7 @@ def beside_the_domains(monkeypatch, tmp_path):
 
 
 def test_sample_as_a_table_shows_nominal_values_in_brackets():
-    text = told(physics.app, "sample", "--task", "global", "--only", "friction")
+    text = output_of(physics.app, "sample", "--task", "global", "--only", "friction")
     assert "(1)" in text
     assert "friction" in text
 
@@ -48,19 +50,19 @@ def test_sample_as_a_table_shows_nominal_values_in_brackets():
 @pytest.mark.sim
 def test_sample_of_a_task_is_what_its_episode_has():
     arguments = ("sample", "--task", "open_laptop", "--seed", "3", "--json")
-    (row,) = json.loads(told(physics.app, *arguments))
+    (row,) = json.loads(output_of(physics.app, *arguments))
     assert row["values"]["center_of_mass_redraws"] > 0
 
 
 def test_show_as_json_reads_back():
-    data = json.loads(told(domains.app, "show", "scan_object", "--json"))
+    data = json.loads(output_of(domains.app, "show", "scan_object", "--json"))
     assert Domain.from_json(data).digest == load_domain("scan_object").digest
     assert data["sources"]["camera_distance"] == "scan_object"
     assert data["sources"]["friction"] == "global"
 
 
 def test_show_names_ranges_and_sources():
-    text = told(domains.app, "show", "turn_switch")
+    text = output_of(domains.app, "show", "turn_switch")
     line = next(li for li in text.splitlines() if "object_joint_damping" in li)
     assert "[0, 1]" in line
     assert "turn_switch" in line
@@ -69,7 +71,7 @@ def test_show_names_ranges_and_sources():
 def test_check_one_s_own_file(tmp_path):
     path = tmp_path / "icy.yaml"
     path.write_text("extends: global\nphysics: {friction: {uniform: [0.01, 0.1]}}\n")
-    assert "good; it sets friction" in told(domains.app, "check", str(path))
+    assert "good; it sets friction" in output_of(domains.app, "check", str(path))
     path.write_text("extends: global\nphysics: {friction: {uniform: [0, 0.1]}}\n")
     result = RUN.invoke(domains.app, ["check", str(path)])
     assert isinstance(result.exception, BadValue)
@@ -86,7 +88,7 @@ def test_unknown_names_are_refused_with_the_nearest():
 
 @pytest.mark.sim
 def test_prove_draws_and_exits_by_the_outcome(tmp_path, monkeypatch):
-    text = told(physics.app, "prove", "restitution", "camera_angle", "--out", str(tmp_path))
+    text = output_of(physics.app, "prove", "restitution", "camera_angle", "--out", str(tmp_path))
     assert "trials obey the laws of 2 attributes" in text
     assert sorted(p.name for p in tmp_path.glob("*.png")) == ["camera_angle.png", "restitution.png"]
     monkeypatch.setattr(Lab, "world", lambda lab, props, values: real(lab, props, {}))

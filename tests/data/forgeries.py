@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import cv2
 import numpy as np
+from forged_arrays import darker, flipped, patch, pushed, renamed, turned, worse
 from forger import HEAD, Entry, Forge, Forger
 
 from rtphys.data import jpeg
@@ -97,36 +97,6 @@ def _words(forger: Forger, key: str) -> None:
     forger.place.episode(1).hdf5.write_bytes(native_bytes(frames, images, words["seen"], ""))
 
 
-def _turned(frames: Frames, images: EncodedImages) -> Frames:
-    """The head camera hangs 2 cm elsewhere, by its calibration."""
-    camera = frames.cameras[HEAD]
-    gl = camera.cam2world_gl.copy()
-    gl[:, 0, 3] += 0.02
-    extrinsic = np.linalg.inv(gl @ np.diag([1.0, -1, -1, 1]))[:, :3].astype(np.float32)
-    return replace(frames, cameras={HEAD: CameraFrames(camera.intrinsic_cv, extrinsic, gl)})
-
-
-def _renamed(frames: Frames, images: EncodedImages) -> Frames:
-    names = dict(
-        zip(sorted(frames.object_poses), sorted(frames.object_poses, reverse=True), strict=True)
-    )
-    poses = {names[name]: pose for name, pose in frames.object_poses.items()}
-    touched = {names[name]: touch for name, touch in frames.contacts.items()}
-    return replace(frames, object_poses=poses, contacts=touched)
-
-
-def _flipped(frames: Frames, images: EncodedImages) -> Frames:
-    first = min(frames.contacts)
-    return replace(frames, contacts={**frames.contacts, first: ~frames.contacts[first]})
-
-
-def _pushed(frames: Frames, images: EncodedImages) -> Frames:
-    first = min(frames.object_poses)
-    pose = frames.object_poses[first].copy()
-    pose[:, 0] += 1e-3
-    return replace(frames, object_poses={**frames.object_poses, first: pose})
-
-
 def _cut(forger: Forger) -> None:
     """The last frame is left out, everywhere."""
 
@@ -159,24 +129,6 @@ def _frozen(forger: Forger) -> None:
     forger.hdf5(1, change)
 
 
-def _patch(index: int, rgb: np.ndarray) -> np.ndarray:
-    """A sticker of 8 x 8 pixels in one picture, 0.1 % of it."""
-    changed = rgb.copy()
-    if index == 20:
-        changed[100:108, 100:108] = 0
-    return changed
-
-
-def _darker(index: int, rgb: np.ndarray) -> np.ndarray:
-    return (rgb * 0.7).astype(np.uint8)
-
-
-def _worse(index: int, rgb: np.ndarray) -> bytes:
-    done, stream = cv2.imencode(".jpg", rgb, [cv2.IMWRITE_JPEG_QUALITY, 20])
-    assert done
-    return stream.tobytes()
-
-
 def _set(*way: Any, value: Any) -> Callable[[Entry], None]:
     def change(content: Entry) -> None:
         node: Any = content
@@ -189,7 +141,7 @@ def _set(*way: Any, value: Any) -> Callable[[Entry], None]:
 
 
 def _rougher(surfaces: Entry) -> Entry:
-    """The friction that the simulator told of one surface, doubled."""
+    """The friction that the simulator reports of one surface, doubled."""
     name = min(surfaces)
     first = {key: 2 * value for key, value in surfaces[name].items() if "friction" in key}
     return {**surfaces, name: {**surfaces[name], **first}}
@@ -232,15 +184,15 @@ FORGERIES: dict[str, tuple[Forge, str]] = {
     "an invented rejection": (_invented_rejection, "seed 2 is recorded as rejected (slipped)"),
     # Arrays.
     "shifted time stamps": (lambda f: f.arrays(1, time=lambda t: t + 0.06), "time from frame 0"),
-    "touch exchanged": (lambda f: f.hdf5(1, _flipped), "contacts/"),
+    "touch exchanged": (lambda f: f.hdf5(1, flipped), "contacts/"),
     "effort scaled": (lambda f: f.arrays(1, effort=_scaled(1.02)), "effort"),
     "measured joints exchanged": (
         lambda f: f.arrays(1, qpos=lambda q: q[:, ::-1].copy()),
         "qpos",
     ),
     "speeds left out": (lambda f: f.arrays(1, qvel=_scaled(0.0)), "qvel"),
-    "objects renamed": (lambda f: f.hdf5(1, _renamed), "object_poses/"),
-    "an object moved by a millimetre": (lambda f: f.hdf5(1, _pushed), "object_poses/"),
+    "objects renamed": (lambda f: f.hdf5(1, renamed), "object_poses/"),
+    "an object moved by a millimetre": (lambda f: f.hdf5(1, pushed), "object_poses/"),
     "the hand moved": (
         lambda f: f.arrays(1, left_endpose=lambda p: p + np.eye(7)[0] * 1e-3),
         "left_endpose",
@@ -251,18 +203,18 @@ FORGERIES: dict[str, tuple[Forge, str]] = {
     ),
     "stages moved": (lambda f: f.arrays(1, stage=lambda s: np.roll(s, 3)), "stage from frame"),
     "joints renamed": (lambda f: f.arrays(1, joint_names=lambda n: n[::-1]), "joint_names are"),
-    "the camera's calibration moved": (lambda f: f.hdf5(1, _turned), "cameras/head_camera"),
+    "the camera's calibration moved": (lambda f: f.hdf5(1, turned), "cameras/head_camera"),
     "the last frame left out": (_cut, "frames, made again"),
     # Pictures.
-    "a small sticker in one picture": (lambda f: f.pictures(1, _patch), "equal to the last bit"),
+    "a small sticker in one picture": (lambda f: f.pictures(1, patch), "equal to the last bit"),
     "a picture twice": (_frozen, "of head_camera"),
-    "darker pictures": (lambda f: f.pictures(1, _darker), "of head_camera"),
+    "darker pictures": (lambda f: f.pictures(1, darker), "of head_camera"),
     "colours exchanged": (
         lambda f: f.pictures(1, lambda _, rgb: rgb[..., ::-1].copy()),
         "of head_camera",
     ),
     "pictures of less quality": (
-        lambda f: f.pictures(1, _worse, video=False),
+        lambda f: f.pictures(1, worse, video=False),
         "of head_camera",
     ),
     "another episode's video": (_video, "of the video"),

@@ -58,7 +58,7 @@ def during(first: int, last: int) -> np.ndarray:
     return (np.arange(T) >= first) & (np.arange(T) <= last)
 
 
-def told(frames: Frames, reason: str, detail: str = "") -> tuple[str, int, str, str]:
+def mark(frames: Frames, reason: str, detail: str = "") -> tuple[str, int, str, str]:
     instant = went_wrong(frames, reason, detail, ["clutter0"])
     return instant.event, instant.frame, instant.object, instant.side
 
@@ -67,19 +67,19 @@ def test_a_slide_out_of_the_hand_begins_where_it_ends_badly() -> None:
     cup = lifted(LIFT + 5)
     cup[LIFT + 5 :, 2] = cup[LIFT + 4, 2]  # the hand goes on without it
     frames = frames_of(cup, during(SHUT, LIFT + 9))
-    assert told(frames, "slipped", "cup left the left hand") == ("slip", LIFT + 4, "cup", "left")
+    assert mark(frames, "slipped", "cup left the left hand") == ("slip", LIFT + 4, "cup", "left")
 
 
 def test_a_load_that_falls_at_once_is_a_drop() -> None:
     frames = frames_of(lifted(LIFT + 6), during(SHUT, LIFT + 5))
-    event, frame, *_ = told(frames, "slipped", "cup left the left hand")
+    event, frame, *_ = mark(frames, "slipped", "cup left the left hand")
     assert (event, frame) in {("drop", LIFT + 6), ("slip", LIFT + 5)}
 
 
 def test_fingers_that_close_on_nothing_miss() -> None:
     frames = frames_of(resting(), during(99, 99))
     wanted = ("miss", SHUT, "cup", "left")
-    assert told(frames, "grasp_missed", "cup is not between the fingers") == wanted
+    assert mark(frames, "grasp_missed", "cup is not between the fingers") == wanted
 
 
 @pytest.mark.parametrize(
@@ -91,15 +91,19 @@ def test_a_miss_is_due_to_what_happened_before(pushed: tuple[float, ...], event:
     cup[12:, :3] += pushed[:3]
     cup[12:, 3:] = pushed[3:]
     frames = frames_of(cup, during(99, 99))
-    assert told(frames, "grasp_missed", "cup is not between the fingers")[:3] == (event, 12, "cup")
+    assert mark(frames, "grasp_missed", "cup is not between the fingers")[:3] == (
+        event,
+        12,
+        "cup",
+    )
 
 
 def test_what_was_picked_up_again_was_no_failure() -> None:
     cup = lifted(T)
     cup[5:, 0] += 0.1  # before the hand came
     frames = frames_of(cup, during(SHUT, T))
-    assert told(frames, "no_path") == ("stuck", T - 1, "", "")
-    assert told(frames, "step_limit") == ("end", T - 1, "", "")
+    assert mark(frames, "no_path") == ("stuck", T - 1, "", "")
+    assert mark(frames, "step_limit") == ("end", T - 1, "", "")
 
 
 def test_what_is_let_go_of_in_the_wrong_place_is_misplaced() -> None:
@@ -107,7 +111,7 @@ def test_what_is_let_go_of_in_the_wrong_place_is_misplaced() -> None:
     cup = lifted(46)
     cup[46:, 2] = cup[45, 2]
     frames = frames_of(cup, during(SHUT, 46), opening)
-    event, frame, name, side = told(frames, "failed_check", "cup on the plate")
+    event, frame, name, side = mark(frames, "failed_check", "cup on the plate")
     assert (event, name, side) == ("misplaced", "cup", "left") and 45 <= frame <= 48
 
 
@@ -116,5 +120,5 @@ def test_clutter_is_nobodys_failure() -> None:
     poses = dict(frames.object_poses)
     poses["clutter0"] = poses["clutter0"] + np.linspace(0, 1, T)[:, None] * [1, 0, 0, 0, 0, 0, 0]
     moved = replace(frames, object_poses=poses)
-    assert told(moved, "failed_check")[0] == "miss"
+    assert mark(moved, "failed_check")[0] == "miss"
     assert went_wrong(moved, "failed_check", "").object == "clutter0"
