@@ -65,11 +65,11 @@ def samples(count: int, useful: float = 1.0) -> list[Sample]:
     for seed in range(count):
         value, x, y = rng.uniform(size=3)
         noise = rng.uniform(size=3)
-        told = useful * np.array([value, x, y]) + (1 - useful) * noise
+        sensed = useful * np.array([value, x, y]) + (1 - useful) * noise
         features = {
-            "lift/hand/effort/force_x/mean": told[0] + told[1],
-            "lift/hand/effort/force_y/mean": told[1],
-            "lift/hand/effort/force_z/mean": told[2],
+            "lift/hand/effort/force_x/mean": sensed[0] + sensed[1],
+            "lift/hand/effort/force_y/mean": sensed[1],
+            "lift/hand/effort/force_z/mean": sensed[2],
             "lift/hand/touch/touch/mean": float(rng.uniform()),
             "lift/duration": float(rng.uniform()),
         }
