@@ -29,7 +29,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=pressed("clock", contact=0, within=(0.03, 0.03, 0.03)),
+    success=pressed("clock", contact=0, within=(0.02, 0.02, 0.03)),
     step_limit=400,
     mechanism="press",
     info={"A": "clock", "a": "arm:clock"},

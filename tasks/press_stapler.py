@@ -34,7 +34,7 @@ def script(robot: Robot) -> None:
 task = Task(
     layout=layout,
     script=script,
-    success=pressed("stapler", contact=PRESS_POINT, within=(0.03, 0.03, 0.03)),
+    success=pressed("stapler", contact=PRESS_POINT, within=(0.02, 0.02, 0.03)),
     step_limit=400,
     mechanism="press",
     info={"A": "stapler", "a": "arm:stapler"},
