@@ -3,6 +3,7 @@
 import numpy as np
 import synthetic
 
+from rtphys.data.hdf5_senses import DEPTH_SCALE
 from rtphys.data.sensed import BodyPoses, Sensed
 
 SENSES = ("depth", "segmentation", "pointcloud", "states")
@@ -15,7 +16,8 @@ def sensed(seed: int, frames: int = 8, senses: tuple[str, ...] = SENSES) -> Sens
     made = Sensed(senses)
     for name in synthetic.CAMERAS:
         if "depth" in senses:
-            made.depth[name] = [rng.random(shape, np.float32) * 2 for _ in range(frames)]
+            steps = rng.integers(0, 2 * DEPTH_SCALE, (frames, *shape)).astype(np.float32)
+            made.depth[name] = [*(steps / np.float32(DEPTH_SCALE))]
         if "segmentation" in senses:
             ids = [rng.integers(0, len(NAMES), shape).astype(np.uint8) for _ in range(frames)]
             made.actors[name], made.meshes[name] = ids, ids[::-1]

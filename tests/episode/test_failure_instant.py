@@ -63,17 +63,17 @@ def mark(frames: Frames, reason: str, detail: str = "") -> tuple[str, int, str, 
     return instant.event, instant.frame, instant.object, instant.side
 
 
-def test_a_slide_out_of_the_hand_begins_where_it_ends_badly() -> None:
+def test_a_slide_out_of_the_hand_shows_after_a_centimetre_of_the_slide_that_ends_badly() -> None:
     cup = lifted(LIFT + 5)
     cup[LIFT + 5 :, 2] = cup[LIFT + 4, 2]  # the hand goes on without it
     frames = frames_of(cup, during(SHUT, LIFT + 9))
-    assert mark(frames, "slipped", "cup left the left hand") == ("slip", LIFT + 4, "cup", "left")
+    assert mark(frames, "slipped", "cup left the left hand") == ("slip", LIFT + 5, "cup", "left")
 
 
 def test_a_load_that_falls_at_once_is_a_drop() -> None:
     frames = frames_of(lifted(LIFT + 6), during(SHUT, LIFT + 5))
     event, frame, *_ = mark(frames, "slipped", "cup left the left hand")
-    assert (event, frame) in {("drop", LIFT + 6), ("slip", LIFT + 5)}
+    assert (event, frame) in {("drop", LIFT + 6), ("slip", LIFT + 6)}
 
 
 def test_fingers_that_close_on_nothing_miss() -> None:

@@ -30,6 +30,7 @@ from rtphys.data.hdf5_record import GROUP, POSE
 from rtphys.data.palette import PALETTE, coloured, row_of
 from rtphys.data.sensed import MM, BodyPoses, Sensed, Track
 from rtphys.data.touch import Touch, read_touch, write_touch
+from rtphys.setting.senses import DEPTH_STEPS
 
 Array = NDArray[Any]
 Coder = Callable[[Array], Array]
@@ -40,17 +41,18 @@ NAMES = f"{GROUP}/segmentation"
 LAST = f"{GROUP}/last_senses"
 BODIES = f"{GROUP}/body_poses"
 KINDS = ("actor", "mesh")
+DEPTH_SCALE = DEPTH_STEPS * MM
 DEPTH_NOTE = {"unit": "mm along the optical axis; 0: nothing"}
 
 
 def to_mm(depth: Array) -> Array:
-    """Official depth of metres."""
-    return depth.astype(np.float64) * MM
+    """Official depth of metres, float32."""
+    return np.rint(depth.astype(np.float64) * DEPTH_SCALE) / DEPTH_STEPS
 
 
 def to_metres(depth: Array) -> Array:
-    """Inverse of `to_mm`, to the last bit."""
-    return (depth / MM).astype(np.float32)
+    """Inverse of `to_mm`, to the last bit, for depths that `renderer.sensed` gave."""
+    return (depth * DEPTH_STEPS).astype(np.float32) / np.float32(DEPTH_SCALE)
 
 
 @dataclass(frozen=True)

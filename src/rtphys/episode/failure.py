@@ -1,7 +1,8 @@
 """The instant at which an attempt went wrong, found in its states and contacts.
 
-* slip: an object slid or turned in the closed hand that held it. Start of the slide that ended in
-  the loss; without a loss, the first frame beyond 1 cm or 20 deg.
+* slip: an object slid or turned in the closed hand that held it. First frame beyond 1 cm or 20 deg,
+  counted from the start of the slide that ended in the loss; if it is lost sooner, the first frame
+  without contact. A person marks it there: a slide begins with millimetres, which nobody sees.
 * drop: a closed hand lost an object that had not slid before. First frame without contact.
 * miss: a hand closed on nothing. First frame in which its fingers are closed.
 * tip_over: an object tipped that no hand held. First frame beyond 45 deg.
@@ -127,17 +128,24 @@ def _of_hold(frames: Frames, name: str, side: Side, hold: _Hold) -> Iterator[Ins
         step = np.linalg.norm(np.diff(place[gripped : hold.last + 2], axis=0), axis=1)
         onset = gripped + _last_run(step > SLIDING)
         if onset <= hold.last:
-            yield Instant("slip", onset, name, side)
+            shown = _first_shift(place, turn, onset, hold.last)
+            yield Instant("slip", hold.last + 1 if shown is None else shown, name, side)
         else:
             yield Instant("drop", hold.last + 1, name, side)
         return
-    window = slice(gripped, hold.last + 1)
-    slid = np.linalg.norm(place[window] - place[gripped], axis=1) > SLIPPED
-    turned = _angles(turn[window], turn[gripped]) > TURNED
-    if (slid | turned).any():
-        yield Instant("slip", gripped + int((slid | turned).argmax()), name, side)
+    shown = _first_shift(place, turn, gripped, hold.last)
+    if shown is not None:
+        yield Instant("slip", shown, name, side)
     if hold.released:
         yield Instant("misplaced", min(hold.last + 1, len(frames) - 1), name, side)
+
+
+def _first_shift(place: Array, turn: Array, start: int, last: int) -> int | None:
+    """First frame in which an object has slid or turned in the hand as far as a person sees."""
+    window = slice(start, last + 1)
+    slid = np.linalg.norm(place[window] - place[start], axis=1) > SLIPPED
+    shifted = slid | (_angles(turn[window], turn[start]) > TURNED)
+    return start + int(shifted.argmax()) if shifted.any() else None
 
 
 def _gripped(frames: Frames, side: Side, hold: _Hold) -> int:

@@ -2,8 +2,8 @@
 
 A finger's force is what its joint transmits to it: with 26 g of its own it weighs nothing beside a
 load. Its normal is that of the contacts at the frame (the joint's axis where there are none), the
-rest is tangential. Slip is the way of the touched object past the finger from step to step, by
-their poses: PhysX's velocities at the end of a step are wrong for bodies that are held.
+rest is tangential. Slip is the way of the touched object past the finger in 20 ms, by their poses:
+PhysX's velocities at the end of a step are wrong for bodies that are held.
 """
 
 from dataclasses import replace
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rtphys.core.poses import Array
 from rtphys.data.touch import Touch
 from rtphys.sim.engine import RATE
-from rtphys.sim.touch import Press, TouchRow, TouchTrack
+from rtphys.sim.touch import POSE_STEPS, Press, TouchRow, TouchTrack
 
 LEAST = 0.2  # [N] normal force from which a finger counts as loaded
 HANDS = ("left_gripper", "right_gripper")
@@ -49,7 +49,11 @@ def _frame(track: TouchTrack, row: TouchRow, objects: list[str]) -> dict[str, Ar
     found["pressed"] = np.zeros((F, len(objects)))
     if n == 0:
         return found
-    poses = np.frombuffer(b"".join(row.packed), np.float32).reshape(n + 1, -1, 7)
+    poses = np.frombuffer(b"".join(row.packed), np.float32).reshape(len(row.packed), -1, 7)
+    ends = np.minimum(
+        np.arange(len(row.packed)) * POSE_STEPS, n
+    )  # steps made when poses were taken
+    pose_of_step = np.arange(n) // POSE_STEPS + 1
     wrenches = np.array(row.wrenches, float)[:, list(track.links)]
     for f, body in enumerate(track.bodies):
         own = [press for press in row.presses if body in press.bodies]
@@ -58,7 +62,7 @@ def _frame(track: TouchTrack, row: TouchRow, objects: list[str]) -> dict[str, Ar
         for press in own:
             found["pressed"][f, objects.index(_object(press))] += press.strength * RATE
         R_WF, p_WF = _track(poses, body)
-        force = np.einsum("tij,jk,tk->ti", R_WF[1:], track.joints[f], wrenches[:, f, :3])
+        force = np.einsum("tij,jk,tk->ti", R_WF[pose_of_step], track.joints[f], wrenches[:, f, :3])
         normal = _normal(own, R_WF[-1] @ track.joints[f][:, 0])
         along = np.abs(force @ normal)
         across = np.linalg.norm(force - np.outer(force @ normal, normal), axis=1)
@@ -72,8 +76,9 @@ def _frame(track: TouchTrack, row: TouchRow, objects: list[str]) -> dict[str, Ar
             press = max(own, key=lambda press: press.strength)
             first, second = press.bodies
             if (other := second if first == body else first) >= 0:
-                speeds = _slip((R_WF, p_WF), _track(poses, other), np.asarray(press.point), normal)
-                found["slip"][f], found["slip_peak"][f] = speeds.mean(), speeds.max()
+                ways = _slip((R_WF, p_WF), _track(poses, other), np.asarray(press.point), normal)
+                found["slip"][f] = ways.sum() * RATE / n
+                found["slip_peak"][f] = (ways / np.diff(ends)).max() * RATE
     return found
 
 
@@ -85,7 +90,7 @@ def _normal(presses: list[Press], axis: Array) -> Array:
 
 
 def _slip(finger: Track, thing: Track, point: Array, normal: Array) -> Array:
-    """(n,) [m/s] at which a body's point under the pad moves past the pad.
+    """(n,) [m] by which a body's point under the pad moves past the pad, from pose to pose.
 
     Args:
         point: where the pad is touched after the last step, world.
@@ -99,7 +104,7 @@ def _slip(finger: Track, thing: Track, point: Array, normal: Array) -> Array:
     was = np.einsum("tij,tj->ti", R_O[:-1], own) + p_O[:-1]
     way = at - np.einsum("tji,tj->ti", R_F[:-1], was - p_F[:-1])
     n = R_F[-1].T @ normal
-    return np.linalg.norm(way - np.outer(way @ n, n), axis=1) * RATE
+    return np.linalg.norm(way - np.outer(way @ n, n), axis=1)
 
 
 def _track(packed: NDArray[np.float32], body: int) -> Track:

@@ -1,6 +1,6 @@
 """Which objects and surfaces press on each other, by the names that tasks use."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +27,8 @@ class Contacts:
         self._touches: dict[tuple[str, str], Touch | None] = {}
         # Keyed by the component itself: held here, it is the same object in every contact.
         table = world.room.table.find_component_by_type(physx.PhysxRigidStaticComponent)
-        assert table is not None
-        self._owner: dict[object, str] = {table: "table"}
+        assert isinstance(table, physx.PhysxRigidStaticComponent)
+        self._owner: dict[physx.PhysxRigidBaseComponent, str] = {table: "table"}
         owners = world.robot.link_owner()
         for link in world.robot.articulation.links:
             self._owner[link] = owners[link.name]
@@ -54,7 +54,12 @@ class Contacts:
         self._refresh()
         return self._near
 
-    def owner(self, body: object) -> str | None:
+    @property
+    def bodies(self) -> Iterable[physx.PhysxRigidBaseComponent]:
+        """All bodies of objects, hands and surfaces; each is the same object in every contact."""
+        return self._owner.keys()
+
+    def owner(self, body: physx.PhysxRigidBaseComponent) -> str | None:
         """What tasks call the object or surface that a body belongs to; None: nothing of theirs."""
         return self._owner.get(body)
 

@@ -19,6 +19,7 @@ import sapien
 from numpy.typing import NDArray
 
 from rtphys.core.errors import BadValue, NoRenderer
+from rtphys.setting.senses import DEPTH_STEPS
 from rtphys.sim.shader import ShaderMismatch, cache_folder, sensing_pack, slim_pack
 
 SHADERS = ("slim", "default", "minimal", "rt")
@@ -26,6 +27,7 @@ SENSING = ("slim", "default")  # those that also give depth and ids
 Picture = NDArray[np.uint8]  # (H, W, 3) RGB
 
 # What SAPIEN raises for a missing device or a shader that it cannot use.
+DEPTH_SCALE = np.float32(DEPTH_STEPS * 1000)  # steps of a metre
 _DRAW_ERRORS = (RuntimeError, IndexError)
 
 _configured: list[str] = []  # SAPIEN's renderer settings are global to the process
@@ -206,6 +208,7 @@ def sensed(camera: sapien.render.RenderCameraComponent) -> Sensed:
     deep = camera.get_picture("GbufferDepth")
     # The inverse of Vulkan's projection of the range near .. far to 0 .. 1.
     depth = np.float32(near) / (np.float32(1) - deep * np.float32(1 - near / far))
+    depth = np.rint(depth * DEPTH_SCALE) / DEPTH_SCALE
     depth[deep == 1] = 0
     ids = camera.get_picture("Segmentation")
     return Sensed(depth, np.array(ids[..., 0]), np.array(ids[..., 1]))

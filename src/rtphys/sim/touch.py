@@ -1,4 +1,4 @@
-"""Records what the fingers feel: forces and poses at every step, contacts at every frame.
+"""Records what the fingers feel: forces at every step, poses more rarely, contacts at every frame.
 
 PhysX tells the normal impulse of a contact, never its friction. So a finger's force is what its
 joint transmits (force, then torque, in the joint's own frame), which is what a sensor in the
@@ -21,6 +21,7 @@ from rtphys.sim.engine import from_sapien
 from rtphys.sim.world import World
 
 HANDS = frozenset(("left_gripper", "right_gripper"))
+POSE_STEPS = 5  # from one pose to the next, a third of a frame: at each step they double the cost
 
 
 class Press(NamedTuple):
@@ -38,7 +39,7 @@ class TouchRow:
     """One frame: the n steps that ended in it, as the simulator reports them."""
 
     wrenches: list[NDArray[np.float32]]  # n of (L, 6): force [N], torque [N m] on each link
-    packed: list[bytes]  # n + 1 of `scene.pack_poses()`, from the frame before on
+    packed: list[bytes]  # `scene.pack_poses()` before the first step, every POSE_STEPS, at the end
     presses: tuple[Press, ...]  # at the frame
 
 
@@ -58,36 +59,41 @@ class TouchRecorder:
     """Called after every step, and at every frame."""
 
     def __init__(self, world: World, contacts: Contacts, friction: float) -> None:
-        self._world, self._contacts = world, contacts
+        self._contacts = contacts
         self._articulation = world.robot.articulation
         fingers = [link for arm in world.robot.arms for link in arm.finger_links]
         names = [link.name for link in self._articulation.links]
-        ids = [entity.per_scene_id for entity in world.scene.entities]
-        self._rows = {scene_id: row for row, scene_id in enumerate(ids)}
+        rows = {entity.per_scene_id: row for row, entity in enumerate(world.scene.entities)}
+        # Looked up by the body itself: asking a contact for entities and ids costs 2 us.
+        self._rows = {body: rows.get(body.entity.per_scene_id, -1) for body in contacts.bodies}
         joints = [link.joint.pose_in_child for link in fingers]
         self.track = TouchTrack(
             tuple(link.name for link in fingers),
             tuple(names.index(link.name) for link in fingers),
-            tuple(self._rows[link.entity.per_scene_id] for link in fingers),
+            tuple(self._rows[link] for link in fingers),
             friction,
             np.array([quat_to_matrix(from_sapien(pose).q) for pose in joints]),
         )
         self._wrenches: list[NDArray[np.float32]] = []
-        self._packed = [world.scene.pack_poses()]
+        self._pack = world.scene.pack_poses
+        self._packed = [self._pack()]
 
     def step(self) -> None:
         """After a physics step."""
         self._wrenches.append(self._articulation.link_incoming_joint_forces)
-        self._packed.append(self._world.scene.pack_poses())
+        if len(self._wrenches) % POSE_STEPS == 0:
+            self._packed.append(self._pack())
 
     def frame(self) -> None:
         """Keeps the steps since the last frame, and what presses now. Begins the next frame."""
         self.track.rows.append(self.peek())
-        self._wrenches, self._packed = [], self._packed[-1:]
+        self._wrenches, self._packed = [], self.track.rows[-1].packed[-1:]
 
     def peek(self) -> TouchRow:
         """The frame that has begun, as if it ended now."""
-        return TouchRow(self._wrenches[:], self._packed[:], tuple(self._presses()))
+        since = len(self._wrenches) % POSE_STEPS
+        packed = [*self._packed, self._pack()] if since else self._packed[:]
+        return TouchRow(self._wrenches[:], packed, tuple(self._presses()))
 
     def last(self) -> TouchRow:
         """The frame that has begun, or the one before if no step was made since."""
@@ -112,8 +118,7 @@ class TouchRecorder:
         first, second = contact.bodies
         if self._contacts.owner(first) != names[0]:
             first, second = second, first
-        rows = self._rows
-        return rows.get(first.entity.per_scene_id, -1), rows.get(second.entity.per_scene_id, -1)
+        return self._rows[first], self._rows[second]
 
 
 def _press(
