@@ -33,8 +33,13 @@ def blocks(page: Path, *languages: str) -> Iterator[str]:
 
 
 def commands(page: Path) -> Iterator[list[str]]:
-    """Command lines of rtphys in the blocks of a page, as words; comments left out."""
-    for text in blocks(page, "sh", "bash"):
+    """Command lines of rtphys on a page, as words; comments left out.
+
+    In fenced and in indented blocks, and in tables, which name commands too.
+    """
+    whole = page.read_text()
+    indented = "\n".join(re.findall(r"^(?: {4}|\| `)(rtphys [^`\n]+)", whole, re.MULTILINE))
+    for text in (*blocks(page, "sh", "bash"), indented):
         for line in text.replace("\\\n", " ").splitlines():
             line = re.sub(r"\$\w+", "1", line)
             for part in re.split(r"&&|;|\|", line):

@@ -208,7 +208,7 @@ def sensed(camera: sapien.render.RenderCameraComponent) -> Sensed:
     deep = camera.get_picture("GbufferDepth")
     # The inverse of Vulkan's projection of the range near .. far to 0 .. 1.
     depth = np.float32(near) / (np.float32(1) - deep * np.float32(1 - near / far))
-    depth = np.rint(depth * DEPTH_SCALE) / DEPTH_SCALE
+    depth = (np.rint(depth * DEPTH_SCALE) / DEPTH_SCALE).astype(np.float32, copy=False)
     depth[deep == 1] = 0
     ids = camera.get_picture("Segmentation")
     return Sensed(depth, np.array(ids[..., 0]), np.array(ids[..., 1]))
