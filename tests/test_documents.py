@@ -140,20 +140,20 @@ def test_commands_do_what_they_say(tmp_path: Path) -> None:
     """What needs no policy and no dataset of one's own, with as few episodes as there can be."""
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
-    failed, done = [], 0
+    failed, done = [], set()
     for page in PAGES:
         for words in commands(page):
             line = shlex.join(words)
-            if page.name != "extend.md" and not line.startswith(FAST):
+            if line in done or (page.name != "extend.md" and not line.startswith(FAST)):
                 continue
+            done.add(line)
             for pattern, fewer in SMALLER:
                 line = re.sub(pattern, fewer, line)
             command = [sys.executable, "-m", "rtphys.cli.main", *shlex.split(line)]
             run = subprocess.run(
                 command, cwd=tmp_path, env=environment, capture_output=True, text=True
             )
-            done += 1
             if run.returncode:
                 failed.append(f"{page.name}: {line}: {run.stderr[-500:]}")
     assert not failed
-    assert done >= 8
+    assert len(done) >= 8
