@@ -17,10 +17,10 @@ class OneHand:
     """The right hand touches the clock at a point; the left touches nothing."""
 
     def __init__(
-        self, point: tuple[float, ...], opening: float, pitch: float, height: float
+        self, point: tuple[float, ...], opening: float, pitch: float, tcp: tuple[float, float]
     ) -> None:
         self._point, self._opening = np.array([point]), opening
-        above = BUTTON.p + np.array([0.0, 0.0, height])
+        above = BUTTON.p + np.array([tcp[0], 0.0, tcp[1]])
         self._tcp = Pose(above, axis_angle((0, 1, 0), pitch))  # pi/2 points +x down
         self._seen = False
 
@@ -42,20 +42,26 @@ class OneHand:
 
 
 @pytest.mark.parametrize(
-    ("point", "opening", "pitch", "height", "counts"),
+    ("point", "opening", "pitch", "tcp", "counts"),
     [
-        ((0.12, -0.1, 0.91), 0.05, pi / 2, 0.04, True),
-        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.49, 0.04, True),
-        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.51, 0.04, False),  # leans too far
-        ((0.12, -0.1, 0.91), 0.05, 0.0, 0.04, False),  # from the side
-        ((0.12, -0.1, 0.91), 0.05, -pi / 2, 0.04, False),  # from below
-        ((0.12, -0.1, 0.91), 0.15, pi / 2, 0.04, False),  # open
-        ((0.14, -0.1, 0.91), 0.05, pi / 2, 0.04, False),  # beside the button
-        ((0.12, -0.1, 0.91), 0.05, pi / 2, 0.01, False),  # it scrapes past, beside the clock
+        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.0, 0.04), True),
+        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.49, (0.0, 0.04), True),
+        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.51, (0.0, 0.04), False),  # leans too far
+        ((0.12, -0.1, 0.91), 0.05, 0.0, (0.0, 0.04), False),  # from the side
+        ((0.12, -0.1, 0.91), 0.05, -pi / 2, (0.0, 0.04), False),  # from below
+        ((0.12, -0.1, 0.91), 0.15, pi / 2, (0.0, 0.04), False),  # open
+        ((0.14, -0.1, 0.91), 0.05, pi / 2, (0.0, 0.04), False),  # beside the button
+        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.0, 0.01), False),  # it scrapes past, beside the clock
+        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.014, 0.04), True),
+        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.016, 0.04), False),  # not over the button
     ],
 )
 def test_a_press_is_near_closed_and_from_above(
-    point: tuple[float, ...], opening: float, pitch: float, height: float, counts: bool
+    point: tuple[float, ...],
+    opening: float,
+    pitch: float,
+    tcp: tuple[float, float],
+    counts: bool,
 ) -> None:
     condition = pressed("clock", 0, (0.03, 0.03, 0.03))
-    assert condition.holds(cast(Scene, OneHand(point, opening, pitch, height))) is counts
+    assert condition.holds(cast(Scene, OneHand(point, opening, pitch, tcp))) is counts
