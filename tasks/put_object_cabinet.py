@@ -45,7 +45,8 @@ INTO = Placing(pre=0.11, gap=0.0, along="point")
 BEHIND, DROP = 0.015, 0.06  # [m] from the drawer's point: the hand stays over the drawer's front
 APPROACH, LIFT = 0.05, 0.15  # [m] before the handle; of the object over the drawer's front
 RETREAT, DROPPED = 0.1, 0.08  # [m] up from the handle; up from the object in the drawer
-FLOOR, HEIGHT = 0.05, (-0.005, 0.11)  # [m] of the object from the drawer's point: x, y; z
+# [m] from the drawer's point to its side walls; to its front and back; to its floor and edge
+WALLS, ENDS, HEIGHT = 0.095, (-0.065, 0.11), (-0.005, 0.11)
 
 
 def layout(draw: Draw):
@@ -62,9 +63,10 @@ def layout(draw: Draw):
 
 
 def in_drawer(scene: Scene) -> bool:
-    """The object is over the drawer's floor and no higher than its front."""
+    """The object is between the drawer's walls and no higher than its front."""
     x, y, z = scene.pose("object").p - scene.functional("cabinet").p
-    return bool(max(abs(x), abs(y)) < FLOOR and HEIGHT[0] < z < HEIGHT[1])
+    between = abs(x) < WALLS and ENDS[0] < y < ENDS[1]
+    return bool(between and HEIGHT[0] < z < HEIGHT[1])
 
 
 def inside(scene: Scene, distance: float, tilt: float) -> Pose:
