@@ -31,7 +31,8 @@ from rtphys.task import (
 )
 
 ASIDE, REACH, LEVEL = 0.18, 0.2, 0.035  # [m] from the pot: aimed at, farthest, and in y
-APPROACH, RETREAT = 0.05, 0.06  # [m] straight on to the can; off it
+APPROACH = 0.05  # [m] straight on to the can
+RETREATS = (0.06, 0.04, 0.025)  # [m] off it, as far as the arm folds; else up
 UP, BACK = 0.1, 0.1  # [m] the way of the lift: up, and towards the robot
 UPRIGHT = 0.26  # [rad] that the can may lean
 POT = (0.0, 0.0, 0.0, 1.0)
@@ -59,7 +60,8 @@ def script(robot: Robot) -> None:
     robot.do(arm.grasp("can", pre=APPROACH, aim=Aim(beside, None, BESIDE)))
     robot.do(arm.shift(y=-BACK, z=UP))
     robot.do(arm.place("can", beside, how=BESIDE))
-    robot.do(arm.retreat(RETREAT))
+    if robot.first_feasible(RETREATS, lambda way: robot.do(arm.retreat(way))) is None:
+        robot.do(arm.shift(z=UP))
 
 
 def success(props: list[Prop]) -> Condition:

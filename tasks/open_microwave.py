@@ -1,6 +1,7 @@
 """Pull the door of a microwave open by its bar.
 
-Success: the hinge is past 60 % of its range, and the left hand is the one at the door.
+Success: the hinge is past 60 % of its range while the left hand presses on the bar. Upstream asks
+for the hinge alone; with a hand that was only near, jitter opened one door of 20 in six minutes.
 """
 
 import numpy as np
@@ -17,6 +18,7 @@ from rtphys.task import (
     Task,
     axis_angle,
     condition,
+    in_hand,
     joint_beyond,
     quat_multiply,
 )
@@ -27,7 +29,7 @@ DOOR = "link_1"
 STEEP, LEVEL = 0, 3  # contact points on the bar
 APPROACH = 0.08  # [m] straight on to the bar
 ENOUGH, DONE = 0.72, 0.64  # shares of the range: to which the hand goes, and that are enough
-AT_DOOR = 0.1  # [m] from the TCP to the bar, at most
+AT_BAR = 0.06  # [m] from the TCP to the bar, at most; the expert's is up to 4 cm
 PULL = 6.0  # [N] on the bar that the hinge's damping may cost
 DAMPING = 0.1  # [N m s/rad] taken for the hinge's where physics does not vary it
 LEAST_TIME = 2.5  # [s] of the pull
@@ -45,9 +47,10 @@ def layout(draw: Draw):
     )  # fmt: skip
 
 
-def hand_at_door(scene: Scene) -> bool:
+def hand_at_bar(scene: Scene) -> bool:
     bar = scene.contact("microwave", LEVEL).p
-    return bool(np.linalg.norm(scene.tcp("left").p - bar) < AT_DOOR)
+    near = np.linalg.norm(scene.tcp("left").p - bar) < AT_BAR
+    return bool(near) and in_hand(scene, "microwave", "left")
 
 
 def arc(scene: Scene, hand: Pose, follow: float) -> list[Pose]:
@@ -86,7 +89,7 @@ task = Task(
     layout=layout,
     script=script,
     success=joint_beyond("microwave", 0.6)
-    & condition("the left hand is at the door", hand_at_door),
+    & condition("the left hand presses on the bar", hand_at_bar),
     step_limit=1500,
     mechanism="articulated: open",
     info={"A": "microwave", "a": "left"},
