@@ -9,6 +9,9 @@ from sapien import physx
 from rtphys.core.poses import Array
 from rtphys.sim.world import World
 
+# [m] A step stops a body before it closes a gap: 4 mm are 1 m/s. The most seen is 0.2 mm.
+REACH = 0.004
+
 
 @dataclass(frozen=True, eq=False)
 class Touch:
@@ -47,7 +50,7 @@ class Contacts:
 
     def pressing(self, a: str, b: str) -> bool:
         """Whether `between` has anything to tell; cheaper, for it stops at the first point."""
-        return any(_presses(point) for c in self._of(a, b)[1] for point in c.points)
+        return any(presses(point) for c in self._of(a, b)[1] for point in c.points)
 
     def near(self) -> Mapping[tuple[str, str], Sequence[physx.PhysxContact]]:
         """All contacts of the step by the sorted names of the two, also those without impulse."""
@@ -83,15 +86,15 @@ class Contacts:
         return by_pair
 
 
-def _presses(point: physx.PhysxContactPoint) -> bool:
-    # A pair is listed as soon as it is within the contact offset; only an impulse says
-    # that the two press on each other.
-    return any(point.impulse.tolist())
+def presses(point: physx.PhysxContactPoint) -> bool:
+    """Whether an impulse acts at the point: a pair is listed as soon as it is within the offset."""
+    # The gap is a plain number, the impulse a new array: two of three points end at the first.
+    return point.separation < REACH and any(point.impulse.tolist())
 
 
 def _touch(contacts: list[physx.PhysxContact]) -> Touch | None:
     """Those points of these contacts that press; None where none does."""
-    points = [p for contact in contacts for p in contact.points if _presses(p)]
+    points = [p for contact in contacts for p in contact.points if presses(p)]
     if not points:
         return None
     strength = sum(float(np.linalg.norm(p.impulse)) for p in points)

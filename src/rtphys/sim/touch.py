@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from sapien import physx
 
 from rtphys.core.poses import Array, quat_to_matrix
-from rtphys.sim.contacts import Contacts
+from rtphys.sim.contacts import Contacts, presses
 from rtphys.sim.engine import from_sapien
 from rtphys.sim.world import World
 
@@ -106,9 +106,9 @@ class TouchRecorder:
             points: dict[tuple[int, int], list[tuple[float, ...]]] = {}
             for contact in contacts:
                 found = [
-                    (*impulse, *point.position.tolist())
+                    (*point.impulse.tolist(), *point.position.tolist())
                     for point in contact.points
-                    if any(impulse := point.impulse.tolist())
+                    if presses(point)
                 ]
                 if found:
                     points.setdefault(self._bodies_of(contact, names), []).extend(found)

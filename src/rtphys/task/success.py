@@ -183,7 +183,7 @@ def parallel(prop: str, axis: int, to: Vector, within: float) -> Condition:
     def holds(scene: Scene) -> bool:
         return bool(abs(scene.pose(prop).R[:, axis] @ line) > np.cos(within))
 
-    return Condition(f"{prop} along {tuple(np.round(line, 2))} within {within:.2f} rad", holds)
+    return Condition(f"{prop} along {tuple(np.round(line, 2).tolist())} within {within:.2f} rad", holds)
 
 
 def turned_to(prop: str, q: Vector, within: float) -> Condition:
@@ -194,20 +194,20 @@ def turned_to(prop: str, q: Vector, within: float) -> Condition:
         cosine = min(1.0, abs(float(scene.pose(prop).q @ goal)))
         return 2 * float(np.arccos(cosine)) < within
 
-    return Condition(f"{prop} turned to {tuple(np.round(goal, 3))}", holds)
+    return Condition(f"{prop} turned to {tuple(np.round(goal, 3).tolist())}", holds)
 
 
 OFF = 0.03  # [m] of the TCP from what is pressed, outward, at least; the expert's is 3.4 to 6.5 cm
-ASIDE = 0.015  # [m] of the TCP from the line outward, at most; the expert's is up to 5 mm
+ASIDE = 0.01  # [m] of the pressed point from the hand's axis, at most; the expert's is 0.4 mm
 
 
 def pressed(
-    prop: str, contact: int, within: Vector, closed_below: float = 0.1, tilted_below: float = 0.5
+    prop: str, contact: int, within: Vector, closed_below: float = 0.1, tilted_below: float = 0.55
 ) -> Condition:
     """A closed hand that points at a contact point, against its +y, touched the prop there, once.
 
-    A hand whose TCP is not OFF the point, or is ASIDE, passes by and meets the prop with its side:
-    of 140 clocks, random motion brushed one so.
+    A hand whose TCP is not OFF the point, or whose axis passes ASIDE of it, meets the prop with its
+    side: of 140 clocks, random motion brushed one so.
 
     Args:
         within: (dx, dy, dz) [m] between a measured contact and the declared point.
@@ -223,7 +223,7 @@ def pressed(
         outward = point.R[:, 1]
         straight = -(tcp.R[:, 0] @ outward) >= np.cos(tilted_below)
         off = (tcp.p - point.p) @ outward
-        aside = np.linalg.norm(tcp.p - point.p - off * outward)
+        aside = np.linalg.norm(np.cross(tcp.p - point.p, tcp.R[:, 0]))
         return bool(straight and off > OFF and aside < ASIDE)
 
     def holds(scene: Scene) -> bool:
