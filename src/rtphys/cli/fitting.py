@@ -1,14 +1,16 @@
 """Tables for any width: long cells wrap, where rich would cut them off with dots."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
+from rich.cells import cell_len
 from rich.console import JustifyMethod
-from rich.table import Table
+from rich.table import Column, Table
 
 from rtphys.cli.screen import Screen
 
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
+GAP = 2  # [characters] between two columns
 NARROWEST = 8  # [characters] of a column that wraps, before names wrap too
 
 
@@ -23,7 +25,9 @@ def fitting_table(
     Args:
         justify: the side on which `columns` are flush; "right" for plain numbers.
     """
-    table = Table(title=title, box=None, pad_edge=False, padding=(0, 2, 0, 0), title_justify="left")
+    table = Table(
+        title=title, box=None, pad_edge=False, padding=(0, GAP, 0, 0), title_justify="left"
+    )
     for name in names:
         table.add_column(name, no_wrap=True)
     for column in columns:
@@ -43,8 +47,29 @@ def print_table(table: Table) -> None:
 def print_within(screen: Screen, table: Table) -> None:
     """Prints a table in a screen's width. Where the names alone would fill it, they wrap too."""
     kept = [column for column in table.columns if column.no_wrap]
-    widths = [max(len(str(cell)) for cell in (c.header, *c.cells)) + 2 for c in kept]
-    if sum(widths) + NARROWEST * (len(table.columns) - len(kept)) > screen.width:
+    others = [column for column in table.columns if not column.no_wrap]
+    room = screen.width - sum(_widest(column, str.splitlines) + GAP for column in kept)
+    if room < NARROWEST * len(others):
         for column in kept:
             column.no_wrap, column.overflow = False, "fold"
+    else:
+        _keep_words(others, room - GAP * len(others))
     screen.print(table)
+
+
+def _keep_words(columns: Sequence[Column], room: int) -> None:
+    """Sets widths at which no word is broken, if there are any. rich would shrink all alike."""
+    words = [_widest(column, str.split) for column in columns]
+    widths = [_widest(column, str.splitlines) for column in columns]
+    if sum(words) > room:
+        return
+    while sum(widths) > room:
+        spare = [width - word for width, word in zip(widths, words, strict=True)]
+        widths[max(range(len(widths)), key=lambda i: (spare[i] > 0, widths[i]))] -= 1
+    for column, width in zip(columns, widths, strict=True):
+        column.width = width
+
+
+def _widest(column: Column, parts: Callable[[str], list[str]]) -> int:
+    cells = [str(cell) for cell in (column.header, *column.cells)]
+    return max(cell_len(part) for cell in cells for part in parts(cell) or [""])

@@ -54,7 +54,13 @@ def sample(
         rows = [{"seed": s, "domain": domain.name, **p.to_json()} for s, p in drawn.items()]
         typer.echo(json.dumps(rows, ensure_ascii=False))
     else:
-        print_table(_table(domain.name, drawn))
+        seeds = list(drawn)
+        for start in range(0, len(seeds), SEEDS):
+            part = seeds[start : start + SEEDS]
+            print_table(_table(domain.name, {s: drawn[s] for s in part}))
+
+
+SEEDS = 4  # in one table: more numbers than that do not fit in 80 columns
 
 
 @app.command()

@@ -35,4 +35,4 @@ def _look(rules: VisualRules | None) -> str:
     rules_text = [
         key if value is True else f"{key} {value:g}" for key, value in varied.items() if value
     ]
-    return ", ".join(rules_text) or "as in clean"
+    return ", ".join(rules_text).replace("_", " ") or "as in clean"

@@ -183,7 +183,9 @@ def parallel(prop: str, axis: int, to: Vector, within: float) -> Condition:
     def holds(scene: Scene) -> bool:
         return bool(abs(scene.pose(prop).R[:, axis] @ line) > np.cos(within))
 
-    return Condition(f"{prop} along {tuple(np.round(line, 2).tolist())} within {within:.2f} rad", holds)
+    return Condition(
+        f"{prop} along {tuple(np.round(line, 2).tolist())} within {within:.2f} rad", holds
+    )
 
 
 def turned_to(prop: str, q: Vector, within: float) -> Condition:
