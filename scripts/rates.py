@@ -1,8 +1,8 @@
 """Update measured success rates in manifests/rates.yaml: `scripts/rates.py SOURCE...`.
 
 A source is a folder of `rtphys certify`, or a file of `rtphys check --json`. Several sources of one
-task and protocol are added up, so they must be of different seeds. A new measurement replaces that
-in the file if it is of at least as many seeds.
+task and protocol are added up, so they must be of different seeds. What a list says replaces what
+the file has; a check does so if it is of at least as many seeds.
 """
 
 import json
@@ -54,12 +54,15 @@ def text(known: dict[str, dict[str, Rate]]) -> str:
 def main(sources: list[str]) -> int:
     """Update the file."""
     known, new = rates(), dict[tuple[str, str], Rate]()
-    for source in sources:
-        for task, protocol, rate in measured(Path(source)):
+    listed = set[tuple[str, str]]()
+    for source in map(Path, sources):
+        for task, protocol, rate in measured(source):
             new[task, protocol] = new.get((task, protocol), Rate(0, 0)) + rate
+            if source.is_dir():
+                listed.add((task, protocol))
     for (task, protocol), rate in new.items():
         old = known.setdefault(task, {}).get(protocol)
-        if old is None or rate.seeds >= old.seeds:
+        if old is None or (task, protocol) in listed or rate.seeds >= old.seeds:
             known[task][protocol] = rate
     OUT.write_text(text(known))
     return 0
