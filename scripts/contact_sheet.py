@@ -4,6 +4,7 @@ import sys
 from itertools import count
 from pathlib import Path
 
+import rtphys  # noqa: F401  # isort: skip  (before numpy: it chooses the arithmetic)
 import numpy as np
 from PIL import Image, ImageDraw
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import rtphys  # noqa: F401  # isort: skip  (before numpy: it chooses the arithmetic)
 import cv2
 import numpy as np
 

@@ -70,11 +70,11 @@ def test_an_export_has_as_many_numbers_as_the_robot(tmp_path: Path) -> None:
     dataset = Dataset(tmp_path / "data")
     for version in ("v3.0", "v2.1"):
         root = export_lerobot(dataset, tmp_path / version, version=version)
-        told = info(root)
-        assert told["robot_type"] == MIXED
-        assert told["features"]["action"]["shape"] == [15]
-        assert told["features"]["action"]["names"][6:8] == ["left_gripper", "right_joint_1"]
-        assert told["features"]["observation.effort"]["shape"] == [6 + 7 + 4]
+        stated = info(root)
+        assert stated["robot_type"] == MIXED
+        assert stated["features"]["action"]["shape"] == [15]
+        assert stated["features"]["action"]["names"][6:8] == ["left_gripper", "right_joint_1"]
+        assert stated["features"]["observation.effort"]["shape"] == [6 + 7 + 4]
     modality = json.loads((tmp_path / "v2.1/meta/modality.json").read_text())
     assert modality["action"]["right_arm"] == {"start": 7, "end": 14}
     assert modality["action"]["right_gripper"] == {"start": 14, "end": 15}
@@ -196,8 +196,8 @@ def test_physics_in_each_frame(dataset: Dataset, tmp_path: Path) -> None:
     assert info(root)["features"]["observation.environment_state"]["names"] == names
     assert table["observation.environment_state"] == table["observation.physics"]
     friction = [row[names.index("friction")] for row in table["observation.physics"]]
-    told = [np.float32(episode.physics["friction"]) for episode in dataset]
-    assert friction == [value for value in told for _ in range(R)]
+    stated = [np.float32(episode.physics["friction"]) for episode in dataset]
+    assert friction == [value for value in stated for _ in range(R)]
 
 
 def test_chosen_cameras(dataset: Dataset, tmp_path: Path) -> None:

@@ -116,9 +116,9 @@ def test_a_python_without_lerobot_is_told_before_any_episode(stub: Opener) -> No
 def test_a_damaged_checkpoint_is_told_in_one_line(stub: Opener) -> None:
     with pytest.raises(
         PolicyGone, match="cannot be opened: ValueError: the header of model"
-    ) as told:
+    ) as refused:
         stub("damaged")
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(refused.value)
 
 
 def test_a_checkpoint_of_another_robot(stub: Opener) -> None:

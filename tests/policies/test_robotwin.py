@@ -138,8 +138,8 @@ def test_a_plugin_is_told_how_many_joints_each_arm_has(robotwin_root: Path) -> N
     """
     file = write_stub(robotwin_root, "StubTold", source)
     setup = PolicySetup("click_bell", embodiment="piper,franka-panda,0.7", arm_joints=(6, 7))
-    told = model_of(file, setup)
-    assert (told["left_arm_dim"], told["right_arm_dim"]) == (6, 7)
+    given = model_of(file, setup)
+    assert (given["left_arm_dim"], given["right_arm_dim"]) == (6, 7)
 
 
 def test_the_observation_to_the_letter(new_episode: Episodes) -> None:

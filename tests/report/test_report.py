@@ -58,8 +58,8 @@ def test_failures_that_were_kept(tmp_path: Path) -> None:
     assert (first["frame"], first["when"], first["stage"]) == (2, 0.12, "press")
     assert len(first["around"]) == 3 and len({*first["around"]}) > 1, "the bell moves"
     assert second["video"].startswith("data:video/mp4;base64,")
-    told = data(out)["leaves"][0]["rejections"]
-    assert told == {"slipped": 2} and len(data(out)["episodes"]) == 5
+    counted = data(out)["leaves"][0]["rejections"]
+    assert counted == {"slipped": 2} and len(data(out)["episodes"]) == 5
 
 
 def test_page_needs_nothing_else(page: Path) -> None:

@@ -22,6 +22,7 @@ EXTRAS = {
     "ray": "ray",
     "sklearn": "identify",
 }
+OF_LIBRARIES = ("task", "task or domain", "domain", "protocol", "embodiment", "attribute")
 RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
 INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
@@ -42,18 +43,21 @@ class LazyGroup(TyperGroup):
         return name, command, rest
 
     def parse_args(self, ctx, args):
-        with _told():  # --help and --version write before any command runs
+        with _spoken():  # --help and --version write before any command runs
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx):
         if ctx.params.get("debug"):
             return super().invoke(ctx)
         try:
-            with _told():
+            with _spoken():
                 return super().invoke(ctx)
         except RtphysError as error:
             running = _parameters(*ctx.meta.get(RUNNING, (None, ())))
-            _stop(with_flags(error, _flags([*self.params, *running])), error.exit_code)
+            text = with_flags(error, _flags([*self.params, *running]))
+            if not ctx.params.get("library") and getattr(error, "kind", "") in OF_LIBRARIES:
+                text += "; --library DIR, before the command's name, adds yours"
+            _stop(text, error.exit_code)
         except KeyboardInterrupt:
             _stop("stopped", INTERRUPTED)
         except ImportError as error:
@@ -66,7 +70,7 @@ class LazyGroup(TyperGroup):
 
 
 @contextmanager
-def _told() -> Iterator[None]:
+def _spoken() -> Iterator[None]:
     """Turns what the operating system refuses into a line and an exit code."""
     try:
         yield
