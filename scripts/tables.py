@@ -22,6 +22,11 @@ from rtphys.task.spec import load_task
 BASELINES = ("replay", "twin")  # columns of a certified list
 BENCHMARKED = ("clean", "official_random", "phys_random", "phys_random_all")
 PROTOCOLS = ("clean", "phys_random")  # of the success rates shown
+BLIND = {
+    "idle": "keeps its posture",
+    "random": "moves both arms and grippers slowly at random",
+    "jitter": "commands the present posture plus noise of 0.1 rad, grippers too",
+}
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 DOCUMENTS = (
@@ -152,6 +157,22 @@ def baselines() -> str:
     return _table(("protocol", "tasks", "feasible of tried", *BASELINES), rows)
 
 
+def blind() -> str:
+    """Table of the policies that see nothing: successes of trials under each protocol."""
+    trials = json.loads((DOCS / "blind.json").read_text())["trials"]
+    protocols = list(next(iter(trials.values())))
+    rows = [
+        (f"`{policy}`", BLIND[policy], *(_solved(by_protocol[name]) for name in protocols))
+        for policy, by_protocol in trials.items()
+    ]
+    return _table(("policy", "what it does", *(f"`{name}`" for name in protocols)), rows)
+
+
+def _solved(of: dict[str, list[int]]) -> str:
+    """Successes and trials of all tasks, of which each has successes and trials."""
+    return "{} of {}, {} tasks".format(*map(sum, zip(*of.values(), strict=True)), len(of))
+
+
 def _certified() -> dict[str, dict[str, InstanceList]]:
     """Certified lists by protocol and task."""
     lists: dict[str, dict[str, InstanceList]] = {}
@@ -194,6 +215,7 @@ TABLES = {
     "slip": slip,
     "benchmark": benchmark,
     "baselines": baselines,
+    "blind": blind,
 }
 
 
