@@ -107,8 +107,8 @@ def check(name: str, protocol: str, pack: Pack, count: int) -> None:
         audit = audit_episode(stored(instance), pack, PATH)
         assert not unsound(audit)
         assert audit.sound
-        told = {finding.key for finding in audit.findings}
-        assert told == attributes().keys(), "whatever cannot be measured is told"
+        reported = {finding.key for finding in audit.findings}
+        assert reported == attributes().keys(), "whatever cannot be measured is told"
         named = {surface.name for surface in instance.world.surfaces}
         for key in ("friction", "restitution"):
             hit = [f for f in audit.findings if f.key == key and isinstance(f, Measurement)]
