@@ -1,6 +1,6 @@
 """What counts as a press: near the point, closed, and from above."""
 
-from math import pi
+from math import pi, tan
 from typing import cast
 
 import numpy as np
@@ -41,19 +41,25 @@ class OneHand:
         return self._seen
 
 
+def leaning(angle: float, height: float = 0.04) -> tuple[float, float]:
+    """Where the TCP of a hand that leans by an angle [rad] points at the button."""
+    return (-height * tan(angle), height)
+
+
 @pytest.mark.parametrize(
     ("point", "opening", "pitch", "tcp", "counts"),
     [
         ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.0, 0.04), True),
-        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.49, (0.0, 0.04), True),
-        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.51, (0.0, 0.04), False),  # leans too far
+        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.54, leaning(0.54), True),
+        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.56, leaning(0.56), False),  # leans too far
+        ((0.12, -0.1, 0.91), 0.05, pi / 2 - 0.54, (0.0, 0.04), False),  # leans, and points past it
         ((0.12, -0.1, 0.91), 0.05, 0.0, (0.0, 0.04), False),  # from the side
         ((0.12, -0.1, 0.91), 0.05, -pi / 2, (0.0, 0.04), False),  # from below
         ((0.12, -0.1, 0.91), 0.15, pi / 2, (0.0, 0.04), False),  # open
         ((0.14, -0.1, 0.91), 0.05, pi / 2, (0.0, 0.04), False),  # beside the button
         ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.0, 0.01), False),  # it scrapes past, beside the clock
-        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.014, 0.04), True),
-        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.016, 0.04), False),  # not over the button
+        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.009, 0.04), True),
+        ((0.12, -0.1, 0.91), 0.05, pi / 2, (0.011, 0.04), False),  # not over the button
     ],
 )
 def test_a_press_is_near_closed_and_from_above(
