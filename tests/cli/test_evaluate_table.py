@@ -2,15 +2,18 @@
 
 from collections.abc import Callable
 from io import StringIO
+from pathlib import Path
 
 import pytest
 from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from rtphys.cli.evaluate_tables import attributes_table, pairs_table, rates_table
+from rtphys.cli.evaluate_tables import attributes_table, first_error, pairs_table, rates_table
 from rtphys.results.breaks import Break
+from rtphys.results.folder import Results, record_file
 from rtphys.results.logistic import Curve
+from rtphys.results.record import EpisodeRecord
 from rtphys.results.statistics import Paired
 from rtphys.results.summary import Counts, PairSummary, ProtocolSummary, Summary, TaskSummary
 
@@ -72,3 +75,18 @@ def test_nothing_is_cut_off(
 ) -> None:
     told = ["".join("".join(column).split()) for column in zip(*rows, strict=True)]
     assert cells(draw(SUMMARY), width) == told
+
+
+def test_the_first_error_of_a_policy_is_said_in_one_line(tmp_path: Path) -> None:
+    trace = "Traceback (most recent call last):\n  ...\nValueError: 14 actions, not 16\n"
+    records = [
+        EpisodeRecord(TASK, "clean", 100000, success=True),
+        EpisodeRecord(TASK, "clean", 100001, success=False, reason="policy_error", detail=trace),
+    ]
+    results = Results(tmp_path, {}, {("clean", TASK): records}, {})
+    where = record_file(tmp_path, "clean", TASK)
+    assert first_error(results) == (
+        "policy_error of seed 100001: ValueError: 14 actions, not 16; "
+        f"the traceback is `detail` in {where}"
+    )
+    assert first_error(Results(tmp_path, {}, {("clean", TASK): records[:1]}, {})) == ""

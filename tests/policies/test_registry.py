@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.policies import BUILTIN, PolicySetup, open_policy, parse_spec
+from rtphys.policies import BUILTIN, PolicySetup, files_digest, open_policy, parse_spec
 from rtphys.policies.options import number, only, split
 
 MINE = """
@@ -81,3 +81,20 @@ def test_a_wrong_argument_is_named(spec: str, problem: str) -> None:
 def test_a_missing_dataset_is_named(tmp_path: Path) -> None:
     with pytest.raises(BadFile, match="no such dataset"):
         open_policy(f"replay:{tmp_path / 'none'}")
+
+
+def test_the_digest_follows_the_files_that_a_specification_names(tmp_path: Path) -> None:
+    file, folder = tmp_path / "mine.py", tmp_path / "checkpoint"
+    folder.mkdir()
+    for spec, path in [
+        (f"python:{file}:make", file),
+        (f"robotwin:{file}?ckpt=3", file),
+        (f"lerobot:{folder}?python=/bin/python", folder / "model.safetensors"),
+        (f"replay:{folder}", folder / "manifest.json"),
+    ]:
+        path.write_text("one")
+        before = files_digest(spec)
+        assert before and files_digest(spec) == before
+        path.write_text("two")
+        assert files_digest(spec) not in ("", before)
+    assert files_digest("idle") == files_digest("python:package.module:make") == ""

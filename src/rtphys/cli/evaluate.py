@@ -21,8 +21,9 @@ def evaluate(plan: EvaluatePlan, output: AsJson) -> None:
     """
     plan.check()
     from rtphys.assets.pack import default_pack
-    from rtphys.cli.evaluate_tables import show
+    from rtphys.cli.evaluate_tables import first_error, show
     from rtphys.cli.progress import campaign_progress
+    from rtphys.results import read_results
     from rtphys.studies.evaluate.run import evaluate as run_evaluation
 
     with resumable(), campaign_progress("episodes") as listener:
@@ -31,4 +32,9 @@ def evaluate(plan: EvaluatePlan, output: AsJson) -> None:
         typer.echo(json.dumps(summary.to_json(), indent=2, ensure_ascii=False))
     else:
         show(summary)
-    say(f"records, summary and figures are in {plan.folder}", err=output.as_json)
+    if broken := first_error(read_results(plan.folder)):
+        say(broken, err=True)
+    written = (
+        "records, summary and figures" if any(plan.folder.glob("*.png")) else "records and summary"
+    )
+    say(f"{written} are in {plan.folder}", err=output.as_json)

@@ -3,6 +3,7 @@
 from rich.table import Table
 
 from rtphys.cli.fitting import fitting_table, print_table
+from rtphys.results.folder import Results, record_file
 from rtphys.results.statistics import Rate
 from rtphys.results.summary import Counts, Summary
 
@@ -16,6 +17,22 @@ def show(summary: Summary) -> None:
         print_table(pairs_table(summary))
     if any(summary.breaks.values()):
         print_table(attributes_table(summary))
+
+
+def first_error(results: Results) -> str:
+    """What the policy raised first, in one line, and where to read on; empty if it never did."""
+    broken = [
+        record
+        for records in results.records.values()
+        for record in records
+        if record.reason == "policy_error"
+    ]
+    if not broken:
+        return ""
+    first = broken[0]
+    raised = first.detail.strip().splitlines()[-1]
+    where = record_file(results.path, first.protocol, first.task)
+    return f"policy_error of seed {first.seed}: {raised}; the traceback is `detail` in {where}"
 
 
 def rates_table(summary: Summary) -> Table:

@@ -1,7 +1,7 @@
 """Policies: what decides the actions of an episode."""
 
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup, Stepwise
-from rtphys.policies.registry import BUILTIN, open_policy, parse_spec
+from rtphys.policies.registry import BUILTIN, files_digest, open_policy, parse_spec
 
 __all__ = [
     "BUILTIN",
@@ -10,6 +10,7 @@ __all__ = [
     "PolicyGone",
     "PolicySetup",
     "Stepwise",
+    "files_digest",
     "open_policy",
     "parse_spec",
 ]

@@ -1,9 +1,12 @@
 """Policies by specification, `NAME` or `NAME:ARGUMENT`; imported only when opened."""
 
+import hashlib
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 
 from rtphys.core.errors import RtphysError, UnknownName
+from rtphys.data.files import facts_of
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
 
 Opener = Callable[[str, PolicySetup], Policy]
@@ -34,6 +37,27 @@ def parse_spec(spec: str) -> tuple[str, str]:
     if name not in BUILTIN:
         raise UnknownName("policy", name, BUILTIN)
     return name, argument
+
+
+def files_digest(spec: str) -> str:
+    """SHA-256 over the local files that a specification names; empty if it names none.
+
+    A file stands for itself, a folder for its JSON and weights (`*.safetensors`): so a dataset, or
+    a LeRobot checkpoint. What a Python file imports is not followed.
+
+    Raises:
+        UnknownName: no such policy.
+        OSError: a file cannot be read.
+    """
+    argument = parse_spec(spec)[1].partition("?")[0]
+    path = Path(argument)
+    if not path.exists():  # `python:FILE:NAME`
+        path = Path(argument.rpartition(":")[0])
+    found = [path] if path.is_file() else []
+    if argument and path.is_dir() and path != Path():
+        found = sorted([*path.glob("*.json"), *path.glob("*.safetensors")])
+    digests = [f"{file.name} {facts_of(file.resolve()).sha256}" for file in found]
+    return hashlib.sha256("\n".join(digests).encode()).hexdigest() if digests else ""
 
 
 def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:

@@ -23,7 +23,7 @@ from rtphys.data.video import probe
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import PolicySetup
 from rtphys.results import read_results
-from rtphys.results.folder import SUMMARY, record_file
+from rtphys.results.folder import RUN, SUMMARY, record_file
 from rtphys.results.instance_file import instance_file, write_instances
 from rtphys.results.instances import FIRST_SEED, InstanceList, Slot
 from rtphys.results.record_file import read_records
@@ -239,6 +239,12 @@ def test_a_folder_holds_one_evaluation(tmp_path: Path, lists: Path, pack: Pack) 
         run(size="128x96")
     with pytest.raises(OtherRun, match="`resume` is off"):
         run(resume=False)
+    stored = json.loads((tmp_path / RUN).read_bytes())
+    (tmp_path / RUN).write_text(json.dumps({**stored, "policy_files": "of an earlier edit"}))
+    with pytest.raises(OtherRun, match="files of the policy were edited"):
+        run()
+    del stored["policy_files"]  # as older runs wrote it
+    (tmp_path / RUN).write_text(json.dumps(stored))
     run(episodes=None)  # more of the same: all there are
     assert len(read_records(record_file(tmp_path, "clean", TASK))) == 2
 

@@ -19,7 +19,7 @@ from rtphys.data.json_text import parse_mapping, plain, pretty
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.plan.arms import check_robot
-from rtphys.policies import PolicySetup
+from rtphys.policies import PolicySetup, files_digest
 from rtphys.report.figures.breaks import draw_breaks
 from rtphys.results import EpisodeRecord, summarise
 from rtphys.results.folder import INSTANCES, RUN, SUMMARY, record_file, short_name, video_file
@@ -44,6 +44,8 @@ from rtphys.task.spec import Task
 WRITE_SECONDS = 10.0  # [s] between two writings of the records of a task
 CLAIMED = ("policy", "options", "seed", "split", "episodes", "protocols", "tasks")
 """Fields of a plan that two runs must share to continue each other, but for the episodes."""
+
+FILES = "policy_files"  # key of the digest over what the policy's specification names
 
 
 class OtherRun(RtphysError):
@@ -174,6 +176,8 @@ def evaluate(plan: EvaluatePlan, pack: Pack, listener: Listener | None = None) -
             )
             for one in lists
         ]
+        if earlier := sum(study.series.tally.accepted for study in studies):
+            listener.noticed(f"{earlier} episodes are those of an earlier run in {plan.folder}")
         worker, size = EvaluateWorker(pack, plan.policy, plan.filming), plan.workers or cores()
         share = max(memory_share(size), Limits().most_memory)
         limits = Limits(plan.timeout, memory=share, most_memory=share)
@@ -213,18 +217,26 @@ def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
     if plan.size is not None:
         run["size"] = plan.size
     run |= _robot_of(plan)
+    run[FILES] = files_digest(plan.policy)
     path = plan.folder / RUN
     if path.exists() and _has_records(plan.folder):
         clauses = ["and `resume` is off"]
         if plan.resume:
             before = {**parse_mapping(files.read(path), path), "episodes": plan.episodes}
-            clauses = differences(before, run)
+            clauses = _changes(before, run)
         if clauses:
             raise OtherRun(
                 f"{plan.folder}: holds results of another evaluation: {'; '.join(clauses)}. "
                 "Choose another folder, or ask for the same again"
             )
     files.replace_file(path, pretty(run))
+
+
+def _changes(before: Mapping[str, JSON], run: Mapping[str, JSON]) -> list[str]:
+    clauses = differences({**before, FILES: run[FILES]}, run)
+    if before.get(FILES, run[FILES]) != run[FILES]:  # older runs lack the key
+        clauses.append("the files of the policy were edited since")
+    return clauses
 
 
 def _has_records(folder: Path) -> bool:
