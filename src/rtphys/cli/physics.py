@@ -82,9 +82,11 @@ def prove(
     from rtphys.assets.pack import default_pack
     from rtphys.plan.arms import check_robot
     from rtphys.proofs.lab import Lab
-    from rtphys.proofs.run import proof, prove
+    from rtphys.proofs.run import laws_of, prove
 
-    laws = [proof(key) for key in keys or attributes()]
+    laws, without = laws_of(keys)
+    for reason in without:
+        say(reason, err=True)
     pack = default_pack()
     check_robot(pack, embodiment)
     lab, failed, total = Lab(pack, embodiment=embodiment), 0, 0
