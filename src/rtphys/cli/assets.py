@@ -11,6 +11,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from rtphys.assets.model import read_json
 from rtphys.assets.pack import STAMP, Pack, builtin_pack, cache_folder, default_pack
+from rtphys.cli.domains import AsJson
+from rtphys.cli.fitting import print_table
 from rtphys.cli.screen import Screen
 from rtphys.cli.terminal import say
 from rtphys.core import library
@@ -72,6 +74,23 @@ def show(
     say(f"{out}: {len(models)} models")
 
 
+@app.command("list")
+def list_models(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Objects or patterns, `*_fork`; default all.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """List models with size, mass, and the numbers of their contact and functional points."""
+    from rtphys.cli.asset_models import facts_of_models, table_of_models
+
+    rows = facts_of_models(_pack(), names or [])
+    if as_json:
+        typer.echo(json.dumps(rows, indent=2, ensure_ascii=False))
+    else:
+        print_table(table_of_models(rows))
+
+
 @app.command()
 def check(
     folder: Annotated[Path | None, typer.Argument(help="A pack; default the one in use.")] = None,
@@ -81,7 +100,7 @@ def check(
     robot: Annotated[
         str, typer.Option(help="Check this robot alone: a name, or LEFT,RIGHT,DISTANCE.")
     ] = "",
-    as_json: Annotated[bool, typer.Option("--json", help="Plain JSON instead of lines.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Say what of a pack loads, what is missing, and which tasks can run on it."""
     from rtphys.assets.check import check_pack
@@ -248,8 +267,10 @@ def _fallback(name: str) -> Pack | None:
 
 
 def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
-    """`050_bell` is all its models, `050_bell/1` one."""
+    """`050_bell` is all its models, `050_bell/1` one. Raises UnknownName, BadValue."""
     id_name, _, number = name.partition("/")
+    if id_name not in pack.names:
+        raise UnknownName("object", id_name, pack.names)
     if number and not number.isdigit():
         raise BadValue("names", name, "write an object's name, or name/number")
     return [(id_name, int(number))] if number else [(id_name, i) for i in pack.indices(id_name)]

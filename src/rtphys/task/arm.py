@@ -1,8 +1,7 @@
 """What a script can say: verbs of one arm, and a robot that carries out motions of both.
 
-A verb returns a `Motion`; nothing moves until `robot.do(...)`. Motions of both arms given to one
-`do` run together, step by step. All poses are task-frame. The expert implements these protocols;
-task files see nothing else.
+A verb returns a `Motion`; nothing moves until `robot.do(...)`. Motions of both arms in one `do` run
+together, step by step. Poses are task-frame. The expert implements these; tasks see nothing else.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -100,7 +99,11 @@ class Motion:
 
 @dataclass(frozen=True)
 class Placing:
-    """How a held prop meets its target (RoboTwin fact sheet, section 1.6)."""
+    """How a held prop's point, or its frame, meets its target: z onto z, then a turn about z.
+
+    "align" turns x onto the target's x; "auto" a hand that holds from the side forwards and
+    inwards, and one from above with its camera away from the robot; "free" does not turn.
+    """
 
     mode: str = "auto"  # "free" | "align" | "auto"
     pre: float = 0.1  # [m] distance of the pose before the last straight line

@@ -1,6 +1,7 @@
-"""Orientations in which assets stand, as wxyz quaternions (RoboTwin fact sheet, section 1.3).
+"""Orientations in which assets stand, as wxyz quaternions.
 
-Official models are y-up in their own frame; each constant says where the model's x, y, z go.
+Official models are y-up in their own frame; each constant says where the model's x, y, z go, in
+the task frame: +x is the robot's right, +y away from it, +z up. UP_Y is RoboTwin's most frequent.
 """
 
 from rtphys.core.poses import Array, axis_angle, quat_multiply
