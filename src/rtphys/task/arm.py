@@ -102,8 +102,7 @@ class Placing:
     """How a held prop's point, or its frame, meets its target: z onto z, then a turn about z.
 
     "align" turns x onto the target's x; "auto" a hand that holds from the side forwards and
-    inwards, and one from above with its camera away from the robot; "free" does not turn.
-    """
+    inwards, and one from above with its camera away from the robot; "free" does not turn."""
 
     mode: str = "auto"  # "free" | "align" | "auto"
     pre: float = 0.1  # [m] distance of the pose before the last straight line
