@@ -18,6 +18,7 @@ from rtphys.core import library
 from rtphys.core.errors import BadValue
 from rtphys.setting.option import Option
 from rtphys.setting.protocol import load_protocol
+from rtphys.setting.setting import Setting
 from rtphys.studies.collect.plan import Run, TaskPlan, without_effect
 
 
@@ -51,11 +52,7 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     plans = _plans(request, template)
     own = own_plans(plans, run)
     if not request.manifest:  # which says it itself
-        chosen = load_protocol(template.setting.protocol)
-        say(
-            f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)",
-            err=request.as_json,
-        )
+        say(_what_varies(template.setting), err=request.as_json)
     for sentence in without_effect(plans):
         say(sentence, err=True)
     if request.dry_run:
@@ -73,6 +70,13 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
     if not request.estimate:
         _collect(plans, run, request.as_json)
         confirm(before)
+
+
+def _what_varies(setting: Setting) -> str:
+    chosen, own = load_protocol(setting.protocol), setting.ranges
+    if own is None or not chosen.physics:
+        return f"protocol {chosen.name}: {chosen.what} (rtphys protocols lists others)"
+    return f"protocol {chosen.name}: domain {own.name} varies {', '.join(own.keys) or 'nothing'}"
 
 
 def _plans(request: Request, template: TaskPlan) -> tuple[TaskPlan, ...]:

@@ -26,7 +26,6 @@ from rtphys.task import (
     at_rest,
     clear_of,
     hands_open,
-    off_centre,
     points_meet,
 )
 

@@ -39,6 +39,7 @@ from rtphys.sim import renderer
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.spec import Task, load_task
 
+MOST_BLIND = 20  # seeds for the policies that see nothing, unless more are asked for
 TWICE = 2  # seeds that the expert does twice, to compare the states
 SHEET_CAMERAS = ("head", "left", "right", "front")
 
@@ -55,8 +56,12 @@ class CheckPlan:
     seeds: Annotated[Positive, Option("Number of seeds of each task and protocol.")] = 20
     first_seed: Annotated[Seed, Option("The first seed.")] = 0
     robots: Annotated[
-        Seed, Option("Number of seeds for the robots that see nothing, which cost the most.")
-    ] = 20
+        Seed | None,
+        Option(
+            "Number of seeds for the policies that see nothing, which cost the most: up to the "
+            "step limit each. Default: those of the expert, at most 20."
+        ),
+    ] = None
     embodiment: RobotName = DEFAULT
     workers: Workers = None
     ranges: Annotated[
@@ -177,13 +182,15 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener | None = None) -> list
     check_robot(pack, plan.embodiment)
     listener, size = listener or Listener(), plan.workers or cores()
     counts: dict[Robot, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
-    counts |= dict.fromkeys(BLIND, plan.robots)
+    blind = min(plan.seeds, MOST_BLIND) if plan.robots is None else plan.robots
+    counts |= dict.fromkeys(BLIND, blind)
     scores, series = [], []
     for task, protocol in product(plan.tasks, plan.protocols):
         setting = Setting(task, protocol, ranges=plan.ranges, embodiment=plan.embodiment)
         scores.append(Score(setting, plan.seeds))
         for robot, count in counts.items():
-            tally = Tally(f"{task}, {protocol} ({robot})", count)
+            role = "expert, a second time" if robot == "again" else robot
+            tally = Tally(f"{task}, {protocol} ({role})", count)
             seeds = range(plan.first_seed, plan.first_seed + count)
             series.append(Series(RobotTrials(robot, scores[-1]), tally, seeds))
     with LocalPool[Job, Trial](CheckWorker(pack), size, notice=listener.noticed) as pool:

@@ -195,7 +195,9 @@ def open_series(
 ) -> Series[Job, Results]:
     """The seeds that some writer still waits for, from the lowest."""
     behind = min(writers, key=lambda writer: writer.attempts)
-    tally = Tally(plan.setting.task, behind.wanted, behind.episodes, behind.attempts)
+    name, config = plan.setting.task, writers[0].task_dataset.config
+    name += f", {config}" if config != plan.setting.protocol else ""  # parts of a sweep
+    tally = Tally(name, behind.wanted, behind.episodes, behind.attempts)
     tally.fruitless = behind.fruitless
     step = behind.conditions.seed(1) - behind.conditions.seed(0)
     end = plan.first_seed + (plan.most_attempts or MOST_SEEDS)
