@@ -9,6 +9,7 @@ trials, and was measured on this dataset version, is not tried again.
 
 import json
 import tempfile
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated
@@ -20,6 +21,8 @@ from rtphys.data.files import replace_file
 from rtphys.data.json_text import pretty
 from rtphys.data.schema import DATASET_VERSION
 from rtphys.results import read_results
+from rtphys.results.instance_file import instance_file, read_instances, write_instances
+from rtphys.results.instances import BENCHMARK
 from rtphys.studies.evaluate.plan import EvaluatePlan
 from rtphys.studies.evaluate.run import evaluate
 from rtphys.task.spec import task_names
@@ -40,7 +43,10 @@ def main(
         missing = [task for task in task_names() if there.get(task, [0, 0])[1] < episodes]
         for start in range(0, len(missing), BATCH):
             tasks = tuple(missing[start : start + BATCH])
-            there |= _measured(name, protocol, tasks, episodes)
+            known = {task: there.get(task, [0, 0])[1] for task in tasks}
+            for task, (successes, tried) in _measured(name, protocol, known, episodes).items():
+                before = there.get(task, [0, 0])
+                there[task] = [before[0] + successes, before[1] + tried]
             replace_file(path, pretty({"dataset_version": DATASET_VERSION, "trials": trials}))
             typer.echo(f"{name}, {protocol}: {len(there)} tasks, {_total(there)}")
 
@@ -53,16 +59,28 @@ def _known(path: Path) -> Trials:
 
 
 def _measured(
-    policy: str, protocol: str, tasks: tuple[str, ...], episodes: int
+    policy: str, protocol: str, known: dict[str, int], episodes: int
 ) -> dict[str, list[int]]:
+    """Successes and trials on the instances of each task after the known ones."""
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "records"
-        evaluate(EvaluatePlan(policy, tasks, (protocol,), episodes, out), default_pack())
+        lists, out = Path(folder) / "lists", Path(folder) / "records"
+        for task, tried in known.items():
+            _write_rest(lists, protocol, task, slice(tried, episodes))
+        tasks = tuple(known)
+        evaluate(EvaluatePlan(policy, tasks, (protocol,), out=out, instances=lists), default_pack())
         records = read_results(out).records
         return {
             task: [sum(record.success for record in found), len(found)]
             for (_, task), found in records.items()
         }
+
+
+def _write_rest(folder: Path, protocol: str, task: str, which: slice) -> None:
+    """A list of only these feasible instances of the certified one."""
+    whole = read_instances(instance_file(Path("manifests") / BENCHMARK, protocol, task))
+    seeds = [slot.seed for slot in whole.feasible[which]]
+    rest = tuple(slot for slot in whole.slots if seeds[0] <= slot.seed <= seeds[-1])
+    write_instances(instance_file(folder, protocol, task), replace(whole, slots=rest))
 
 
 def _total(there: dict[str, list[int]]) -> str:
