@@ -128,7 +128,8 @@ def test_what_fell_was_not_picked_up_by_a_hand_that_carries_it_nowhere() -> None
 @pytest.mark.parametrize(("wait", "event"), [(0, "misplaced"), (12, "moved")])
 def test_what_rolls_away_when_it_is_let_go_of_is_misplaced(wait: int, event: str) -> None:
     opening = np.interp(np.arange(T), [SHUT - 8, SHUT, 40, 43], [1.0, 0.0, 0.0, 1.0])
-    cup = resting()
+    cup = lifted(41)
+    cup[41:, 2] = cup[40, 2]
     cup[:, 0] += np.clip(np.arange(T) - 41 - wait, 0, None) * 0.01
     frames = frames_of(cup, during(SHUT, 40), opening)
     found, frame, name, _ = mark(frames, "failed_check", "cup on the plate")
@@ -160,3 +161,39 @@ def test_clutter_is_nobodys_failure() -> None:
     moved = replace(frames, object_poses=poses)
     assert mark(moved, "failed_check")[0] == "miss"
     assert went_wrong(moved, "failed_check", "").object == "clutter0"
+
+
+def test_a_failed_condition_says_whose_failure_counts() -> None:
+    """The plate is pushed last, and by then the cup, which the condition is about, lies."""
+    cup, plate = resting(), resting()
+    cup[30:, 3:] = [0.7, 0.7, 0, 0]
+    plate[50:, 0] += 0.1
+    frames = frames_of(cup, during(99, 99))
+    poses = {**frames.object_poses, "plate": plate}
+    touched = {**frames.contacts, "plate": np.zeros((T, 2), bool)}
+    both = replace(frames, object_poses=poses, contacts=touched)
+    assert mark(both, "failed_check", "cup upright within 0.2 rad")[:3] == ("tip_over", 30, "cup")
+    assert mark(both, "failed_check", "cups at rest")[:3] == ("tip_over", 30, "cup")
+    assert mark(both, "failed_check", "a hand carries both")[:3] == ("moved", 50, "plate")
+    assert mark(both, "failed_check", "cup joint 0 beyond 50%")[:3] == ("moved", 50, "plate")
+
+
+def test_what_pushed_the_other_is_the_instant() -> None:
+    cup, plate = resting(), resting()
+    plate[44:, 0] += 0.1
+    cup[50:, 3:] = [0.7, 0.7, 0, 0]
+    frames = frames_of(cup, during(99, 99))
+    poses = {**frames.object_poses, "plate": plate}
+    touched = {**frames.contacts, "plate": np.zeros((T, 2), bool)}
+    both = replace(frames, object_poses=poses, contacts=touched)
+    assert mark(both, "not_held", "cup at rest")[:3] == ("moved", 44, "plate")
+
+
+def test_what_was_put_down_wrong_had_turned_in_the_hand() -> None:
+    opening = np.interp(np.arange(T), [SHUT - 8, SHUT, 45, 50], [1.0, 0.0, 0.0, 1.0])
+    cup = lifted(46)
+    cup[46:, 2] = cup[45, 2]
+    cup[LIFT + 2 :, 3:] = [0.7, 0.7, 0, 0]
+    frames = frames_of(cup, during(SHUT, 46), opening)
+    wanted = ("slip", LIFT + 2, "cup", "left")
+    assert mark(frames, "failed_check", "cup upright within 0.2 rad") == wanted

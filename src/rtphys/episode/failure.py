@@ -9,15 +9,17 @@
 * moved: an object moved that no hand held, nor carried later, nor let go of within half a second
   before. First frame beyond 2 cm.
 * misplaced: a hand let go of it, and the attempt failed later. First frame without contact, or with
-  the hand opening.
+  the hand opening. What had slid by 3 cm or turned by 45 deg in the hand is a slip.
 * stuck: there was no way on for the arms. Last frame.
 * end: none of these. Last frame.
 
 Only frames are looked at, so an instant is known to 60 ms. Of several events one is chosen: a lost
-or missed grasp where the reason names it, else what happened to an object last. If a grasp missed
-an object that had tipped over or moved before, then this is the instant.
+or missed grasp where the reason names it, else what happened last to the objects that a failed
+condition names, or to any object. What led to it in half a second, to whichever object, counts
+instead. If a grasp missed an object that had tipped over or moved before, then this is the instant.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -30,14 +32,16 @@ from rtphys.data.schema_attempts import Event, Side
 
 FAR = 0.02  # [m] as much as a piece of clutter may move undisturbed
 TIPPED = np.radians(45)
-SLIPPED, TURNED = 0.01, np.radians(20)  # [m], [rad] in the hand
+SLIPPED, TURNED = 0.01, np.radians(20)  # [m], [rad] in the hand: enough to be seen
+FAR_OFF, WRONG_WAY = 0.03, np.radians(45)  # likewise: enough to be put down wrong
 SLIDING = 0.002  # [m] between two frames, 33 mm/s
 BRIEF = 3  # frames without contact, or without sliding, that interrupt neither
 SOON = 8  # frames, half a second, in which what was let go of is still on its way
 OPENED = 0.05  # of the gripper's stroke: less is no opening and no closing
 CLOSED = 0.5  # of the stroke that fingers have to close at once for a grasp
 
-LOST, UPSET = ("slip", "drop", "miss"), ("tip_over", "moved")
+LOST, UPSET = ("slip", "drop"), ("tip_over", "moved")
+CHECK = ("failed_check", "not_held")  # reasons whose detail names the conditions that fail
 GRASP = ("grasp_missed", "slipped", "recovered")  # reasons that name a lost or missed grasp
 STUCK = ("no_path", "unreachable", "retime_failed", "ungraspable", "stalled", "too_slow")
 
@@ -71,26 +75,52 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
     """
     objects = [name for name in frames.object_poses if name not in scenery]
     found = [instant for name in objects for instant in _of_object(frames, name)]
-    found += [instant for side in range(len(ARMS)) for instant in _misses(frames, side)]
-    about = next((name for name in objects if detail.startswith(f"{name} ")), "")
-    # Where the arms have no way on, what was put down before may well be in its place.
-    others = (*LOST[:2], *UPSET, *(() if reason in STUCK else ("misplaced",)))
-    for kind in (LOST,) if reason in GRASP else (others, ("miss",)):
-        if chosen := [instant for instant in found if instant.event in kind]:
-            last = max(chosen, key=lambda instant: instant.frame)
-            if last.event == "miss":
-                return _cause(replace(last, object=about), about, found)
-            return last
+    misses = [instant for side in range(len(ARMS)) for instant in _misses(frames, side)]
     end = Instant("stuck" if reason in STUCK else "end", len(frames) - 1)
-    # A hand that has not shut when the attempt ends is no miss, but the reason says that it was.
-    return _cause(end, about, found) if reason in GRASP else end
+    if reason in GRASP:
+        about = next((name for name in objects if detail.startswith(f"{name} ")), "")
+        lost = [one for one in found if one.event in LOST]
+        # A hand that has not shut at the end is no miss, but the reason says that it was one.
+        last = max([*lost, *misses], key=_frame, default=end)
+        return last if last in lost else _cause(last, about, found)
+    # Where the arms have no way on, what was put down before may well be in its place.
+    told = [one for one in found if not (reason in STUCK and one.event == "misplaced")]
+    if reason in CHECK:
+        told = [one for one in told if _names(detail, one.object)] or told
+    if told:
+        last = max(told, key=_frame)
+        if last.event == "misplaced":  # every load is let go of, but few tip over for good
+            last = max((one for one in told if one.event in UPSET), key=_frame, default=last)
+        return _onset(last, found)
+    return max(misses, key=_frame, default=end)
+
+
+def _frame(one: Instant) -> int:
+    return one.frame
+
+
+def _names(detail: str, name: str) -> bool:
+    """Whether conditions that do not hold are about an object, alone or as one of several."""
+    # Of a joint the poses say nothing: what moved it is rather what another object did.
+    texts = [text for text in detail.split("; ") if " joint " not in text]
+    words = set(re.findall(r"\w+", " ".join(texts)))
+    return name in words or f"{name.rstrip('0123456789')}s" in words
+
+
+def _onset(late: Instant, found: Sequence[Instant]) -> Instant:
+    """The first of the events that led to the late one, each soon after the one before."""
+    before = [one for one in found if one.event != "misplaced" and one.frame < late.frame]
+    for one in sorted(before, key=_frame, reverse=True):
+        late = one if late.frame - one.frame <= SOON else late
+    return late
 
 
 def _cause(late: Instant, about: str, found: Sequence[Instant]) -> Instant:
     """What had upset the object before a grasp failed, if anything; else the late instant."""
+    late = replace(late, object=about) if late.event == "miss" else late
     upset = [one for one in found if one.event in UPSET and one.frame < late.frame]
     own = [one for one in upset if one.object == about] if about else upset
-    return min(own, key=lambda one: one.frame, default=late)
+    return min(own, key=_frame, default=late)
 
 
 # ---- one object ----------------------------------------------------------------------------------
@@ -156,15 +186,24 @@ def _of_hold(frames: Frames, name: str, side: Side, hold: _Hold) -> Iterator[Ins
     shown = _first_shift(place, turn, gripped, hold.last)
     if shown is not None:
         yield Instant("slip", shown, name, side)
-    if hold.released:
+    if (
+        hold.released
+        and _first_shift(place, turn, gripped, hold.last, (FAR_OFF, WRONG_WAY)) is None
+    ):
         yield Instant("misplaced", min(hold.last + 1, len(frames) - 1), name, side)
 
 
-def _first_shift(place: Array, turn: Array, start: int, last: int) -> int | None:
-    """First frame in which an object has slid or turned in the hand as far as a person sees."""
+def _first_shift(
+    place: Array,
+    turn: Array,
+    start: int,
+    last: int,
+    beyond: tuple[float, float] = (SLIPPED, TURNED),
+) -> int | None:
+    """First frame in which an object has slid [m] or turned [rad] beyond this in the hand."""
     window = slice(start, last + 1)
-    slid = np.linalg.norm(place[window] - place[start], axis=1) > SLIPPED
-    shifted = slid | (_angles(turn[window], turn[start]) > TURNED)
+    slid = np.linalg.norm(place[window] - place[start], axis=1) > beyond[0]
+    shifted = slid | (_angles(turn[window], turn[start]) > beyond[1])
     return start + int(shifted.argmax()) if shifted.any() else None
 
 
