@@ -1,6 +1,6 @@
 """Tries the policies that see nothing on certified instances: none may solve one.
 
-    python scripts/blind.py docs/blind.json [--episodes 20] [--policy idle,random,jitter]
+    python scripts/blind.py docs/blind.json [--episodes 50] [--policy idle,random,jitter]
 
 The file holds successes and trials by policy, protocol and task, and is written after every few
 tasks. The same command goes on where it stopped, on any machine: what the file has with as many
@@ -34,7 +34,7 @@ Trials = dict[str, dict[str, dict[str, list[int]]]]  # policy, protocol, task: s
 
 def main(
     path: Path,
-    episodes: Annotated[int, typer.Option(help="Episodes of each task and protocol.")] = 20,
+    episodes: Annotated[int, typer.Option(help="Episodes of each task and protocol.")] = 50,
     policy: Annotated[str, typer.Option(help="Policies, with commas.")] = "idle,random,jitter",
 ) -> None:
     trials = _known(path)
