@@ -197,3 +197,26 @@ def test_what_was_put_down_wrong_had_turned_in_the_hand() -> None:
     frames = frames_of(cup, during(SHUT, 46), opening)
     wanted = ("slip", LIFT + 2, "cup", "left")
     assert mark(frames, "failed_check", "cup upright within 0.2 rad") == wanted
+
+
+def test_a_hand_that_touched_another_object_missed_this_one() -> None:
+    """The plate slid in a hand that passed; the cup had rolled off before."""
+    cup, plate = resting(), resting()
+    cup[6:, 0] += 0.1
+    plate[: LIFT + 5, 2] += np.clip(np.arange(LIFT + 5) - LIFT, 0, None) * 0.01
+    frames = frames_of(cup, during(99, 99))
+    poses = {**frames.object_poses, "plate": plate}
+    hand = np.column_stack([during(SHUT, LIFT + 9), np.zeros(T, bool)])
+    both = replace(frames, object_poses=poses, contacts={**frames.contacts, "plate": hand})
+    assert mark(both, "grasp_missed", "cup is not between the fingers")[:3] == ("moved", 6, "cup")
+
+
+def test_what_swings_round_has_moved() -> None:
+    cup = resting()
+    cup[10:, 3:] = [np.cos(0.3), 0, 0, np.sin(0.3)]
+    frames = frames_of(cup, during(99, 99))
+    assert mark(frames, "grasp_missed", "cup is not between the fingers")[:3] == (
+        "moved",
+        10,
+        "cup",
+    )

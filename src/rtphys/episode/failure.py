@@ -7,7 +7,7 @@
 * miss: a hand closed on nothing. First frame in which its fingers are closed.
 * tip_over: an object tipped that no hand held, nor carried later. First frame beyond 45 deg.
 * moved: an object moved that no hand held, nor carried later, nor let go of within half a second
-  before. First frame beyond 2 cm.
+  before. First frame beyond 2 cm or 20 deg.
 * misplaced: a hand let go of it, and the attempt failed later. First frame without contact, or with
   the hand opening. What had slid by 3 cm or turned by 45 deg in the hand is a slip.
 * stuck: there was no way on for the arms. Last frame.
@@ -79,7 +79,7 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
     end = Instant("stuck" if reason in STUCK else "end", len(frames) - 1)
     if reason in GRASP:
         about = next((name for name in objects if detail.startswith(f"{name} ")), "")
-        lost = [one for one in found if one.event in LOST]
+        lost = [one for one in found if one.event in LOST and about in ("", one.object)]
         # A hand that has not shut at the end is no miss, but the reason says that it was one.
         last = max([*lost, *misses], key=_frame, default=end)
         return last if last in lost else _cause(last, about, found)
@@ -229,7 +229,8 @@ def _last_run(flags: Array) -> int:
 
 def _upset(pose: Array, name: str, held: Array) -> Iterator[Instant]:
     """Where an object that no hand holds tips or moves, once for each time that it lies free."""
-    up = np.array([quat_to_matrix(q)[2] for q in pose[:, 3:]])  # the world's z, in the body's axes
+    turn = np.array([quat_to_matrix(q) for q in pose[:, 3:]])
+    up = turn[:, 2]  # the world's z, in the body's axes
     edges = np.flatnonzero(np.diff(held.astype(int), prepend=1, append=1))
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         free = slice(int(first), int(end))
@@ -237,8 +238,9 @@ def _upset(pose: Array, name: str, held: Array) -> Iterator[Instant]:
         angle = np.arccos(np.clip(up[free] @ up[first], -1, 1))
         if (angle > TIPPED).any():
             yield Instant("tip_over", int(first + (angle > TIPPED).argmax()), name)
-        if (way > FAR).any():
-            yield Instant("moved", int(first + (way > FAR).argmax()), name)
+        moved = (way > FAR) | (_angles(turn[free], turn[first]) > TURNED)
+        if moved.any():
+            yield Instant("moved", int(first + moved.argmax()), name)
 
 
 def _in_hand(frames: Frames, name: str, side: Side) -> tuple[Array, Array]:
