@@ -16,6 +16,7 @@ SHAPES = {"observation.state": [14], "observation.images.cam_high": [3, 240, 320
 CHANGED = {
     "other_robot": {"observation.state": [6]},
     "other_cameras": {"observation.images.top": [3, 240, 320]},
+    "knows_physics": {"observation.environment_state": [13]},
     "larger": {"observation.images.cam_high": [3, 480, 640]},
 }
 

@@ -126,6 +126,12 @@ def test_a_checkpoint_of_another_robot(stub: Opener) -> None:
         stub("other_robot")
 
 
+def test_a_checkpoint_that_wants_the_physics(stub: Opener) -> None:
+    """Every episode would end in an error, and the rate would read 0 %."""
+    with pytest.raises(UnknownName, match=r"unknown input 'observation\.environment_state'"):
+        stub("knows_physics")
+
+
 def test_a_checkpoint_with_other_cameras(stub: Opener) -> None:
     with pytest.raises(UnknownName, match=r"\?cameras=.*unknown camera 'top'"):
         stub("other_cameras")

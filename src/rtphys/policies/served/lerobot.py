@@ -26,6 +26,7 @@ from rtphys.policies.served.chunk import rows
 from rtphys.policies.served.lerobot_server import STATE
 
 EE_POSE = "observation.ee_pose"
+PHYSICS = "observation.environment_state"  # as ACT and Diffusion read it
 PICTURE = "observation.images."
 # Names of our cameras in `rtphys export lerobot`, by our own.
 CAMERAS = {
@@ -54,7 +55,7 @@ class LeRobot:
 
     Raises:
         PolicyGone: that Python does not start, lacks lerobot, or cannot open the checkpoint.
-        BadValue, UnknownName: the checkpoint is another robot's, or wants other cameras.
+        BadValue, UnknownName: the checkpoint is another robot's, or wants what no policy sees.
     """
 
     needs_images = True
@@ -203,7 +204,16 @@ def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
 
 
 def check_vectors(about: Mapping[str, Mapping[str, list[int]]], size: int) -> None:
-    """Raises `BadValue` when state or action of a checkpoint are those of another robot."""
+    """Refuse a checkpoint that could play no episode.
+
+    Raises:
+        UnknownName: it reads the physics, which no evaluated policy is shown.
+        BadValue: its state or action is that of another robot.
+    """
+    # Other inputs that we lack may be listed though the policy never reads them, such as effort.
+    if PHYSICS in about["inputs"]:
+        where = "the checkpoint (an evaluated policy is not shown the physics)"
+        raise UnknownName("input", PHYSICS, (STATE, EE_POSE, f"{PICTURE}*"), where)
     for kind, name in (("inputs", STATE), ("outputs", "action")):
         shape = about[kind].get(name)
         if shape not in ([size], None if kind == "inputs" else [size]):
