@@ -84,13 +84,13 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
         last = max([*lost, *misses], key=_frame, default=end)
         return last if last in lost else _cause(last, about, found)
     # Where the arms have no way on, what was put down before may well be in its place.
-    told = [one for one in found if not (reason in STUCK and one.event == "misplaced")]
+    candidates = [one for one in found if not (reason in STUCK and one.event == "misplaced")]
     if reason in CHECK:
-        told = [one for one in told if _names(detail, one.object)] or told
-    if told:
-        last = max(told, key=_frame)
+        candidates = [one for one in candidates if _names(detail, one.object)] or candidates
+    if candidates:
+        last = max(candidates, key=_frame)
         if last.event == "misplaced":  # every load is let go of, but few tip over for good
-            last = max((one for one in told if one.event in UPSET), key=_frame, default=last)
+            last = max((one for one in candidates if one.event in UPSET), key=_frame, default=last)
         return _onset(last, found)
     return max(misses, key=_frame, default=end)
 
