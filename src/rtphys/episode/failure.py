@@ -186,10 +186,8 @@ def _of_hold(frames: Frames, name: str, side: Side, hold: _Hold) -> Iterator[Ins
     shown = _first_shift(place, turn, gripped, hold.last)
     if shown is not None:
         yield Instant("slip", shown, name, side)
-    if (
-        hold.released
-        and _first_shift(place, turn, gripped, hold.last, (FAR_OFF, WRONG_WAY)) is None
-    ):
+    spoilt = _first_shift(place, turn, gripped, hold.last, (FAR_OFF, WRONG_WAY))
+    if hold.released and spoilt is None:
         yield Instant("misplaced", min(hold.last + 1, len(frames) - 1), name, side)
 
 
