@@ -9,14 +9,18 @@ from rtphys.task import (
     Placing,
     Pose,
     Robot,
+    Scene,
     at_rest,
     beside,
+    condition,
     hands_open,
+    in_hand,
     on_table,
 )
 
 APART = 0.16  # [m] room for open fingers between the two
 LIFT, RETREAT = 0.1, 0.06  # [m] up with the thing; off it
+LIFTED = 0.03  # [m] off the table, at least, to be put down rather than pushed
 _HOW = Placing(pre=0.08, gap=0.004)
 
 
@@ -36,6 +40,13 @@ def set_beside(robot: Robot, side: str) -> None:
 
 
 def stands_beside(side: str) -> Condition:
-    """`thing` on that side of `other`, both at rest on the table, both hands open."""
+    """A hand lifted `thing`; now it is on that side of `other`, both at rest, both hands open."""
     stands = beside("thing", "other", side) & on_table("thing", "other")
-    return stands & at_rest("thing") & at_rest("other") & hands_open()
+    at_last = stands & at_rest("thing") & at_rest("other") & hands_open()
+    return at_last & condition("a hand lifted the thing", lifted_once, remembers=True)
+
+
+def lifted_once(scene: Scene) -> bool:
+    """Random motion pushed one thing of 50 to its place, and lifts none."""
+    up = scene.lowest("thing") > TABLE_TOP + LIFTED
+    return scene.once("thing lifted", bool(up) and in_hand(scene, "thing"))

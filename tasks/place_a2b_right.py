@@ -1,7 +1,7 @@
 """Put one thing directly to the right of another.
 
 Success: they are 8 to 20 cm apart, in this order, less than 5 cm apart in depth, and both hands are
-open. Added to upstream's test: both lie on the table, at rest.
+open. Added to upstream's test: both lie on the table, at rest, and a hand lifted the first.
 """
 
 from rtphys.task import RIGHT, Draw, Robot, Spot, Task

@@ -220,3 +220,45 @@ def test_what_swings_round_has_moved() -> None:
         10,
         "cup",
     )
+
+
+def test_what_was_lost_twice_went_wrong_the_first_time() -> None:
+    cup = lifted(36)
+    cup[36:, 2] = cup[35, 2]
+    cup[50:, 2] -= 0.1
+    twice = during(SHUT, 36) | during(44, 49)
+    event, frame, *_ = mark(frames_of(cup, twice), "slipped", "cup left the left hand")
+    assert event in {"slip", "drop"} and 36 <= frame <= 38
+
+
+@pytest.mark.parametrize(("with_it", "wanted"), [(True, ("moved", 52)), (False, ("moved", 32))])
+def test_what_lies_in_a_carried_object_is_carried(with_it: bool, wanted: tuple[str, int]) -> None:
+    """Its ball rolls out of the cup at frame 50; one that is only pushed moves at once."""
+    ball, way = resting(), np.clip(np.arange(T) - LIFT, 0, None) * 0.01
+    ball[:, 2 if with_it else 0] += way
+    ball[50:, 0] += (np.arange(50, T) - 49) * 0.04 * with_it
+    frames = frames_of(lifted(T), during(SHUT, T))
+    both = replace(
+        frames,
+        object_poses={**frames.object_poses, "ball": ball},
+        contacts={**frames.contacts, "ball": np.zeros((T, 2), bool)},
+    )
+    event, frame, name, _ = mark(both, "failed_check", "ball on the plate")
+    assert (event, name) == (wanted[0], "ball") and abs(frame - wanted[1]) <= 3
+
+
+def test_what_was_put_down_wrong_does_not_fall_anew() -> None:
+    opening = np.interp(np.arange(T), [SHUT - 8, SHUT, 40, 43], [1.0, 0.0, 0.0, 1.0])
+    cup = lifted(41)
+    cup[41:, 2] = cup[40, 2]
+    cup[LIFT + 2 :, 3:] = [np.cos(0.4), np.sin(0.4), 0, 0]
+    cup[55:, 3:] = [0, 1, 0, 0]
+    frames = frames_of(cup, during(SHUT, 40), opening)
+    wanted = ("slip", LIFT + 2, "cup")
+    assert mark(frames, "failed_check", "cup upright within 0.2 rad")[:3] == wanted
+
+
+def test_what_a_hand_brushes_as_it_opens_was_not_let_go_of() -> None:
+    opening = np.interp(np.arange(T), [SHUT - 8, SHUT, 45, 50], [1.0, 0.0, 0.0, 1.0])
+    frames = frames_of(resting(), during(40, 46), opening)
+    assert mark(frames, "failed_check", "cup on the plate")[0] != "misplaced"

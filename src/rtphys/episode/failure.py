@@ -7,16 +7,18 @@
 * miss: a hand closed on nothing. First frame in which its fingers are closed.
 * tip_over: an object tipped that no hand held, nor carried later. First frame beyond 45 deg.
 * moved: an object moved that no hand held, nor carried later, nor let go of within half a second
-  before. First frame beyond 2 cm or 20 deg.
+  before. First frame beyond 2 cm or 20 deg. What lies in a carried object is carried.
 * misplaced: a hand let go of it, and the attempt failed later. First frame without contact, or with
-  the hand opening. What had slid by 3 cm or turned by 45 deg in the hand is a slip.
+  the hand opening. What had slid by 3 cm or turned by 45 deg in the hand is a slip, and what it
+  does later is no news.
 * stuck: there was no way on for the arms. Last frame.
 * end: none of these. Last frame.
 
-Only frames are looked at, so an instant is known to 60 ms. Of several events one is chosen: a lost
-or missed grasp where the reason names it, else what happened last to the objects that a failed
-condition names, or to any object. What led to it in half a second, to whichever object, counts
-instead. If a grasp missed an object that had tipped over or moved before, then this is the instant.
+Only frames are looked at, so an instant is known to 60 ms. Of several events one is chosen: where
+the reason names a lost or missed grasp, the first loss or the last miss; else what happened last to
+the objects that a failed condition names, or to any object. What led to it in half a second, to
+whichever object, counts instead. If a grasp missed an object that had tipped over or moved before,
+then this is the instant.
 """
 
 import re
@@ -37,6 +39,7 @@ FAR_OFF, WRONG_WAY = 0.03, np.radians(45)  # likewise: enough to be put down wro
 SLIDING = 0.002  # [m] between two frames, 33 mm/s
 BRIEF = 3  # frames without contact, or without sliding, that interrupt neither
 SOON = 8  # frames, half a second, in which what was let go of is still on its way
+WITHIN = 0.05  # [m] by which the contents of a carried object may shift
 OPENED = 0.05  # of the gripper's stroke: less is no opening and no closing
 CLOSED = 0.5  # of the stroke that fingers have to close at once for a grasp
 
@@ -54,11 +57,14 @@ class Instant:
     frame: int
     object: str = ""  # empty: nothing in particular
     side: Side = ""  # hand
+    gone: bool = False  # a closed hand lost the object
 
 
 class _Hold(NamedTuple):
     """A closed hand touches an object from frame `first` to frame `last`."""
 
+    object: str
+    column: int  # of the hand
     first: int
     last: int
     released: bool  # it ends because the hand opens
@@ -74,15 +80,21 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
         scenery: objects that the task is not about, such as clutter.
     """
     objects = [name for name in frames.object_poses if name not in scenery]
-    found = [instant for name in objects for instant in _of_object(frames, name)]
-    misses = [instant for side in range(len(ARMS)) for instant in _misses(frames, side)]
+    sides = range(len(ARMS))
+    holds = [hold for name in objects for side in sides for hold in _holds(frames, name, side)]
+    holds.sort(key=lambda hold: hold.last)
+    found = [instant for name in objects for instant in _of_object(frames, name, holds)]
+    misses = [instant for side in sides for instant in _misses(frames, side)]
     end = Instant("stuck" if reason in STUCK else "end", len(frames) - 1)
     if reason in GRASP:
         about = next((name for name in objects if detail.startswith(f"{name} ")), "")
         lost = [one for one in found if one.event in LOST and about in ("", one.object)]
         # A hand that has not shut at the end is no miss, but the reason says that it was one.
         last = max([*lost, *misses], key=_frame, default=end)
-        return last if last in lost else _cause(last, about, found)
+        if last not in lost:
+            return _cause(last, about, found)
+        # What was lost, picked up and lost again went wrong the first time.
+        return min((one for one in lost if one.gone), key=_frame, default=last)
     # Where the arms have no way on, what was put down before may well be in its place.
     candidates = [one for one in found if not (reason in STUCK and one.event == "misplaced")]
     if reason in CHECK:
@@ -126,15 +138,23 @@ def _cause(late: Instant, about: str, found: Sequence[Instant]) -> Instant:
 # ---- one object ----------------------------------------------------------------------------------
 
 
-def _of_object(frames: Frames, name: str) -> Iterator[Instant]:
-    held, taken, let_go = np.zeros(len(frames), bool), 0, -SOON - 1
-    for column, side in enumerate(ARMS):
-        for hold in _holds(frames, name, column):
-            held[hold.first : hold.last + 1 + BRIEF] = True
-            if _carried(frames, name, hold):
-                taken = max(taken, hold.first)
+def _of_object(frames: Frames, name: str, holds: Sequence[_Hold]) -> Iterator[Instant]:
+    """What went wrong with an object, given the holds of all objects."""
+    held, taken, let_go, spoilt = np.zeros(len(frames), bool), 0, -SOON - 1, False
+    for hold in holds:
+        own = hold.object == name
+        last = hold.last if own else _along(frames, name, hold)
+        held[hold.first : last + 1 + BRIEF] |= last >= hold.first
+        carried = _carried(frames, name, hold.first, last)
+        taken = max(taken, hold.first) if carried else taken
+        if own:
+            instants = list(_of_hold(frames, hold))
+            yield from instants
             let_go = max(let_go, hold.last) if hold.released else let_go
-            yield from _of_hold(frames, name, side, hold)
+            well = any(one.event == "misplaced" for one in instants)
+            spoilt = carried and hold.released and not well
+    if spoilt:
+        return  # it was put down wrong, so what it does later is no news
     seen: set[str] = set()  # what lies on its side may roll on: the first time counts
     for instant in _upset(np.asarray(frames.object_poses[name], float), name, held):
         # What rolls or falls away when it is let go of was misplaced.
@@ -144,10 +164,20 @@ def _of_object(frames: Frames, name: str) -> Iterator[Instant]:
             yield instant
 
 
-def _carried(frames: Frames, name: str, hold: _Hold) -> bool:
+def _along(frames: Frames, name: str, hold: _Hold) -> int:
+    """Last frame in which an object is carried in or on a held one; before the hold if in none."""
+    span = slice(hold.first, hold.last + 1)
+    here = np.asarray(frames.object_poses[name], float)[span, :3]
+    away = np.linalg.norm(here - np.asarray(frames.object_poses[hold.object])[span, :3], axis=1)
+    end = int(np.append(away > away[0] + WITHIN, True).argmax())
+    rises = (here[:end, 2] - here[0, 2] > FAR).any()  # what is only pushed does not
+    return hold.first + end - 1 if rises else hold.first - 1
+
+
+def _carried(frames: Frames, name: str, first: int, last: int) -> bool:
     """Whether the object went with the hand; one that a hand only touches was not picked up."""
-    place = np.asarray(frames.object_poses[name], float)[hold.first : hold.last + 1, :3]
-    return bool((np.linalg.norm(place - place[0], axis=1) > FAR).any())
+    place = np.asarray(frames.object_poses[name], float)[first : last + 1, :3]
+    return bool((np.linalg.norm(place - place[:1], axis=1) > FAR).any())
 
 
 def _holds(frames: Frames, name: str, column: int) -> Iterator[_Hold]:
@@ -167,11 +197,12 @@ def _holds(frames: Frames, name: str, column: int) -> Iterator[_Hold]:
             least = min(least, opening[t])
             last = t if touched[t] else last
         released = t + 1 < T and opening[t + 1] > least + OPENED
-        yield _Hold(first, last, released, last + 1 < T)
+        yield _Hold(name, column, first, last, released, last + 1 < T)
         t += 1
 
 
-def _of_hold(frames: Frames, name: str, side: Side, hold: _Hold) -> Iterator[Instant]:
+def _of_hold(frames: Frames, hold: _Hold) -> Iterator[Instant]:
+    name, side = hold.object, ARMS[hold.column]
     place, turn = _in_hand(frames, name, side)
     gripped = _gripped(frames, side, hold)
     if hold.ended and not hold.released:
@@ -179,15 +210,17 @@ def _of_hold(frames: Frames, name: str, side: Side, hold: _Hold) -> Iterator[Ins
         onset = gripped + _last_run(step > SLIDING)
         if onset <= hold.last:
             shown = _first_shift(place, turn, onset, hold.last)
-            yield Instant("slip", hold.last + 1 if shown is None else shown, name, side)
+            late = hold.last + 1 if shown is None else shown
+            yield Instant("slip", late, name, side, gone=True)
         else:
-            yield Instant("drop", hold.last + 1, name, side)
+            yield Instant("drop", hold.last + 1, name, side, gone=True)
         return
     shown = _first_shift(place, turn, gripped, hold.last)
     if shown is not None:
         yield Instant("slip", shown, name, side)
     spoilt = _first_shift(place, turn, gripped, hold.last, (FAR_OFF, WRONG_WAY))
-    if hold.released and spoilt is None:
+    carried = _carried(frames, name, hold.first, hold.last)
+    if hold.released and carried and spoilt is None:
         yield Instant("misplaced", min(hold.last + 1, len(frames) - 1), name, side)
 
 
