@@ -57,7 +57,6 @@ class Instant:
     frame: int
     object: str = ""  # empty: nothing in particular
     side: Side = ""  # hand
-    gone: bool = False  # a closed hand lost the object
 
 
 class _Hold(NamedTuple):
@@ -69,6 +68,10 @@ class _Hold(NamedTuple):
     last: int
     released: bool  # it ends because the hand opens
     ended: bool  # it ends before the frames do
+
+    @property
+    def lost(self) -> bool:
+        return self.ended and not self.released
 
 
 def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] = ()) -> Instant:
@@ -94,7 +97,8 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
         if last not in lost:
             return _cause(last, about, found)
         # What was lost, picked up and lost again went wrong the first time.
-        return min((one for one in lost if one.gone), key=_frame, default=last)
+        losses = [hold for hold in holds if hold.lost and about in ("", hold.object)]
+        return next(_of_hold(frames, losses[0])) if losses else last
     # Where the arms have no way on, what was put down before may well be in its place.
     candidates = [one for one in found if not (reason in STUCK and one.event == "misplaced")]
     if reason in CHECK:
@@ -205,15 +209,15 @@ def _of_hold(frames: Frames, hold: _Hold) -> Iterator[Instant]:
     name, side = hold.object, ARMS[hold.column]
     place, turn = _in_hand(frames, name, side)
     gripped = _gripped(frames, side, hold)
-    if hold.ended and not hold.released:
+    if hold.lost:
         step = np.linalg.norm(np.diff(place[gripped : hold.last + 2], axis=0), axis=1)
         onset = gripped + _last_run(step > SLIDING)
         if onset <= hold.last:
             shown = _first_shift(place, turn, onset, hold.last)
             late = hold.last + 1 if shown is None else shown
-            yield Instant("slip", late, name, side, gone=True)
+            yield Instant("slip", late, name, side)
         else:
-            yield Instant("drop", hold.last + 1, name, side, gone=True)
+            yield Instant("drop", hold.last + 1, name, side)
         return
     shown = _first_shift(place, turn, gripped, hold.last)
     if shown is not None:
