@@ -262,3 +262,20 @@ def test_what_a_hand_brushes_as_it_opens_was_not_let_go_of() -> None:
     opening = np.interp(np.arange(T), [SHUT - 8, SHUT, 45, 50], [1.0, 0.0, 0.0, 1.0])
     frames = frames_of(resting(), during(40, 46), opening)
     assert mark(frames, "failed_check", "cup on the plate")[0] != "misplaced"
+
+
+def test_what_hung_wrong_until_it_was_lost_is_marked_where_it_turned() -> None:
+    cup = lifted(50)
+    cup[34:, 3:] = [0.7, 0.7, 0, 0]
+    cup[45:50, 0] += np.arange(1, 6) * 0.01  # the slide that ends in the loss
+    frames = frames_of(cup, during(SHUT, 49))
+    assert mark(frames, "slipped", "cup left the left hand")[:2] == ("slip", 34)
+
+
+def test_what_an_opened_hand_touches_is_not_held() -> None:
+    """It opens half way, and the load rolls off while it still touches a finger."""
+    opening = np.interp(np.arange(T), [SHUT - 8, SHUT, 40, 42], [1.0, 0.0, 0.0, 0.5])
+    cup = lifted(41)
+    cup[41:, 2] = cup[40, 2]
+    frames = frames_of(cup, during(SHUT, 40) | during(44, 50), opening)
+    assert mark(frames, "failed_check", "cup on the plate")[:2] == ("misplaced", 41)

@@ -2,7 +2,8 @@
 
 * slip: an object slid or turned in the closed hand that held it. First frame beyond 1 cm or 20 deg,
   counted from the start of the slide that ended in the loss; if it is lost sooner, the first frame
-  without contact. A person marks it there: a slide begins with millimetres, which nobody sees.
+  without contact. A person marks it there: a slide begins with millimetres, which nobody sees. What
+  had slid by 3 cm or turned by 45 deg before, and stayed so until it was lost, is marked there.
 * drop: a closed hand lost an object that had not slid before. First frame without contact.
 * miss: a hand closed on nothing. First frame in which its fingers are closed.
 * tip_over: an object tipped that no hand held, nor carried later. First frame beyond 45 deg.
@@ -24,23 +25,30 @@ then this is the instant.
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from rtphys.core.poses import Array, quat_to_matrix
 from rtphys.data.episode import ARMS, Frames
 from rtphys.data.schema_attempts import Event, Side
+from rtphys.episode.holds import (
+    BRIEF,
+    FAR,
+    Flags,
+    Hold,
+    InHand,
+    angles_between,
+    gripped,
+    holds_of,
+    is_carried,
+    last_along,
+)
 
-FAR = 0.02  # [m] as much as a piece of clutter may move undisturbed
-TIPPED = np.radians(45)
-SLIPPED, TURNED = 0.01, np.radians(20)  # [m], [rad] in the hand: enough to be seen
-FAR_OFF, WRONG_WAY = 0.03, np.radians(45)  # likewise: enough to be put down wrong
+TIPPED, TURNED = np.radians(45), np.radians(20)
+SEEN = (0.01, TURNED)  # [m], [rad] in the hand: enough to be seen
+SPOILT = (0.03, np.radians(45))  # likewise: enough to be put down wrong, or lost
 SLIDING = 0.002  # [m] between two frames, 33 mm/s
-BRIEF = 3  # frames without contact, or without sliding, that interrupt neither
 SOON = 8  # frames, half a second, in which what was let go of is still on its way
-WITHIN = 0.05  # [m] by which the contents of a carried object may shift
-OPENED = 0.05  # of the gripper's stroke: less is no opening and no closing
 CLOSED = 0.5  # of the stroke that fingers have to close at once for a grasp
 
 LOST, UPSET = ("slip", "drop"), ("tip_over", "moved")
@@ -59,21 +67,6 @@ class Instant:
     side: Side = ""  # hand
 
 
-class _Hold(NamedTuple):
-    """A closed hand touches an object from frame `first` to frame `last`."""
-
-    object: str
-    column: int  # of the hand
-    first: int
-    last: int
-    released: bool  # it ends because the hand opens
-    ended: bool  # it ends before the frames do
-
-    @property
-    def lost(self) -> bool:
-        return self.ended and not self.released
-
-
 def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] = ()) -> Instant:
     """When a failed attempt went wrong.
 
@@ -83,11 +76,10 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
         scenery: objects that the task is not about, such as clutter.
     """
     objects = [name for name in frames.object_poses if name not in scenery]
-    sides = range(len(ARMS))
-    holds = [hold for name in objects for side in sides for hold in _holds(frames, name, side)]
+    holds = [hold for name in objects for side in ARMS for hold in holds_of(frames, name, side)]
     holds.sort(key=lambda hold: hold.last)
     found = [instant for name in objects for instant in _of_object(frames, name, holds)]
-    misses = [instant for side in sides for instant in _misses(frames, side)]
+    misses = [instant for side in ARMS for instant in _misses(frames, side)]
     end = Instant("stuck" if reason in STUCK else "end", len(frames) - 1)
     if reason in GRASP:
         about = next((name for name in objects if detail.startswith(f"{name} ")), "")
@@ -142,14 +134,14 @@ def _cause(late: Instant, about: str, found: Sequence[Instant]) -> Instant:
 # ---- one object ----------------------------------------------------------------------------------
 
 
-def _of_object(frames: Frames, name: str, holds: Sequence[_Hold]) -> Iterator[Instant]:
+def _of_object(frames: Frames, name: str, holds: Sequence[Hold]) -> Iterator[Instant]:
     """What went wrong with an object, given the holds of all objects."""
     held, taken, let_go, spoilt = np.zeros(len(frames), bool), 0, -SOON - 1, False
     for hold in holds:
         own = hold.object == name
-        last = hold.last if own else _along(frames, name, hold)
+        last = hold.last if own else last_along(frames, name, hold)
         held[hold.first : last + 1 + BRIEF] |= last >= hold.first
-        carried = _carried(frames, name, hold.first, last)
+        carried = is_carried(frames, name, hold.first, last)
         taken = max(taken, hold.first) if carried else taken
         if own:
             instants = list(_of_hold(frames, hold))
@@ -168,87 +160,35 @@ def _of_object(frames: Frames, name: str, holds: Sequence[_Hold]) -> Iterator[In
             yield instant
 
 
-def _along(frames: Frames, name: str, hold: _Hold) -> int:
-    """Last frame in which an object is carried in or on a held one; before the hold if in none."""
-    span = slice(hold.first, hold.last + 1)
-    here = np.asarray(frames.object_poses[name], float)[span, :3]
-    away = np.linalg.norm(here - np.asarray(frames.object_poses[hold.object])[span, :3], axis=1)
-    end = int(np.append(away > away[0] + WITHIN, True).argmax())
-    rises = (here[:end, 2] - here[0, 2] > FAR).any()  # what is only pushed does not
-    return hold.first + end - 1 if rises else hold.first - 1
-
-
-def _carried(frames: Frames, name: str, first: int, last: int) -> bool:
-    """Whether the object went with the hand; one that a hand only touches was not picked up."""
-    place = np.asarray(frames.object_poses[name], float)[first : last + 1, :3]
-    return bool((np.linalg.norm(place - place[:1], axis=1) > FAR).any())
-
-
-def _holds(frames: Frames, name: str, column: int) -> Iterator[_Hold]:
-    """Runs of contact while the hand is as closed as it was, short gaps bridged."""
-    opening = np.asarray(getattr(frames, f"{ARMS[column]}_gripper"), float)
-    touched = np.asarray(frames.contacts[name])[:, column]
-    opening_now = np.diff(opening, prepend=opening[0]) > 0
-    t, T = 0, len(frames)
-    while t < T:
-        if not touched[t] or opening_now[t] or opening[t] > 1 - OPENED:
-            t += 1
-            continue
-        first = last = t
-        least = opening[t]
-        while t + 1 < T and t - last < BRIEF and opening[t + 1] <= least + OPENED:
-            t += 1
-            least = min(least, opening[t])
-            last = t if touched[t] else last
-        released = t + 1 < T and opening[t + 1] > least + OPENED
-        yield _Hold(name, column, first, last, released, last + 1 < T)
-        t += 1
-
-
-def _of_hold(frames: Frames, hold: _Hold) -> Iterator[Instant]:
-    name, side = hold.object, ARMS[hold.column]
-    place, turn = _in_hand(frames, name, side)
-    gripped = _gripped(frames, side, hold)
+def _of_hold(frames: Frames, hold: Hold) -> Iterator[Instant]:
+    """How an object shifted in a hand, and how the hold ended."""
+    name, side = hold.object, hold.side
+    within, closed = InHand(frames, hold), gripped(frames, hold)
+    shown = _first(within.shifted(closed, hold.last, SEEN), closed)
+    spoilt = within.shifted(closed, hold.last, SPOILT)
     if hold.lost:
-        step = np.linalg.norm(np.diff(place[gripped : hold.last + 2], axis=0), axis=1)
-        onset = gripped + _last_run(step > SLIDING)
-        if onset <= hold.last:
-            shown = _first_shift(place, turn, onset, hold.last)
-            late = hold.last + 1 if shown is None else shown
-            yield Instant("slip", late, name, side)
-        else:
+        onset = closed + _last_run(within.steps(closed, hold.last + 1) > SLIDING)
+        if onset > hold.last:
             yield Instant("drop", hold.last + 1, name, side)
+            return
+        # What sags as it is gripped is no slip yet; what hangs wrong until it is lost is one.
+        seen = _first(within.shifted(onset, hold.last, SEEN), onset)
+        late = min(hold.last + 1 if seen is None else seen, closed + _last_run(spoilt))
+        yield Instant("slip", late, name, side)
         return
-    shown = _first_shift(place, turn, gripped, hold.last)
     if shown is not None:
         yield Instant("slip", shown, name, side)
-    spoilt = _first_shift(place, turn, gripped, hold.last, (FAR_OFF, WRONG_WAY))
-    carried = _carried(frames, name, hold.first, hold.last)
-    if hold.released and carried and spoilt is None:
+    carried = is_carried(frames, name, hold.first, hold.last)
+    if hold.released and carried and not spoilt.any():
         yield Instant("misplaced", min(hold.last + 1, len(frames) - 1), name, side)
 
 
-def _first_shift(
-    place: Array,
-    turn: Array,
-    start: int,
-    last: int,
-    beyond: tuple[float, float] = (SLIPPED, TURNED),
-) -> int | None:
-    """First frame in which an object has slid [m] or turned [rad] beyond this in the hand."""
-    window = slice(start, last + 1)
-    slid = np.linalg.norm(place[window] - place[start], axis=1) > beyond[0]
-    shifted = slid | (_angles(turn[window], turn[start]) > beyond[1])
-    return start + int(shifted.argmax()) if shifted.any() else None
+def _first(flags: Flags, start: int) -> int | None:
+    """The frame of the first true flag, of flags that begin at a frame."""
+    return start + int(flags.argmax()) if flags.any() else None
 
 
-def _gripped(frames: Frames, side: Side, hold: _Hold) -> int:
-    """The frame of a hold in which the fingers have closed."""
-    opening = np.asarray(getattr(frames, f"{side}_gripper"), float)[hold.first : hold.last + 1]
-    return hold.first + int((opening <= opening.min() + 1e-9).argmax())
-
-
-def _last_run(flags: Array) -> int:
+def _last_run(flags: Flags) -> int:
     """Index at which the last run of true flags begins that reaches the end, short gaps bridged.
 
     Without one: their number.
@@ -262,7 +202,7 @@ def _last_run(flags: Array) -> int:
     return start
 
 
-def _upset(pose: Array, name: str, held: Array) -> Iterator[Instant]:
+def _upset(pose: Array, name: str, held: Flags) -> Iterator[Instant]:
     """Where an object that no hand holds tips or moves, once for each time that it lies free."""
     turn = np.array([quat_to_matrix(q) for q in pose[:, 3:]])
     up = turn[:, 2]  # the world's z, in the body's axes
@@ -273,33 +213,17 @@ def _upset(pose: Array, name: str, held: Array) -> Iterator[Instant]:
         angle = np.arccos(np.clip(up[free] @ up[first], -1, 1))
         if (angle > TIPPED).any():
             yield Instant("tip_over", int(first + (angle > TIPPED).argmax()), name)
-        moved = (way > FAR) | (_angles(turn[free], turn[first]) > TURNED)
+        moved = (way > FAR) | (angles_between(turn[free], turn[first]) > TURNED)
         if moved.any():
             yield Instant("moved", int(first + moved.argmax()), name)
-
-
-def _in_hand(frames: Frames, name: str, side: Side) -> tuple[Array, Array]:
-    """Position (T, 3) [m] and rotation (T, 3, 3) of an object in the frame of a hand's link6."""
-    hand = np.asarray(getattr(frames, f"{side}_endpose"), float)
-    pose = np.asarray(frames.object_poses[name], float)
-    R_WH = np.array([quat_to_matrix(q) for q in hand[:, 3:]])
-    R_WO = np.array([quat_to_matrix(q) for q in pose[:, 3:]])
-    place = np.einsum("tji,tj->ti", R_WH, pose[:, :3] - hand[:, :3])
-    return place, np.einsum("tji,tjk->tik", R_WH, R_WO)
-
-
-def _angles(turns: Array, start: Array) -> Array:
-    trace = np.einsum("tij,ij->t", turns, start)
-    return np.arccos(np.clip((trace - 1) / 2, -1, 1))
 
 
 # ---- a hand that closes on nothing ---------------------------------------------------------------
 
 
-def _misses(frames: Frames, column: int) -> Iterator[Instant]:
-    side = ARMS[column]
+def _misses(frames: Frames, side: Side) -> Iterator[Instant]:
     opening = np.asarray(getattr(frames, f"{side}_gripper"), float)
-    touched = np.any([np.asarray(t)[:, column] for t in frames.contacts.values()], axis=0)
+    touched = np.any([np.asarray(t)[:, ARMS.index(side)] for t in frames.contacts.values()], axis=0)
     falling = np.diff(opening, prepend=opening[0]) < 0
     t, T = 0, len(frames)
     while t < T:
