@@ -2,8 +2,7 @@
 
 * slip: an object slid or turned in the closed hand that held it. First frame beyond 1 cm or 20 deg,
   counted from the start of the slide that ended in the loss; if it is lost sooner, the first frame
-  without contact. A person marks it there: a slide begins with millimetres, which nobody sees. What
-  had slid by 3 cm or turned by 45 deg before, and stayed so until it was lost, is marked there.
+  without contact. A person marks it there: a slide begins with millimetres, which nobody sees.
 * drop: a closed hand lost an object that had not slid before. First frame without contact.
 * miss: a hand closed on nothing. First frame in which its fingers are closed.
 * tip_over: an object tipped that no hand held, nor carried later. First frame beyond 45 deg.
@@ -46,7 +45,7 @@ from rtphys.episode.holds import (
 
 TIPPED, TURNED = np.radians(45), np.radians(20)
 SEEN = (0.01, TURNED)  # [m], [rad] in the hand: enough to be seen
-SPOILT = (0.03, np.radians(45))  # likewise: enough to be put down wrong, or lost
+SPOILT = (0.03, np.radians(45))  # likewise: enough to be put down wrong
 SLIDING = 0.002  # [m] between two frames, 33 mm/s
 SOON = 8  # frames, half a second, in which what was let go of is still on its way
 CLOSED = 0.5  # of the stroke that fingers have to close at once for a grasp
@@ -164,20 +163,19 @@ def _of_hold(frames: Frames, hold: Hold) -> Iterator[Instant]:
     """How an object shifted in a hand, and how the hold ended."""
     name, side = hold.object, hold.side
     within, closed = InHand(frames, hold), gripped(frames, hold)
-    shown = _first(within.shifted(closed, hold.last, SEEN), closed)
-    spoilt = within.shifted(closed, hold.last, SPOILT)
     if hold.lost:
         onset = closed + _last_run(within.steps(closed, hold.last + 1) > SLIDING)
         if onset > hold.last:
             yield Instant("drop", hold.last + 1, name, side)
             return
-        # What sags as it is gripped is no slip yet; what hangs wrong until it is lost is one.
+        # From the onset on: a load may turn far as it is gripped, and then be carried for long.
         seen = _first(within.shifted(onset, hold.last, SEEN), onset)
-        late = min(hold.last + 1 if seen is None else seen, closed + _last_run(spoilt))
-        yield Instant("slip", late, name, side)
+        yield Instant("slip", hold.last + 1 if seen is None else seen, name, side)
         return
+    shown = _first(within.shifted(closed, hold.last, SEEN), closed)
     if shown is not None:
         yield Instant("slip", shown, name, side)
+    spoilt = within.shifted(closed, hold.last, SPOILT)
     carried = is_carried(frames, name, hold.first, hold.last)
     if hold.released and carried and not spoilt.any():
         yield Instant("misplaced", min(hold.last + 1, len(frames) - 1), name, side)
