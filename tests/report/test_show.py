@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from test_dataset_writer import FRAMES, collect
+from test_failures import conditions, keep
 from typer import Typer
 from typer.testing import CliRunner
 
@@ -38,6 +39,15 @@ def test_says_what_is_in_the_episode(dataset: Dataset, tmp_path: Path) -> None:
         assert words in result.output
     assert (tmp_path / "click_bell_phys_random_1.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "click_bell_phys_random_1_joints.svg").stat().st_size > 3000
+
+
+def test_says_how_a_kept_failure_failed(dataset: Dataset, tmp_path: Path) -> None:
+    keep(tmp_path, conditions(), seeds=3)
+    failure = Dataset(tmp_path).failures()[0]
+    shown = " ".join(run(str(failure.paths.video)).output.split())
+    assert "slipped: bell left the left hand; slip of bell at frame 2, 0.12 s" in shown
+    assert '"event": "slip"' in run(str(failure.paths.video), "--json").output
+    assert "failure" not in run(str(dataset[0].paths.video)).output
 
 
 def test_by_number(dataset: Dataset) -> None:

@@ -56,7 +56,7 @@ def _episode(path: Path, number: int) -> Episode:
 
 
 def _summary(episode: Episode) -> dict[str, object]:
-    frames, verdict = episode.frames, episode.meta.verdict
+    frames, verdict, failure = episode.frames, episode.meta.verdict, episode.failure
     moved = {
         name: float(np.ptp(pose[:, :3], axis=0).max()) for name, pose in frames.object_poses.items()
     }
@@ -70,9 +70,21 @@ def _summary(episode: Episode) -> dict[str, object]:
         "cameras": list(episode.cameras),
         "first_success_time": verdict.first_success_time,
         "held": verdict.held,
+        "failure": None if failure is None else failure.model_dump(),
         "moved": moved,
         "state_hash": episode.meta.state_hash,
     }
+
+
+def _failure_row(episode: Episode) -> dict[str, str]:
+    """What went wrong with a kept failure, and when; nothing of any other episode."""
+    failure = episode.failure
+    if failure is None:
+        return {}
+    why = f"{failure.reason}: {failure.detail}" if failure.detail else failure.reason
+    whose = f" of {failure.object}" if failure.object else ""
+    when = f"{failure.event}{whose} at frame {failure.frame}, {failure.time:.2f} s"
+    return {"failure": f"{why}; {when}"}
 
 
 def _facts(episode: Episode) -> Table:
@@ -85,6 +97,7 @@ def _facts(episode: Episode) -> Table:
         "frames": f"{len(episode)}, {facts['seconds']:.2f} s, 16.67 Hz",
         "cameras": ", ".join(episode.cameras),
         "success": f"{'-' if after is None else f'after {after:.2f} s'}, held: {facts['held']}",
+        **_failure_row(episode),
         "moved": ", ".join(f"{name} {reach * 100:.1f} cm" for name, reach in moved.items()),
         "state hash": episode.meta.state_hash[:16],
     }
