@@ -264,12 +264,33 @@ def test_what_a_hand_brushes_as_it_opens_was_not_let_go_of() -> None:
     assert mark(frames, "failed_check", "cup on the plate")[0] != "misplaced"
 
 
-def test_what_turned_as_it_was_gripped_is_marked_where_it_slid_out() -> None:
+@pytest.mark.parametrize(("turning", "wanted"), [(24, (45, 47)), (4, (22, 26))])
+def test_a_load_that_sags_is_carried_and_one_that_swings_has_slipped(
+    turning: int, wanted: tuple[int, int]
+) -> None:
+    """It turns by 70 degrees, slowly or at once, and slides out at frame 45."""
     cup = lifted(50)
-    cup[34:, 3:] = [0.7, 0.7, 0, 0]
-    cup[45:50, 0] += np.arange(1, 6) * 0.01  # the slide that ends in the loss
+    half = np.radians(35) * np.clip((np.arange(T) - 21) / turning, 0, 1)
+    cup[:, 3], cup[:, 4] = np.cos(half), np.sin(half)
+    cup[45:50, 0] += np.arange(1, 6) * 0.01
     event, frame, *_ = mark(frames_of(cup, during(SHUT, 49)), "slipped", "cup left the left hand")
-    assert event == "slip" and 45 <= frame <= 47
+    assert event == "slip" and wanted[0] <= frame <= wanted[1]
+
+
+def test_what_slid_away_before_a_hand_that_did_not_pick_it_up_is_the_instant() -> None:
+    cup = resting()
+    cup[6:, 0] += 0.1
+    frames = frames_of(cup, during(SHUT, LIFT + 2))
+    assert mark(frames, "slipped", "cup left the left hand")[:3] == ("moved", 6, "cup")
+
+
+def test_a_hand_that_shut_on_its_way_missed_nothing() -> None:
+    """The cup slides away after the left hand has shut; it is at its end that the grasp fails."""
+    opening = np.interp(np.arange(T), [0, 5], [1.0, 0.0])
+    cup = resting()
+    cup[:, 0] += np.clip(np.arange(T) - 6, 0, None) * 0.01
+    frames = frames_of(cup, during(99, 99), opening)
+    assert mark(frames, "grasp_missed", "cup is not between the fingers")[:3] == ("moved", 9, "cup")
 
 
 def test_what_an_opened_hand_touches_is_not_held() -> None:

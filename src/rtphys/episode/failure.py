@@ -2,7 +2,8 @@
 
 * slip: an object slid or turned in the closed hand that held it. First frame beyond 1 cm or 20 deg,
   counted from the start of the slide that ended in the loss; if it is lost sooner, the first frame
-  without contact. A person marks it there: a slide begins with millimetres, which nobody sees.
+  without contact. A person marks it there: a slide begins with millimetres, which nobody sees. If
+  it swung by 50 deg within half a second before, then there.
 * drop: a closed hand lost an object that had not slid before. First frame without contact.
 * miss: a hand closed on nothing. First frame in which its fingers are closed.
 * tip_over: an object tipped that no hand held, nor carried later. First frame beyond 45 deg.
@@ -18,7 +19,7 @@ Only frames are looked at, so an instant is known to 60 ms. Of several events on
 the reason names a lost or missed grasp, the first loss or the last miss; else what happened last to
 the objects that a failed condition names, or to any object. What led to it in half a second, to
 whichever object, counts instead. If a grasp missed an object that had tipped over or moved before,
-then this is the instant.
+or did not pick it up, then this is the instant.
 """
 
 import re
@@ -47,6 +48,7 @@ TIPPED, TURNED = np.radians(45), np.radians(20)
 SEEN = (0.01, TURNED)  # [m], [rad] in the hand: enough to be seen
 SPOILT = (0.03, np.radians(45))  # likewise: enough to be put down wrong
 SLIDING = 0.002  # [m] between two frames, 33 mm/s
+JUST = 40  # frames, 2.4 s, before the end in which a hand missed what the attempt ends for
 SOON = 8  # frames, half a second, in which what was let go of is still on its way
 CLOSED = 0.5  # of the stroke that fingers have to close at once for a grasp
 
@@ -82,14 +84,8 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
     end = Instant("stuck" if reason in STUCK else "end", len(frames) - 1)
     if reason in GRASP:
         about = next((name for name in objects if detail.startswith(f"{name} ")), "")
-        lost = [one for one in found if one.event in LOST and about in ("", one.object)]
-        # A hand that has not shut at the end is no miss, but the reason says that it was one.
-        last = max([*lost, *misses], key=_frame, default=end)
-        if last not in lost:
-            return _cause(last, about, found)
-        # What was lost, picked up and lost again went wrong the first time.
-        losses = [hold for hold in holds if hold.lost and about in ("", hold.object)]
-        return next(_of_hold(frames, losses[0])) if losses else last
+        own = [hold for hold in holds if about in ("", hold.object)]
+        return _grasp_failed(frames, about, own, found, misses)
     # Where the arms have no way on, what was put down before may well be in its place.
     candidates = [one for one in found if not (reason in STUCK and one.event == "misplaced")]
     if reason in CHECK:
@@ -100,6 +96,30 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
             last = max((one for one in candidates if one.event in UPSET), key=_frame, default=last)
         return _onset(last, found)
     return max(misses, key=_frame, default=end)
+
+
+def _grasp_failed(
+    frames: Frames,
+    about: str,
+    holds: Sequence[Hold],
+    found: Sequence[Instant],
+    misses: Sequence[Instant],
+) -> Instant:
+    """What made a grasp fail of one object, or of any if none is named."""
+    end = Instant("end", len(frames) - 1)
+    lost = [one for one in found if one.event in LOST and about in ("", one.object)]
+    # A hand that shut long ago had shut on its way, and the one that missed has not shut yet.
+    recent = [one for one in misses if end.frame - one.frame <= JUST]
+    last = max([*lost, *recent], key=_frame, default=end)
+    if last not in lost:
+        return _cause(last, about, found)
+    # What was lost, picked up and lost again went wrong the first time.
+    hold = next((hold for hold in holds if hold.lost), None)
+    if hold is None:
+        return last
+    first = next(_of_hold(frames, hold))
+    picked_up = is_carried(frames, hold.object, hold.first, hold.last)
+    return first if picked_up else _cause(first, hold.object, found)
 
 
 def _frame(one: Instant) -> int:
@@ -168,9 +188,11 @@ def _of_hold(frames: Frames, hold: Hold) -> Iterator[Instant]:
         if onset > hold.last:
             yield Instant("drop", hold.last + 1, name, side)
             return
-        # From the onset on: a load may turn far as it is gripped, and then be carried for long.
-        seen = _first(within.shifted(onset, hold.last, SEEN), onset)
-        yield Instant("slip", hold.last + 1 if seen is None else seen, name, side)
+        # A load that sags slowly may be carried for long; one that swings round is seen to slip.
+        shifted = within.shifted(onset, hold.last, SEEN)
+        swings = within.swings(closed, hold.last, SOON)
+        seen = [t for t in (_first(shifted, onset), _first(swings, closed)) if t is not None]
+        yield Instant("slip", min(seen, default=hold.last + 1), name, side)
         return
     shown = _first(within.shifted(closed, hold.last, SEEN), closed)
     if shown is not None:

@@ -15,6 +15,7 @@ Flags = NDArray[np.bool_]
 FAR = 0.02  # [m] as much as a piece of clutter may move undisturbed
 WITHIN = 0.05  # [m] by which the contents of a carried object may shift
 BRIEF = 3  # frames without contact, or without sliding, that interrupt neither
+SWING = np.radians(50)  # in the hand
 OPENED = 0.05  # of the gripper's stroke: less is no opening and no closing
 
 
@@ -94,10 +95,16 @@ class InHand:
         slid = np.linalg.norm(place - place[0], axis=1) > beyond[0]
         return slid | (angles_between(turn, turn[0]) > beyond[1])
 
+    def swings(self, first: int, last: int, frames: int) -> Flags:
+        """Whether it has turned by SWING within so many frames."""
+        turn = self._turn[first : last + 1]
+        before = turn[np.maximum(np.arange(len(turn)) - frames, 0)]
+        return angles_between(turn, before) > SWING
+
 
 def angles_between(turns: Array, start: Array) -> Array:
-    """Angles [rad] of rotations (T, 3, 3) from one (3, 3)."""
-    trace = np.einsum("tij,ij->t", turns, start)
+    """Angles [rad] of rotations (T, 3, 3) from one (3, 3), or from others (T, 3, 3)."""
+    trace = np.einsum("tij,tij->t", turns, np.broadcast_to(start, turns.shape))
     return np.arccos(np.clip((trace - 1) / 2, -1, 1))
 
 
