@@ -99,6 +99,7 @@ def test_a_bug_leaves_its_traceback_in_a_file(tmp_path: Path) -> None:
         run_all([numbers(1)], BrokenPool(failure), Listener(), tmp_path)
     assert caught.value.exit_code == 70
     assert (tmp_path / ERROR_LOG).read_text() == "Traceback: deep down\n"
+    assert failure.__notes__ == ["Traceback: deep down"]  # what `--debug` shows
 
 
 def test_what_a_user_can_cause_is_passed_on(tmp_path: Path) -> None:

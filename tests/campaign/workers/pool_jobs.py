@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtphys.core.errors import BadValue
+from rtphys.core.python_file import load_file
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ def act(what: str) -> None:
     elif what == "hang":
         while True:
             time.sleep(60)
+    elif what.startswith("task:"):
+        load_file(Path(what.removeprefix("task:")), "task").play()
     elif what == "bug":
         raise TypeError("a cat is no dog")
     elif what == "refusal":

@@ -88,6 +88,13 @@ def test_an_unexpected_exception_comes_out_with_its_traceback() -> None:
     assert "pool_jobs.py" in caught.value.trace
 
 
+def test_an_exception_in_a_users_file_comes_out_with_its_line(tmp_path: Path) -> None:
+    task = tmp_path / "mine.py"
+    task.write_text("import json\n\ndef play():\n    json.loads('{')\n")
+    with pytest.raises(WorkerFailed, match=rf"0: JSONDecodeError: .* \({task}, line 4\)$"):
+        run([Trouble(f"task:{task}")])
+
+
 def test_a_refusal_comes_out_as_the_sentence_it_is() -> None:
     with pytest.raises(WorkerFailed, match=r"friction = -1 is not allowed") as caught:
         run([Trouble("refusal")])

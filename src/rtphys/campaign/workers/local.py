@@ -32,6 +32,7 @@ RETRIES = 1  # after a crash or a hang that is the job's own doing
 FOREIGN_RETRIES = 3  # after a SIGKILL or SIGTERM that somebody else sent
 FAREWELL = 5.0  # [s] that idle workers have to close what they have open
 MEMORY_FOR_WORKERS = 0.9  # share of it all; the system needs some itself
+LOADED = "rtphys_"  # how the modules' names begin that `load_file` makes up
 LOG_TAIL = 2000  # [characters] of what a dead worker said
 
 
@@ -62,8 +63,16 @@ def main(connection: Connection, parent: int) -> None:
     except RtphysError as error:
         connection.send(WorkerFailed(str(error), error.exit_code))
     except BaseException as error:  # sent to the supervisor, who stops the run
-        text = f"{type(error).__name__}: {error}"
+        text = f"{type(error).__name__}: {error}{_user_line(error)}"
         connection.send(WorkerFailed(text, trace=traceback.format_exc()))
+
+
+def _user_line(error: BaseException) -> str:
+    """` (FILE, line 12)`: where an error left a file that `load_file` has loaded, if it did."""
+    for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
+        if str(frame.f_globals.get("__name__", "")).startswith(LOADED):
+            return f" ({frame.f_code.co_filename}, line {line})"
+    return ""
 
 
 @dataclass(eq=False)
