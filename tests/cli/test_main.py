@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -97,6 +98,26 @@ def test_every_command_explains_itself(name: str) -> None:
     result = RUN.invoke(app, [name, "--help"])
     assert result.exit_code == 0, result.output
     assert "Usage" in result.output
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_examples_fit_a_terminal_and_are_command_lines(name: str) -> None:
+    command = lazy._load(name)
+    for one in (command, *getattr(command, "commands", {}).values()):
+        for line in (one.help or "").splitlines():
+            if line.startswith("    rtphys "):
+                assert len(line) < 80
+                _parse(shlex.split(line)[1:])
+
+
+def _parse(words: list[str]) -> None:
+    """Raises `click.UsageError` where an option or argument is unknown; runs nothing."""
+    while words[0].startswith("-"):  # global options, each with a value
+        words = words[2:]
+    command = lazy._load(words[0])
+    if (inner := getattr(command, "commands", {})) and words[1] in inner:
+        command, words = inner[words[1]], words[1:]
+    command.make_context(words[0], words[1:])
 
 
 def test_unknown_command_names_the_nearest() -> None:

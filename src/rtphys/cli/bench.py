@@ -32,6 +32,10 @@ def bench(plan: BenchPlan, output: Output) -> None:
 
     CPU time is what two machines of a kind agree on. Wall time, in the JSON, compares phases of
     one run at most; other jobs on the machine lengthen it.
+
+    Example:
+
+        rtphys bench --task click_bell --protocol clean --episodes 5
     """
     path = output.json_file
     if path is not None and not os.access(path.absolute().parent, os.W_OK):

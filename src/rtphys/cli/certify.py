@@ -25,6 +25,11 @@ def certify(plan: CertifyPlan, output: AsJson) -> None:
 
     --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
     moves no state, the lists so get the present fingerprint in minutes. Exit code 1: one differs.
+
+    Examples:
+
+        rtphys certify --task click_bell --protocol clean,phys_random --out bench
+        rtphys certify --task '*' --protocol clean --reprove 1 --out bench
     """
     from rtphys.assets.pack import default_pack
     from rtphys.cli.progress import campaign_progress

@@ -48,6 +48,11 @@ def check(plan: CheckPlan, output: Output) -> None:
     attempt.
 
     Exit code 1: a robot that sees nothing succeeded, or a seed gave two outcomes.
+
+    Examples:
+
+        rtphys check click_bell --seeds 20
+        rtphys check 'stack_*' --protocol clean,phys_random --sheet sheets
     """
     plan.check()
     output.check()

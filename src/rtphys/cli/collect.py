@@ -47,6 +47,13 @@ def collect(request: Request, template: TaskPlan, run: Run) -> None:
 
     Attempts are simulated without pictures, and only successes are drawn. What comes out depends
     on the options alone, not on the number of workers or on interruptions.
+
+    Examples:
+
+        rtphys collect --task click_bell --episodes 100
+        rtphys collect --task 'stack_*' --protocol clean --sense depth,touch
+        rtphys collect --task lift_pot --only friction --episodes 20
+        rtphys collect --manifest training_v1 --shard 1/4 --estimate
     """
     from rtphys.studies.collect.shard import own_plans
 

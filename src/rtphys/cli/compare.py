@@ -54,6 +54,11 @@ def compare(
 
     Without a folder, --paper shows the paper's tables. Result files of `rtphys identify` (.json)
     are shown side by side instead: the mean R2 of each attribute.
+
+    Examples:
+
+        rtphys compare eval/one eval/other --protocol phys_random
+        rtphys compare eval/one --paper --figure rates.png
     """
     if not folders and not paper:
         raise typer.BadParameter("name a result folder, or say --paper")

@@ -16,7 +16,14 @@ def convert(
     out: Annotated[Path, typer.Option(help="Folder for the converted dataset.")],
     to: Annotated[str, typer.Option(help="Layout to write: legacy or native.")] = "legacy",
 ) -> None:
-    """Write a dataset again in the other official layout; nothing is lost or re-encoded."""
+    """Write a dataset again in the other official layout.
+
+    Nothing is lost, and no picture is encoded again.
+
+    Example:
+
+        rtphys convert data --out data_legacy --to legacy
+    """
     with Progress(console=Screen(stderr=True), transient=True) as bar:
         row = bar.add_task("converting", total=None)
         written = convert_dataset(

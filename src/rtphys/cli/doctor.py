@@ -22,6 +22,10 @@ def doctor(
 
     Exit code 0 when all is well, else the code of the first cause: 10-17 renderer, 20-21 disk,
     22-23 packages, 24 assets, 25 task library.
+
+    Example:
+
+        rtphys doctor --json
     """
     findings = examine(out)
     if as_json:

@@ -18,6 +18,12 @@ def evaluate(plan: EvaluatePlan, output: AsJson) -> None:
     Nothing is searched for: the instances are those of a list that `rtphys certify` has made. The
     same policy gives the same records, with any number of workers. It may be interrupted: the
     same command goes on where it stopped.
+
+    Examples:
+
+        rtphys evaluate --policy expert --task click_bell --protocol clean
+        rtphys evaluate --policy python:mine.py:load --task '*' --protocol clean
+        rtphys evaluate --policy lerobot:act --task lift_pot --protocol phys_random
     """
     plan.check()
     from rtphys.assets.pack import default_pack

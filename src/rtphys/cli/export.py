@@ -38,7 +38,15 @@ def lerobot(
         typer.Option(help="Also in each frame: physics, environment_state, contact, touch, depth."),
     ] = None,
 ) -> None:
-    """Write a LeRobot dataset with each episode's physics in columns phys/<attribute>."""
+    """Write a LeRobot dataset.
+
+    Each episode's physics is in the columns phys/<attribute>.
+
+    Examples:
+
+        rtphys export lerobot data --out lr
+        rtphys export lerobot data --version v2.1 --features physics --out lr21
+    """
     # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
     from rtphys.export.lerobot import export_lerobot
 

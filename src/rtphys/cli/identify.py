@@ -26,11 +26,8 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
     Examples:
 
         rtphys identify --task click_bell,lift_pot --episodes 100
-
         rtphys --library probes identify --task heft,rub --out identify_probes
-
         rtphys identify --task lift_pot --estimator python:mine.py:Mine
-
         rtphys compare identify/trees.json identify/Mine.json
     """
     plan.check()

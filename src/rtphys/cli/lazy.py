@@ -109,7 +109,16 @@ def _load(name: str):
     if inner is None:
         inner = typer.Typer(add_completion=False)
         inner.command()(getattr(module, module_name))
-    return typer.main.get_command(inner)
+    command = typer.main.get_command(inner)
+    for one in (command, *getattr(command, "commands", {}).values()):
+        one.help = _reflowed(one.help or "")
+    return command
+
+
+def _reflowed(text: str) -> str:
+    """A docstring whose paragraphs are one line each: the terminal is narrower than the source."""
+    lines = (re.sub(r"\n(?! |\* )", " ", part) for part in text.split("\n\n"))
+    return "\n\n".join(lines)
 
 
 def with_flags(error: RtphysError, flags: Mapping[str, str]) -> str:

@@ -21,6 +21,10 @@ def merge(
 
     Refuses shards that are missing, unfinished or of another collection, before it writes. Where
     shards shared a task seed by seed, a few seeds are tried here: those that none of them came to.
+
+    Example:
+
+        rtphys merge shard1 shard2 --out data
     """
     if any(part.resolve() == out.resolve() for part in parts):
         raise BadValue("out", str(out), "it is one of the shards; name another folder")

@@ -74,10 +74,11 @@ def new_task(
 ) -> None:
     """Write a task file to start from; it runs as it is.
 
-    Example:
+    Its place, a library, is a folder of yours; the second command tries the task there.
+
+    Examples:
 
         rtphys new-task place_spoon --in my_lab
-
         rtphys --library my_lab check place_spoon
     """
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):

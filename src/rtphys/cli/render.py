@@ -14,6 +14,11 @@ def render(plan: RenderPlan) -> None:
 
     An episode that was recorded with `--sense states` is drawn from them. Any other is simulated
     again from its recipe, and drawn if that gives the very states that its label names.
+
+    Examples:
+
+        rtphys render data --add depth,segmentation --out with_depth
+        rtphys render data --look official_random --size 128x96 --out looks
     """
     from rtphys.cli.progress import campaign_progress
     from rtphys.studies.render.run import render as draw_again

@@ -19,7 +19,14 @@ def report(
     ] = None,
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
 ) -> None:
-    """Write one HTML page: counts, acceptance, histograms of the physics, every episode's video."""
+    """Write one HTML page of a dataset.
+
+    It shows counts, acceptance, histograms of the physics, and every episode's video.
+
+    Example:
+
+        rtphys report data --task click_bell
+    """
     chosen = Dataset(dataset).where(task)
     page = out or chosen.path / "report.html"
     with Progress(console=Screen(stderr=True), transient=True) as bar:

@@ -22,9 +22,10 @@ def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
     The tolerance is the part of its range in which at least half of them still succeed. It may be
     interrupted: the same command goes on where it stopped.
 
-    rtphys sensitivity --task click_bell,open_laptop --only friction,table_height
+    Examples:
 
-    rtphys sensitivity --task '*' --out maps/replay --figure map.png
+        rtphys sensitivity --task click_bell --only friction,table_height
+        rtphys sensitivity --task '*' --out maps/replay --figure map.png
     """
     from rtphys.assets.pack import default_pack
     from rtphys.cli.progress import campaign_progress

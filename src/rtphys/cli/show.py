@@ -31,7 +31,14 @@ def show(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Plain JSON instead of tables.")] = False,
 ) -> None:
-    """What an episode holds: task, physics, stages, contacts; with --out its pictures too."""
+    """What an episode holds: task, physics, stages, contacts.
+
+    Of a failure that was kept, also what went wrong, and when.
+
+    Example:
+
+        rtphys show data --episode 3 --out pictures
+    """
     episode = _episode(path, number)
     if as_json:
         facts = {**_summary(episode), "physics": _attributes(episode), "stages": _stages(episode)}

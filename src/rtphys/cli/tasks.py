@@ -33,10 +33,11 @@ def tasks(
 ) -> None:
     """List the tasks: arms, mechanism, objects, step limit, domain, measured rates.
 
+    The rates are those of the expert in the certified lists.
+
     Examples:
 
         rtphys tasks
-
         rtphys tasks 'place_*' --json
     """
     from rtphys.cli.options import expand

@@ -88,6 +88,11 @@ def verify_manifest(looks: Looks, origin: Origin, again: Again) -> None:
 
     Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
     proves.
+
+    Examples:
+
+        rtphys verify-manifest data
+        rtphys verify-manifest data --deep --replay 5
     """
     out = looks.out
     report = _with_bar(out, looks.effort, None if looks.fresh else default_path())

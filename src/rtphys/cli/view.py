@@ -27,7 +27,15 @@ def view(
         Path | None, typer.Option(help="Write an .rrd file instead of opening the viewer.")
     ] = None,
 ) -> None:
-    """Look at an episode in Rerun: cameras, the scene in 3D, forces, joints, physics, stages."""
+    """Look at an episode in Rerun: cameras, the scene in 3D, forces, joints, physics, stages.
+
+    Of a failure that was kept, the instant at which it went wrong is marked.
+
+    Examples:
+
+        rtphys view data --episode 3
+        rtphys view data --failure 0 --out failure.rrd
+    """
     if out is not None and out.suffix != SUFFIX:
         raise BadValue("out", str(out), f"its name ends in {SUFFIX}")
     chosen = _chosen(path, episode, failure)
