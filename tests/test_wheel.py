@@ -40,6 +40,8 @@ def test_wheel_holds_the_library_and_nothing_else(wheel: Path) -> None:
     for kind, suffix in (("tasks", ".py"), ("domains", ".yaml"), ("manifests", ".yaml")):
         packed = {n for n in names if n.startswith(f"rtphys/{kind}/") and n.endswith(suffix)}
         assert {Path(n).name for n in packed} >= {p.name for p in (ROOT / kind).glob(f"*{suffix}")}
+    examples = {f"rtphys/{p.relative_to(ROOT)}" for p in (ROOT / "examples").rglob("*.py")}
+    assert examples <= set(names)
     assert any(n.endswith(".dist-info/licenses/LICENSE") for n in names)
     assert not [n for n in names if "__pycache__" in n or "/." in n]
 
@@ -59,6 +61,8 @@ def test_installed_wheel_works_outside_the_checkout(wheel: Path, tmp_path: Path)
     assert set(tasks.split()) == entries("tasks", ".py")
     assert set(domains.split()) == entries("domains", ".yaml")
     assert "collect" in run(home / "bin" / "rtphys", "--help", cwd=tmp_path)
+    own = ("--library", "examples/own_attributes", "domains", "show", "thick_air")
+    assert "linear_drag" in run(home / "bin" / "rtphys", *own, cwd=tmp_path)
     assert "global" in run(home / "bin" / "rtphys", "domains", "list", cwd=tmp_path)
     # sapien asks for opencv-python, whose windows need libGL: the headless build must have won.
     info = run(python, "-c", "import cv2; print(cv2.getBuildInformation())", cwd=tmp_path)

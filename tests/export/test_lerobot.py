@@ -9,7 +9,7 @@ import pytest
 import synthetic
 from test_dataset_writer import FRAMES, collect
 
-from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import video
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetExists
@@ -22,6 +22,7 @@ from groot_reader import Reader  # noqa: E402
 from rtphys.export.lerobot import export_lerobot  # noqa: E402
 from rtphys.export.lerobot_plan import RATES, plan_for  # noqa: E402
 from rtphys.export.statistics import STRIDE, PixelCounts, of_numbers  # noqa: E402
+from rtphys.policies.served.lerobot import physics_vector  # noqa: E402
 
 R = FRAMES - 1
 MIXED = "piper,franka-panda,0.7"
@@ -198,6 +199,9 @@ def test_physics_in_each_frame(dataset: Dataset, tmp_path: Path) -> None:
     friction = [row[names.index("friction")] for row in table["observation.physics"]]
     stated = [np.float32(episode.physics["friction"]) for episode in dataset]
     assert friction == [value for value in stated for _ in range(R)]
+    # What an oracle is shown in an evaluation has the same order.
+    shown = [physics_vector(episode.physics).tolist() for episode in dataset for _ in range(R)]
+    assert table["observation.environment_state"] == shown
 
 
 def test_chosen_cameras(dataset: Dataset, tmp_path: Path) -> None:
@@ -217,6 +221,8 @@ def test_tasks_with_different_cameras_are_exported_with_those_they_share(dataset
 
 
 def test_refusals_leave_nothing(dataset: Dataset, tmp_path: Path) -> None:
+    with pytest.raises(BadFile, match=r"holds no touch; .* senses=touch` records it$"):
+        export_lerobot(dataset, tmp_path / "out", features=["touch"])
     with pytest.raises(UnknownName, match="LeRobot version"):
         export_lerobot(dataset, tmp_path / "out", version="v4")
     with pytest.raises(UnknownName, match="did you mean 'head_camera'"):

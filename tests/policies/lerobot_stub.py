@@ -16,7 +16,8 @@ SHAPES = {"observation.state": [14], "observation.images.cam_high": [3, 240, 320
 CHANGED = {
     "other_robot": {"observation.state": [6]},
     "other_cameras": {"observation.images.top": [3, 240, 320]},
-    "knows_physics": {"observation.environment_state": [13]},
+    "knows_physics": {"observation.environment_state": [15]},
+    "knows_other_physics": {"observation.environment_state": [13]},
     "larger": {"observation.images.cam_high": [3, 480, 640]},
 }
 
@@ -47,6 +48,8 @@ class Checkpoint:
         assert arrays["observation.images.cam_high"].shape == (240, 320, 3)
         actions = np.tile(arrays["observation.state"], (self.steps, 1))
         actions[:, 0] += 0.01 * np.arange(1, self.steps + 1)
+        if self.path == "knows_physics":
+            actions[:, 1] += arrays["observation.environment_state"][7]  # friction
         if self.path == "nan":
             actions[1, 4] = np.nan
         return actions

@@ -12,14 +12,17 @@ import pytest
 import synthetic
 from test_dataset_writer import collect
 
+from rtphys.assets.pack import default_pack
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset
-from rtphys.episode import CameraView, PolicyEpisode, View
+from rtphys.episode import CameraView, PolicyEpisode, View, begin
 from rtphys.episode.mirror import Mirror
 from rtphys.policies import PolicyGone, PolicySetup, open_policy
 from rtphys.policies.policy import ServerFailed
 from rtphys.policies.served.lerobot import LeRobot, observed, open_lerobot
 from rtphys.policies.served.lerobot_server import pack, unpack
+from rtphys.setting.setting import Setting
+from rtphys.task.spec import load_task
 
 HERE = Path(__file__).parent
 CAMERAS = {"high": "head", "left_wrist": "left", "right_wrist": "right"}
@@ -127,9 +130,33 @@ def test_a_checkpoint_of_another_robot(stub: Opener) -> None:
 
 
 def test_a_checkpoint_that_wants_the_physics(stub: Opener) -> None:
-    """Every episode would end in an error, and the rate would read 0 %."""
-    with pytest.raises(UnknownName, match=r"unknown input 'observation\.environment_state'"):
+    """Without an answer every episode would end in an error, and the rate would read 0 %."""
+    with pytest.raises(BadValue, match=r"no robot senses; \?physics=True shows it"):
         stub("knows_physics")
+    with pytest.raises(BadValue, match=r"has to read .*environment_state of \[15\].* is \[13\]"):
+        stub("knows_other_physics", physics="true")
+    with pytest.raises(BadValue, match=r"its shape there is None"):
+        stub("repeats", physics="true")
+
+
+@pytest.mark.sim
+def test_an_oracle_is_shown_the_labels(stub: Opener, painted: None) -> None:
+    setting = Setting("click_bell", "phys_random", overrides={"friction": 0.25})
+    episode = begin(setting.at(0), load_task("click_bell"), default_pack())
+    episode.step_limit = 1
+    start = episode.observe().vector
+    policy = stub("knows_physics", physics="true")
+    policy.play(episode)
+    policy.close()
+    assert episode.observe().vector[1] - start[1] == pytest.approx(0.25, abs=1e-6)
+
+
+@pytest.mark.sim
+def test_an_oracle_needs_a_number_for_each_attribute(stub: Opener, new_episode: Episodes) -> None:
+    policy = stub("knows_physics", physics="true")
+    with pytest.raises(PolicyGone, match=r"object_joint_damping is the asset's own here"):
+        policy.play(new_episode())
+    policy.close()
 
 
 def test_a_checkpoint_with_other_cameras(stub: Opener) -> None:

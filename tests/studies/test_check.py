@@ -17,8 +17,8 @@ from rtphys.studies.check import BLIND, CheckPlan, Job, Score, Trial, check, los
 from rtphys.task.spec import load_task
 
 KEYS = [
-    "task", "protocol", "seeds", "accepted", "rejected", "replay_success", "idle_success",
-    "random_success", "jitter_success", "cpu_seconds_mean",
+    "task", "protocol", "seeds", "accepted", "rejected", "failures", "replay_success",
+    "idle_success", "random_success", "jitter_success", "cpu_seconds_mean",
 ]  # fmt: skip
 
 
@@ -40,6 +40,7 @@ def test_a_score_counts_by_reason_and_leaves_out_what_was_not_tried() -> None:
         "seeds": 3,
         "accepted": 2,
         "rejected": {"slipped": 1},
+        "failures": [{"seed": 1, "reason": "slipped", "detail": "the bell"}],
         "replay_success": 1.0,
         "idle_success": None,
         "random_success": None,

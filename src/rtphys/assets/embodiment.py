@@ -27,15 +27,24 @@ class Hand:
     """Measures of a gripper with two fingers, in its ee frame [m].
 
     x is the approach direction, y the direction in which the fingers close.
+
+    Attributes:
+        tcp: from the ee origin to the tool centre point (TCP), along x.
+        fingertip: from the TCP to the fingertips, along x.
+        pad_half_width: half a finger's extent along z.
+        pad_half_thickness: half that of both closed fingers together, along y.
+        finger_open: distance of each finger from closed when the gripper is open.
+        finger_travel: greatest distance of a finger from closed.
+        palm: from the TCP back to the palm, along x: a thing between the fingers reaches no deeper.
     """
 
-    tcp: float  # ee origin to the tool centre point (TCP), along x
-    fingertip: float  # TCP to the fingertips, along x
-    pad_half_width: float  # of a finger, along z
-    pad_half_thickness: float  # of both closed fingers together, along y
-    finger_open: float  # distance of each finger from closed when the gripper is open
-    finger_travel: float  # greatest distance of a finger from closed
-    palm: float  # TCP back to the palm, along x: a thing between the fingers reaches no deeper
+    tcp: float
+    fingertip: float
+    pad_half_width: float
+    pad_half_thickness: float
+    finger_open: float
+    finger_travel: float
+    palm: float
 
     @property
     def tip(self) -> float:

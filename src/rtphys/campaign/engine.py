@@ -68,7 +68,7 @@ def run_all(
     except WorkerFailed as failure:
         if not failure.trace:  # a user can cause it
             raise
-        failure.add_note(failure.trace)  # for `--debug`
+        failure.add_note(failure.trace)  # part of the traceback
         place = ""
         with suppress(OSError):
             if log_folder is not None:

@@ -41,7 +41,7 @@ COMMANDS = {
     "doctor": "Find what keeps this machine from working, and how to cure it.",
 }
 
-PROBES = "probes"  # a library of its own that ships with rtphys
+SHIPPED = ("probes", "examples/own_attributes")  # libraries of their own, beside the tasks
 
 EPILOG = """Examples:
 
@@ -69,10 +69,11 @@ def _version(wanted: bool) -> None:
 
 
 def _folder(path: Path) -> Path:
-    """A library's folder; that of the probes, which ships with rtphys, is found from anywhere."""
+    """A library's folder; one that ships with rtphys is found from anywhere."""
     from rtphys.core.library import bundled
 
-    return bundled() / PROBES if str(path) == PROBES and not path.exists() else path.resolve()
+    shipped = str(path) in SHIPPED and not path.exists()
+    return bundled() / path if shipped else path.resolve()
 
 
 @app.callback()

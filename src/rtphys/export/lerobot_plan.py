@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.assets.embodiment import DEFAULT
-from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.episode import official_camera
 
@@ -115,8 +115,9 @@ def plan_for(dataset: Dataset, version: str, camera_names: str, wanted: Sequence
         wanted: further features, any of `WANTED`.
 
     Raises:
-        UnknownName: no such version, camera or feature, or the episode has no such sense.
+        UnknownName: no such version, camera or feature.
         BadValue: cameras of different sizes, or two cameras with one name.
+        BadFile: an episode that does not hold what a feature needs.
     """
     if version not in VERSIONS:
         raise UnknownName("LeRobot version", version, VERSIONS)
@@ -131,8 +132,10 @@ def plan_for(dataset: Dataset, version: str, camera_names: str, wanted: Sequence
         if name not in WANTED:
             raise UnknownName("feature", name, WANTED)
     for name in set(wanted) & {"touch", "depth"}:
-        if name not in (senses := episode.senses.senses):
-            raise UnknownName("sense", name, senses, episode.paths.hdf5)
+        if name not in episode.senses.senses:
+            draw = ", or add it with `rtphys render add=depth`" if name == "depth" else ""
+            problem = f"holds no {name}; `rtphys collect senses={name}` records it{draw}"
+            raise BadFile(episode.paths.hdf5, problem)
     frames = episode.frames
     more = {feature: names for feature, names in _more(episode, wanted).items() if names}
     depth = tuple(chosen) if "depth" in wanted else ()

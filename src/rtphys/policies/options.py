@@ -59,3 +59,16 @@ def number(options: Options, key: str, default: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0:
         raise BadValue(key, value, "it must be a number greater than zero")
     return value
+
+
+def flag(options: Options, key: str) -> bool:
+    """Value of an option that is on or off; off where it is not given.
+
+    Raises:
+        BadValue: it is something else.
+    """
+    value = options.get(key, False)
+    known = {"true": True, "1": True, "false": False, "0": False}.get(str(value).lower())
+    if known is None:
+        raise BadValue(key, value, "it must be true or false")
+    return known

@@ -152,6 +152,10 @@ class Score:
             "seeds": len(self.tried("expert")),
             "accepted": len(self.accepted),
             "rejected": dict(sorted(self.rejected.items())),
+            "failures": [
+                {"seed": seed, "reason": trial.reason, "detail": trial.detail}
+                for seed, trial in sorted(self.failures.items())
+            ],
             "replay_success": self.rate("expert"),
             **{f"{robot}_success": self.rate(robot) for robot in BLIND},
             "cpu_seconds_mean": self.cpu_seconds,

@@ -101,18 +101,23 @@ class Motion:
 class Placing:
     """How a held prop's point, or its frame, meets its target: z onto z, then a turn about z.
 
-    "align" turns x onto the target's x; "auto" a hand that holds from the side forwards and
-    inwards, and one from above with its camera away from the robot; "free" does not turn."""
+    `mode` "align" turns x onto the target's x; "auto" a hand that holds from the side forwards and
+    inwards, and one from above with its camera away from the robot; "free" does not turn. `pre` and
+    `gap` [m] are left before and after the last straight line. It runs along the "grasp" (gripper
+    to prop) or the "point" (the target's z), and stops once the load presses on the prop `until`.
+    `yaws` [rad] are further turns, tried in order. `clear`: hand and load must touch nothing at the
+    end, in a box or beside others. `speed` is that of the way there; slower, a load turns less.
+    """
 
-    mode: str = "auto"  # "free" | "align" | "auto"
-    pre: float = 0.1  # [m] distance of the pose before the last straight line
-    gap: float = 0.02  # [m] distance left at the end
-    along: str = "grasp"  # direction of both: "grasp" (gripper to prop) | "point" (target's z)
+    mode: str = "auto"
+    pre: float = 0.1
+    gap: float = 0.02
+    along: str = "grasp"
     release: bool = True
-    until: str = ""  # stop the last line once the load presses on this prop
-    yaws: tuple[float, ...] = (0.0,)  # [rad] extra turns about the target's z, tried in order
-    clear: bool = False  # hand and load must touch nothing at the end: in a box, beside others
-    speed: float = 1.0  # of the way there; slower, a load turns less in its hand
+    until: str = ""
+    yaws: tuple[float, ...] = (0.0,)
+    clear: bool = False
+    speed: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -165,11 +170,7 @@ class Arm(Protocol):
         ...
 
     def place(
-        self,
-        prop: str,
-        target: Pose,
-        point: int | None = None,
-        how: Placing | None = None,
+        self, prop: str, target: Pose, point: int | None = None, how: Placing | None = None
     ) -> Motion:
         """Bring the held prop (its functional point, or its origin) to a target pose and let go."""
         ...

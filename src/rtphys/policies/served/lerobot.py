@@ -19,6 +19,8 @@ import numpy as np
 from rtphys.core.bounds import LARGEST_MESSAGE, LONGEST_REPORT
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.episode import Observation, PolicyEpisode
+from rtphys.physics import Physics, attributes
+from rtphys.physics.values import components
 from rtphys.policies import options
 from rtphys.policies.policy import PolicyGone, PolicySetup, ServerFailed
 from rtphys.policies.served import lerobot_server
@@ -47,6 +49,7 @@ class LeRobotOptions:
     execute: int = 0  # actions of a chunk to carry out; 0: as the checkpoint says
     cameras: str = ""  # `head=top,left=wrist`: names in the checkpoint, where they are not ours
     threads: int = 1  # of torch, on a CPU
+    physics: bool = False  # show the labels too: an oracle, which knows what no robot senses
     reply_s: float = 600.0  # [s] limit for one answer
 
 
@@ -70,7 +73,7 @@ class LeRobot:
             if "error" in about:
                 raise PolicyGone(self._name, self._cause(about))
             self._pictures = pictures(about["inputs"], given.cameras)
-            check_vectors(about, sum(setup.arm_joints) + 2)
+            check_vectors(about, sum(setup.arm_joints) + 2, given.physics)
             self._inputs = about["inputs"]
         except BaseException:
             self.close()
@@ -100,15 +103,25 @@ class LeRobot:
 
     def play(self, episode: PolicyEpisode) -> None:
         """Play one episode. Raises `PolicyGone`, `ServerFailed`."""
+        known = self._known(episode.instance.physics)
         self._request({"do": "reset", "seed": episode.seed + self._seed})
         while not episode.over:
-            seen = observed(episode.observe(), self._pictures)
+            seen = observed(episode.observe(), self._pictures) | known
             self._check_size(seen)
             _, found = self._request({"do": "act", "task": episode.instruction}, seen)
             size = len(seen[STATE])
             for action in rows(found.get("actions"), size, self._name):
                 if episode.act(action):
                     return
+
+    def _known(self, physics: Physics) -> dict[str, np.ndarray]:
+        """The physics, if it is shown. Raises `PolicyGone` where an attribute has no number."""
+        if PHYSICS not in self._inputs:
+            return {}
+        if own := [key for key in attributes() if physics[key] is None]:
+            problem = f"{', '.join(own)} is the asset's own here, which is no number"
+            raise PolicyGone(self._name, f"{problem}; evaluate where the protocol varies it")
+        return {PHYSICS: physics_vector(physics)}
 
     def _check_size(self, seen: Mapping[str, np.ndarray]) -> None:
         """Raises `PolicyGone`, because no episode could be played, where pictures have another."""
@@ -176,6 +189,12 @@ def observed(observation: Observation, pictures: Mapping[str, str]) -> dict[str,
     }
 
 
+def physics_vector(physics: Physics) -> np.ndarray:
+    """All attributes as in `rtphys export lerobot`, float32; vectors one number after the other."""
+    values = [part for key in attributes() for part in components(physics[key])]
+    return np.array(values, np.float32)
+
+
 def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
     """Camera of ours by name of a picture in the checkpoint.
 
@@ -203,17 +222,29 @@ def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
     return {name: named[name.removeprefix(PICTURE)] for name in wanted}
 
 
-def check_vectors(about: Mapping[str, Mapping[str, list[int]]], size: int) -> None:
+def check_vectors(
+    about: Mapping[str, Mapping[str, list[int]]], size: int, oracle: bool = False
+) -> None:
     """Refuse a checkpoint that could play no episode.
 
+    Args:
+        about: shapes of the checkpoint's `inputs` and `outputs` by name.
+        size: numbers of the robot's state and action.
+        oracle: whether the policy is shown the physics.
+
     Raises:
-        UnknownName: it reads the physics, which no evaluated policy is shown.
-        BadValue: its state or action is that of another robot.
+        BadValue: it reads the physics and is not shown it, or its state or action is that of
+            another robot, or its physics that of other attributes.
     """
     # Other inputs that we lack may be listed though the policy never reads them, such as effort.
-    if PHYSICS in about["inputs"]:
-        where = "the checkpoint (an evaluated policy is not shown the physics)"
-        raise UnknownName("input", PHYSICS, (STATE, EE_POSE, f"{PICTURE}*"), where)
+    known = about["inputs"].get(PHYSICS)
+    wanted = [sum(one.size for one in attributes().values())]
+    if known is not None and not oracle:
+        cure = "it is trained with the physics, which no robot senses; ?physics=True shows it"
+        raise BadValue("physics", oracle, cure)
+    if oracle and known != wanted:
+        problem = f"the checkpoint has to read {PHYSICS} of {wanted}, its shape there is {known}"
+        raise BadValue("physics", oracle, problem)
     for kind, name in (("inputs", STATE), ("outputs", "action")):
         shape = about[kind].get(name)
         if shape not in ([size], None if kind == "inputs" else [size]):
@@ -237,7 +268,7 @@ def folder_of(path: str) -> str:
 
 
 def open_lerobot(argument: str, setup: PolicySetup) -> LeRobot:
-    """Opener of `lerobot:PATH[?python=FILE&device=cuda&execute=N&cameras=head=top&threads=N]`.
+    """Opener of `lerobot:PATH[?python=FILE&device=cuda ...]`: the fields of `LeRobotOptions`.
 
     Raises:
         PolicyGone: that Python does not start, lacks lerobot, or cannot open the checkpoint.
@@ -262,6 +293,7 @@ def open_lerobot(argument: str, setup: PolicySetup) -> LeRobot:
         execute=whole("execute"),
         cameras=text("cameras"),
         threads=whole("threads"),
+        physics=options.flag(given, "physics"),
         reply_s=options.number(given, "reply_s", LeRobotOptions.reply_s),
     )
     return LeRobot(chosen, setup)
