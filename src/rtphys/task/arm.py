@@ -213,8 +213,7 @@ class Arm(Protocol):
         """Reach the start of the first feasible path, then follow it in one motion.
 
         Args:
-            paths: ee poses each; the first whose poses are all reachable without a change of
-                branch is taken.
+            paths: ee poses each; the first that is reachable without a change of branch counts.
             seconds: least duration of the path itself.
             prop: what the hand may touch at the start.
             speed: share of the usual one on the way to the start of the path.
