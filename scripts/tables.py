@@ -3,12 +3,14 @@
 The function NAME generates the table between `<!-- table: NAME -->` and `<!-- end -->`.
 """
 
+import inspect
 import json
 import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+from rtphys import task as vocabulary
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
 from rtphys.physics import attributes, load_domain
@@ -35,6 +37,7 @@ DOCUMENTS = (
     DOCS / "domains.md",
     DOCS / "physics.md",
     DOCS / "benchmark.md",
+    DOCS / "reference" / "task.md",
 )
 SHOWN = ("block", "plate", "071_can", "001_bottle", "021_cup", "081_playingcards", "043_book")
 DRAWN = 200  # number of layouts per task for which centres of mass are drawn
@@ -52,6 +55,24 @@ def tasks() -> str:
         shown = [str(by_protocol.get(protocol, "")) for protocol in PROTOCOLS]
         rows.append((f"`{name}`", what, task.mechanism, task.arms, domain, *shown))
     return _table(("task", "what", "mechanism", "arms", "domain", *PROTOCOLS), rows)
+
+
+def task_vocabulary() -> str:
+    """Table of what a task file may import, and of the methods that a script calls."""
+    rows = []
+    for name in vocabulary.__all__:
+        found = getattr(vocabulary, name)
+        if inspect.isclass(found) or inspect.isfunction(found):
+            rows.append((f"`{name}`", _first_line(found)))
+        methods = vars(found).items() if name in ("Arm", "Robot", "Scene", "Draw") else ()
+        for method, function in methods:
+            if inspect.isfunction(function) and not method.startswith("_"):
+                rows.append((f"`{name}.{method}`", _first_line(function)))
+    return _table(("name", "what"), rows)
+
+
+def _first_line(thing: object) -> str:
+    return (inspect.getdoc(thing) or "").partition("\n")[0].replace("|", "\\|")
 
 
 def physics() -> str:
@@ -213,6 +234,7 @@ def _share(counts: dict[str, int], seeds: int) -> str:
 
 
 TABLES = {
+    "task_vocabulary": task_vocabulary,
     "tasks": tasks,
     "physics": physics,
     "center_of_mass": center_of_mass,

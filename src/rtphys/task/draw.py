@@ -58,6 +58,7 @@ class Draw:
         return Chance(self.seed, self.task).stream("layout", name, *extra)
 
     def uniform(self, name: str, low: float, high: float) -> float:
+        """A number between two others; each name has a random stream of its own."""
         return float(self._stream(name).uniform(low, high))
 
     def choice(self, name: str, *options: T) -> T:
@@ -65,6 +66,7 @@ class Draw:
         return options[int(self._stream(name).integers(len(options)))]
 
     def shuffled(self, name: str, options: Sequence[T]) -> list[T]:
+        """All options, in random order."""
         return [options[int(i)] for i in self._stream(name).permutation(len(options))]
 
     def spot(
