@@ -22,11 +22,23 @@ RTPHYS = Path(sys.executable).with_name("rtphys")
 POLICY = f"python:{HERE / 'visual_policy.py'}:load"
 SIZE = "128x96"  # of every picture; the network needs no larger ones
 FIRST_SEED = 1_000_000  # of the demonstrations, far from the certified seeds
-# Name -> protocol of the demonstrations, and whether the network is shown the physics labels.
+
+
+@dataclass(frozen=True)
+class TrainingSet:
+    """What a network learns from."""
+
+    protocol: str
+    labels: bool = False  # whether it is shown the physics labels
+    looks: int = 1  # textures and lights in which each demonstration is drawn
+
+
 TRAINING = {
-    "clean": ("clean", False),
-    "phys_random": ("phys_random", False),
-    "phys_random_labels": ("phys_random", True),
+    "clean": TrainingSet("clean"),
+    "phys_random": TrainingSet("phys_random"),
+    "phys_random_labels": TrainingSet("phys_random", labels=True),
+    "official_random": TrainingSet("official_random", looks=10),
+    "phys_random_all": TrainingSet("phys_random_all", looks=10),
 }
 Cell = tuple[str, str, str]  # task, training set, protocol of the test
 
@@ -51,24 +63,30 @@ def run(*words: object) -> None:
     subprocess.run([str(word) for word in words], check=True)
 
 
-def demonstrations(plan: Plan, task: str, protocol: str) -> Path:
-    """Folder of the demonstrations, collected where they are missing."""
-    out = plan.out / "demos" / f"{task}.{protocol}"
+def demonstrations(plan: Plan, task: str, learnt: TrainingSet) -> list[Path]:
+    """Folders of the demonstrations, one for each look; what is missing is collected and drawn."""
+    out = plan.out / "demos" / f"{task}.{learnt.protocol}"
     options = ("--episodes", plan.episodes, "--seed", FIRST_SEED, "--size", SIZE, "--no-recovery")
     where = ("--workers", plan.workers, "--out", out)
-    run(RTPHYS, "collect", "--task", task, "--protocol", protocol, *options, *where)
-    return out
+    states = ("--sense", "states") if learnt.looks > 1 else ()  # to draw from
+    run(RTPHYS, "collect", "--task", task, "--protocol", learnt.protocol, *options, *states, *where)
+    folders = [out]
+    for number in range(1, learnt.looks):
+        look = f"{learnt.protocol}.{number}"
+        folders.append(plan.out / "demos" / f"{task}.{look}")
+        where = ("--workers", plan.workers, "--out", folders[-1])
+        run(RTPHYS, "render", out, "--look", look, *where)
+    return folders
 
 
 def trained(plan: Plan, task: str, name: str) -> Path:
     """Folder of the weights, trained where they are missing."""
-    protocol, labels = TRAINING[name]
-    data = demonstrations(plan, task, protocol)
-    folder = plan.out / "weights" / name
-    flags = [*["--labels"] * labels, *["--bfloat16"] * plan.bfloat16]
+    learnt, folder = TRAINING[name], plan.out / "weights" / name
+    data = demonstrations(plan, task, learnt)
+    flags = [*["--labels"] * learnt.labels, *["--bfloat16"] * plan.bfloat16]
     options = ("--steps", plan.steps, "--seed", plan.seed, "--device", plan.device, *flags)
     where = ("--out", folder / f"{task}.pt")
-    run(sys.executable, HERE / "training.py", data, "--task", task, *options, *where)
+    run(sys.executable, HERE / "training.py", *data, "--task", task, *options, *where)
     return folder
 
 

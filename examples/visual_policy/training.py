@@ -1,4 +1,4 @@
-"""Train on a dataset: python training.py DATASET --task click_bell --out weights/click_bell.pt
+"""Train on datasets: python training.py DATASET ... --task click_bell --out weights/click_bell.pt
 
 The same command continues after an interruption. Same data, options and machine: same weights to
 the bit, because every step draws its batch from the seed and its own number.
@@ -182,11 +182,11 @@ def _continued(out: Path, about: dict[str, object], net: Network, adam: torch.op
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("dataset", type=Path)
+    parser.add_argument("datasets", type=Path, nargs="+", metavar="DATASET")
     parser.add_argument("--task", required=True)
-    parser.add_argument("--protocol", help="of the dataset's episodes; default: all of the task's")
+    parser.add_argument("--protocol", help="of the episodes; default: all of the task's")
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--episodes", type=int, help="the first so many; default: all")
+    parser.add_argument("--episodes", type=int, help="so many of each dataset; default: all")
     parser.add_argument("--steps", type=int, default=Options.steps)
     parser.add_argument("--batch", type=int, default=Options.batch)
     parser.add_argument("--rate", type=float, default=Options.rate)
@@ -199,10 +199,11 @@ def main() -> None:
     torch.set_num_threads(args.threads)
     decisive = ("task", "steps", "batch", "rate", "labels", "seed", "bfloat16")
     options = Options(**{name: getattr(args, name) for name in decisive})
-    episodes = rtphys.Dataset(args.dataset).where(task=args.task, protocol=args.protocol)
-    data = load(episodes[: args.episodes])
+    opened = [rtphys.Dataset(path).where(args.task, args.protocol) for path in args.datasets]
+    episodes = [episode for dataset in opened for episode in dataset[: args.episodes]]
+    data = load(episodes)
     sizes = ", ".join(f"{camera} {w}x{h}" for camera, (h, w) in PICTURES.items())
-    print(f"{len(data)} frames of {len(episodes[: args.episodes])} demonstrations, {sizes}")
+    print(f"{len(data)} frames of {len(episodes)} demonstrations, {sizes}")
     train(data, options, args.out, args.device)
 
 

@@ -1,5 +1,6 @@
 """The table of protocols and a user's own rows."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from rtphys.setting.protocol import (
     OFFICIAL,
     SEVERITIES,
     VisualRules,
+    load_look,
     load_protocol,
     protocols,
 )
@@ -76,7 +78,18 @@ def test_an_unknown_name_gets_a_suggestion() -> None:
 
 
 def test_rules_survive_json() -> None:
-    assert VisualRules.from_json(OFFICIAL.to_json()) == OFFICIAL
+    for rules in (OFFICIAL, replace(OFFICIAL, draw=3)):
+        assert VisualRules.from_json(rules.to_json()) == rules
+    assert "draw" not in OFFICIAL.to_json()  # stored rules and certified lists know no such key
+
+
+def test_a_look_may_be_drawn_anew() -> None:
+    assert load_look("official_random") == OFFICIAL
+    assert load_look("official_random.12") == replace(OFFICIAL, draw=12)
+    assert load_look("clean.3") == VisualRules()  # nothing is drawn
+    for name in ("official_randm.3", "official_random.", "official_random.x"):
+        with pytest.raises(UnknownName, match="did you mean 'official_random'"):
+            load_look(name)
 
 
 def test_one_attribute_varies_alone_with_the_draw_it_has_among_all() -> None:

@@ -81,6 +81,13 @@ def test_equal_seeds_look_alike_and_others_differ(pack: Pack) -> None:
     assert len({str(one) for one in looks}) == len(looks)
 
 
+def test_further_draws_move_textures_and_lights_alone(pack: Pack) -> None:
+    draws = [look("click_bell", 5, pack, replace(OFFICIAL, draw=n)) for n in range(6)]
+    assert len({str(one.backdrop.lights.directional) for one in draws}) == len(draws)
+    assert len({one.table_texture for one in draws}) > 1
+    assert len({str([(p.category, p.pose.p.tolist()) for p in one.clutter]) for one in draws}) == 1
+
+
 def test_each_part_has_a_stream_of_its_own(pack: Pack) -> None:
     """Turning one rule off moves no other draw."""
     full = look("click_bell", 5, pack)

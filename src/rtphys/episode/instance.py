@@ -11,7 +11,7 @@ from rtphys.physics.enforce import enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.hull import Solid, inside
 from rtphys.physics.values import Physics
-from rtphys.setting.protocol import VisualRules, load_protocol
+from rtphys.setting.protocol import VisualRules, load_look
 from rtphys.setting.setting import Recipe
 from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
@@ -42,7 +42,7 @@ def prepare(
     """Draw, build, enforce.
 
     Args:
-        look: protocol whose textures and lights are drawn; None: the recipe's own.
+        look: name of the textures and lights that are drawn (`load_look`); None: the recipe's own.
 
     Raises:
         Infeasible: "layout" or "invalid_physics".
@@ -70,14 +70,14 @@ def prepare(
     return Instance(recipe, task, rules.domain, props, physics, world, drawn)
 
 
-def under_look(own: VisualRules | None, protocol: str) -> VisualRules | None:
-    """Another protocol's textures and lights. Clutter and table height stay: states depend on them.
+def under_look(own: VisualRules | None, look: str) -> VisualRules | None:
+    """Other textures and lights (`load_look`). Clutter and table height stay, as states need them.
 
     Raises:
         UnknownName: no such protocol.
     """
-    other, own = load_protocol(protocol).visual or VisualRules(), own or VisualRules()
-    shown = replace(other, clutter=own.clutter, table_drop=own.table_drop)
+    own = own or VisualRules()
+    shown = replace(load_look(look), clutter=own.clutter, table_drop=own.table_drop)
     return None if shown == VisualRules() else shown
 
 

@@ -58,7 +58,7 @@ class Filming:
     senses: SenseNames = ()
     camera_type: CameraType = None
     size: Size = None
-    look: str | None = None  # protocol whose textures and lights are drawn; None: the recipe's own
+    look: str | None = None  # name of the textures and lights (`load_look`); None: the recipe's own
 
     def __post_init__(self) -> None:
         if not self.cameras:

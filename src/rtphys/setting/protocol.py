@@ -25,10 +25,12 @@ class VisualRules:
     flicker_rate: float = 0.0  # light colours change with every picture
     table_drop: float = 0.0  # [m] largest lowering of the table, as the value of `table_height`
     clutter: int = 0  # largest number of objects that the task does not need
+    draw: int = 0  # of textures and lights; 0 is the seed's own, 1, 2 ... are further ones
 
     def to_json(self) -> dict[str, bool | int | float]:
-        """The rules as plain JSON, one key per field."""
-        return {f.name: getattr(self, f.name) for f in fields(self)}
+        """The rules as plain JSON, one key per field; `draw` only where it is not 0."""
+        found = {f.name: getattr(self, f.name) for f in fields(self)}
+        return found if self.draw else {k: v for k, v in found.items() if k != "draw"}
 
     @staticmethod
     def from_json(data: Mapping[str, object], where: str | Path = "") -> "VisualRules":
@@ -53,6 +55,7 @@ _BOUNDS = {
     "flicker_rate": 1.0,
     "table_drop": 0.1,  # [m] the table's legs end 12 cm above the ground
     "clutter": 20,
+    "draw": 9999,
 }
 """Largest value of each number; the smallest is 0."""
 
@@ -164,6 +167,18 @@ def load_protocol(name: str) -> Protocol:
     if name not in protocol_names():
         raise UnknownName("protocol", name, protocol_names())
     return read_protocol(library.find("protocols", name))
+
+
+def load_look(name: str) -> VisualRules:
+    """Textures and lights of a protocol: `official_random`, or `official_random.3` drawn anew.
+
+    Raises:
+        UnknownName: no such protocol.
+    """
+    protocol, dot, draw = name.rpartition(".")
+    numbered = bool(dot) and draw.isdecimal() and len(draw) <= 4
+    rules = load_protocol(protocol if numbered else name).visual or VisualRules()
+    return replace(rules, draw=int(draw)) if numbered and rules != VisualRules() else rules
 
 
 def read_protocol(path: Path) -> Protocol:

@@ -1,7 +1,7 @@
 """Draws the visual appearance of an episode; each part has a stream of its own."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -98,6 +98,7 @@ def backdrop_json(back: Backdrop) -> dict[str, object]:
 
 def backdrop(rules: VisualRules, chance: Chance) -> Backdrop:
     """Draw the part of the appearance that needs no asset pack."""
+    chance = _shown_by(rules, chance)
     return Backdrop(
         chance,
         lights=_light_colours(chance) if rules.light_colours else LightColours(),
@@ -126,11 +127,12 @@ def draw_look(
     if rules is None:
         return CLEAN
     task, props = scene
+    shown = _shown_by(rules, chance)
     return Look(
         backdrop=backdrop(rules, chance),
         split=split,
-        table_texture=_texture(rules, chance, "table", pack, split),
-        wall_texture=_texture(rules, chance, "wall", pack, split),
+        table_texture=_texture(rules, shown, "table", pack, split),
+        wall_texture=_texture(rules, shown, "wall", pack, split),
         clutter=scatter(chance, rules.clutter, task, props, pack),
     )
 
@@ -155,6 +157,11 @@ def problems(label: Mapping[str, object], rules: VisualRules, chance: Chance) ->
     if not 0 <= count <= rules.clutter:
         wrong.append(f"visual.clutter holds {count} objects, at most {rules.clutter} are drawn")
     return wrong
+
+
+def _shown_by(rules: VisualRules, chance: Chance) -> Chance:
+    """The streams of textures and lights; clutter keeps the seed's, because states depend on it."""
+    return replace(chance, task=f"{chance.task}#{rules.draw}") if rules.draw else chance
 
 
 def _texture(

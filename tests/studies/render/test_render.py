@@ -100,6 +100,18 @@ class TestDrawnAgain:
         assert episode.meta.visual is not None and episode.meta.visual.clutter == []
         assert np.array_equal(episode.state, Dataset(plain)[0].state)
 
+    def test_a_further_draw_of_a_look(self, plain: Path, tmp_path: Path) -> None:
+        found = []
+        for look in ("official_random.1", "official_random.2"):
+            out = tmp_path / look
+            render(RenderPlan(data=plain, out=out, size="64x48", look=look, workers=1))
+            assert verify(out, Effort.DEEP).problems == []
+            found.append(Dataset(out)[0])
+        first, second = found
+        assert first.protocol == "phys_random.look=official_random.1"
+        assert not np.array_equal(first.image("head_camera", 0), second.image("head_camera", 0))
+        assert np.array_equal(first.state, second.state)
+
 
 def _pack_and_packs(source: Path):
     from rtphys.assets.pack import default_pack

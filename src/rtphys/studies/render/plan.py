@@ -7,7 +7,7 @@ from rtphys.core.errors import BadValue
 from rtphys.data.schema import TaskDatasetEntry
 from rtphys.setting.filming import CAMERAS, CameraType, Filming, Size
 from rtphys.setting.option import Option, Workers, checked_dataclass, one_of
-from rtphys.setting.protocol import protocol_names
+from rtphys.setting.protocol import load_look
 from rtphys.setting.senses import REDRAWN, SENSES
 from rtphys.studies.collect.plan import shaders
 
@@ -30,8 +30,7 @@ class RenderPlan:
     size: Size = None
     look: Annotated[
         str | None,
-        one_of("protocol", protocol_names),
-        Option("Textures and lights of this protocol."),
+        Option("Textures and lights of this protocol; official_random.3 draws them anew."),
     ] = None
     shader: Annotated[str, one_of("shader", shaders), Option("slim, default, minimal or rt.")] = (
         "slim"
@@ -39,6 +38,8 @@ class RenderPlan:
     workers: Workers = None
 
     def __post_init__(self) -> None:
+        if self.look is not None:
+            load_look(self.look)  # refuses what there is not
         for name in self.add:
             if name not in REDRAWN:
                 raise BadValue(
