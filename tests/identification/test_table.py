@@ -31,5 +31,24 @@ def test_only_episodes_in_which_an_attribute_acts_are_labelled() -> None:
     np.testing.assert_array_equal(Y, [[1], [3]])
 
 
+def test_of_features_of_a_group_that_say_the_same_the_first_remains() -> None:
+    rng = np.random.default_rng(0)
+    rows = []
+    for seed in range(50):
+        first, other = rng.normal(size=2)
+        features = {
+            "lift/hand/effort/a/mean": first,
+            "lift/hand/effort/b/mean": 3 - 2 * first + 0.01 * other,
+            "lift/hand/effort/c/mean": first + other,
+            "lift/hand/joints/a/mean": first,  # another group's
+        }
+        rows.append(Sample(seed, features, {}))
+    assert table_of(rows).names == (
+        "lift/hand/effort/a/mean",
+        "lift/hand/effort/c/mean",
+        "lift/hand/joints/a/mean",
+    )
+
+
 def test_no_samples_make_an_empty_table() -> None:
     assert table_of([]).values.shape == (0, 0)
