@@ -11,7 +11,7 @@ from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data import files
 from rtphys.data.conditions import differences
 from rtphys.data.episode import JSON
-from rtphys.data.journal import Journal
+from rtphys.data.journal import Journal, read_journal
 from rtphys.data.json_text import plain
 from rtphys.episode.touch import felt
 from rtphys.identification.features import features_of, packed, unpacked
@@ -116,9 +116,9 @@ def read_episodes(path: Path, count: int) -> Episodes:
     """The first `count` episodes of a journal. Raises `BadFile`: it is damaged."""
     samples: list[Sample] = []
     attempts = 0
-    entries: list[Any] = Journal(path).entries()
+    rows: list[Any] = [line.entry for line in read_journal(path).lines[1:]]
     try:
-        for row in entries[1:]:
+        for row in rows:
             if len(samples) == count:
                 break
             attempts += 1
