@@ -48,8 +48,8 @@ def draw_task_map(cells: Cells, scale: Scale, path: Path) -> None:
             red, green, blue, _ = image.cmap(share / 100)
             colour = "k" if 0.3 * red + 0.6 * green + 0.1 * blue > 0.45 else "w"
             size = 5 if grid.wide else 7
-            centred = {"ha": "center", "va": "center"}
-            grid.panel.text(column, row, f"{share:.0f}", **centred, fontsize=size, color=colour)
+            label = grid.panel.text(column, row, f"{share:.0f}", fontsize=size, color=colour)
+            label.set(ha="center", va="center")
     bar = grid.figure.colorbar(image, ax=grid.panel, shrink=0.6, pad=0.01)
     bar.set_label(scale.label, fontsize=8)
     bar.ax.tick_params(labelsize=7)
@@ -65,8 +65,9 @@ def draw_quarters(cells: Mapping[str, Mapping[str, Quarter]], path: Path) -> Non
     named = [Patch(facecolor=c, edgecolor="0.5", label=q.value) for q, c in COLOURS.items()]
     named.append(Patch(facecolor=NOTHING, label="does not act, or not measured"))
     columns = len(named) if grid.wide else 3
-    where = {"loc": "outside upper center", "ncols": columns, "frameon": False}
-    grid.figure.legend(handles=named, **where, fontsize=7)
+    grid.figure.legend(
+        handles=named, loc="outside upper center", ncols=columns, fontsize=7, frameon=False
+    )
     grid.figure.savefig(path, dpi=150)
 
 
