@@ -12,7 +12,6 @@ import pytest
 from rtphys.core.errors import BadFile
 from rtphys.episode import PolicyEpisode
 from rtphys.policies import PolicySetup
-from rtphys.policies.robotwin.options import pairs, user_args
 from rtphys.policies.robotwin.plugin import BrokenPlugin
 from rtphys.policies.robotwin.policy import StuckPlugin, open_robotwin
 from rtphys.policies.robotwin.task_env import TaskEnv
@@ -292,10 +291,3 @@ def test_what_is_wrong_with_a_plugin_is_said(robotwin_root: Path, new_episode: E
     named = write_stub(robotwin_root, "json", "def get_model(a): pass\n" + body)
     with pytest.raises(BrokenPlugin, match="rename the plug-in's folder"):
         open_robotwin(str(named), PolicySetup())
-
-
-def test_overrides_are_literals_or_text() -> None:
-    words = ["--port", "18093", "--name", "a.b", "--list", "[1, 2]", "--evil", "__import__('os')"]
-    given = {"port": 18093, "name": "a.b", "list": [1, 2], "evil": "__import__('os')"}
-    assert pairs(words) == given
-    assert user_args(None, {"seed": 0}, {"seed": 5})["seed"] == 5

@@ -66,23 +66,11 @@ def compare(
         compare_results([read_result(path) for path in folders])
         return
     found = _compare([read_results(folder) for folder in folders or []], protocol, paper)
-    if table is not None:
-        write_rate_table(found.columns, found.tasks, table)
-        say(str(table), err=True)
-    if figure is not None:
-        labelled = [(f"{c.label}, {c.protocol}", c.rates) for c in found.columns]
-        draw_rates(labelled, found.tasks, TITLE, figure)
-        say(str(figure), err=True)
+    _write(found, table, figure)
     if as_json:
         typer.echo(json.dumps(_json(found), indent=2))
-        return
-    print_table(_rates(found.columns, found.tasks))
-    if paper:
-        _print_paper(found.evaluations)
-    if found.pairs:
-        print_table(_paired(found.pairs))
-    if found.ranks:
-        print_table(_ranked(found.ranks))
+    else:
+        _show(found, paper)
 
 
 @dataclass(frozen=True)
@@ -92,6 +80,26 @@ class _Comparison:
     tasks: Sequence[str]
     pairs: Sequence[PairedComparison]
     ranks: Sequence[RankAgreement]
+
+
+def _write(found: _Comparison, table: Path | None, figure: Path | None) -> None:
+    if table is not None:
+        write_rate_table(found.columns, found.tasks, table)
+        say(str(table), err=True)
+    if figure is not None:
+        labelled = [(f"{c.label}, {c.protocol}", c.rates) for c in found.columns]
+        draw_rates(labelled, found.tasks, TITLE, figure)
+        say(str(figure), err=True)
+
+
+def _show(found: _Comparison, paper: bool) -> None:
+    print_table(_rates(found.columns, found.tasks))
+    if paper:
+        _print_paper(found.evaluations)
+    if found.pairs:
+        print_table(_paired(found.pairs))
+    if found.ranks:
+        print_table(_ranked(found.ranks))
 
 
 def _compare(evaluations: Sequence[Results], protocol: str | None, paper: bool) -> _Comparison:

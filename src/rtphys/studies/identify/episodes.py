@@ -116,7 +116,8 @@ def read_episodes(path: Path, count: int) -> Episodes:
     """The first `count` episodes of a journal. Raises `BadFile`: it is damaged."""
     samples: list[Sample] = []
     attempts = 0
-    rows: list[Any] = [line.entry for line in read_journal(path).lines[1:]]
+    lines = read_journal(path).lines if path.exists() else ()
+    rows: list[Any] = [line.entry for line in lines[1:]]
     try:
         for row in rows:
             if len(samples) == count:
