@@ -62,28 +62,37 @@ def load(dataset: Sequence[Episode]) -> Demonstrations:
         raise ValueError("the dataset holds no episode of this task")
     # Clutter differs by episode; the task's objects are those that every episode has.
     names = sorted(set.intersection(*(set(e.frames.object_poses) for e in dataset)))
-    parts = [_arrays(episode, names) for episode in dataset]
+    kept = [kept_frames(episode) for episode in dataset]
+    ends = np.cumsum([len(rows) for rows in kept])
+    # Filled in place: parts that are joined at the end would need the memory twice.
+    pictures = {c: np.empty((ends[-1], *size, 3), np.uint8) for c, size in PICTURES.items()}
+    parts = []
+    for episode, rows, end in zip(dataset, kept, ends, strict=True):
+        parts.append(_numbers(episode, rows, names))
+        for camera, filled in pictures.items():
+            _fill(filled[end - len(rows) : end], camera, episode, rows)
     joined = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
     return Demonstrations(
-        pictures={camera: joined.pop(camera) for camera in PICTURES},
-        longest=max(len(part["command"]) for part in parts),
+        pictures=pictures,
+        longest=max(len(rows) for rows in kept),
         **{key: array.astype(np.float32) for key, array in joined.items()},
     )
 
 
-def _arrays(episode: Episode, objects: list[str]) -> dict[str, NDArray]:
-    rows = kept_frames(episode)
-    pictures = {}
-    for camera in PICTURES:
-        wanted = set(rows.tolist())
-        frames = enumerate(episode.each_image(f"{camera}_camera"))
-        pictures[camera] = np.stack([shrink(camera, p) for t, p in frames if t in wanted])
+def _fill(out: NDArray[np.uint8], camera: str, episode: Episode, rows: NDArray[np.intp]) -> None:
+    """Write a camera's pictures of these rows to `out`."""
+    place = {int(row): at for at, row in enumerate(rows)}
+    for t, picture in enumerate(episode.each_image(f"{camera}_camera")):
+        if t in place:
+            out[place[t]] = shrink(camera, picture)
+
+
+def _numbers(episode: Episode, rows: NDArray[np.intp], names: list[str]) -> dict[str, NDArray]:
     command = episode.state[rows]
     ahead = np.minimum(np.arange(len(rows))[:, None] + np.arange(1, CHUNK + 1), len(rows) - 1)
     return {
-        **pictures,
         "command": command,
         "following": command[ahead],
-        "objects": np.concatenate([episode.poses(name)[rows, :3] for name in objects], axis=1),
+        "objects": np.concatenate([episode.poses(name)[rows, :3] for name in names], axis=1),
         "labels": np.tile(labels(episode.physics), (len(rows), 1)),
     }

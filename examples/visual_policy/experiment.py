@@ -1,19 +1,26 @@
 """Train and test policies with eyes: python experiment.py --task click_bell --out run
 
 Collects demonstrations, trains one network on each training set, tests each under every protocol on
-certified instances, and writes matrix.json. Every part resumes: repeat the command.
+certified instances, and writes matrix/<task>.json. Every part resumes: repeat the command. Commands
+with different tasks may run beside each other. To choose between options, test on seeds of your
+own: --first-seed 2000000 writes matrix.2000000/<task>.json.
 """
 
 import argparse
 import json
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 from pathlib import Path
+from typing import Any
+
+import yaml
 
 from rtphys.results import read_results
+from rtphys.results.breaks import breaks
 from rtphys.results.statistics import Rate, paired
 
 HERE = Path(__file__).resolve().parent
@@ -22,6 +29,7 @@ RTPHYS = Path(sys.executable).with_name("rtphys")
 POLICY = f"python:{HERE / 'visual_policy.py'}:load"
 SIZE = "128x96"  # of every picture; the network needs no larger ones
 FIRST_SEED = 1_000_000  # of the demonstrations, far from the certified seeds
+CERTIFIED = 100_000  # first seed of the certified lists
 
 
 @dataclass(frozen=True)
@@ -40,7 +48,8 @@ TRAINING = {
     "official_random": TrainingSet("official_random", looks=10),
     "phys_random_all": TrainingSet("phys_random_all", looks=10),
 }
-Cell = tuple[str, str, str]  # task, training set, protocol of the test
+Cell = tuple[str, str]  # training set, protocol of the test
+Found = dict[str, Any]  # what a test found, as JSON
 
 
 @dataclass(frozen=True)
@@ -49,9 +58,10 @@ class Plan:
 
     out: Path
     tests: tuple[str, ...] = ("clean", "phys_random")
-    episodes: int = 100  # demonstrations of each training set
-    instances: int = 24  # certified ones of each test
-    steps: int = 2400
+    episodes: int = 300  # demonstrations of each training set
+    instances: int = 100  # certified ones of each test
+    first_seed: int = CERTIFIED  # of the tests' instances
+    steps: int = 10_000
     seed: int = 0
     device: str = "cpu"
     bfloat16: bool = False
@@ -91,63 +101,62 @@ def trained(plan: Plan, task: str, name: str) -> Path:
 
 
 def instances(plan: Plan, task: str, protocol: str) -> Path:
-    """Folder of the certified lists: those of rtphys, or lists of one's own for other protocols."""
-    if (SHIPPED / protocol / f"{task}.yaml").is_file():
+    """Folder of the certified lists: those of rtphys, or longer ones that are certified here."""
+    shipped = SHIPPED / protocol / f"{task}.yaml"
+    official = plan.first_seed == CERTIFIED and shipped.is_file()
+    if official and yaml.safe_load(shipped.read_text())["feasible"] >= plan.instances:
         return SHIPPED
-    out = plan.out / "lists"
-    options = ("--feasible", plan.instances, "--workers", plan.workers, "--out", out)
-    run(RTPHYS, "certify", "--task", task, "--protocol", protocol, *options)
+    out = plan.out / "lists" / str(plan.first_seed)
+    what = ("--task", task, "--protocol", protocol, "--first-seed", plan.first_seed)
+    options = ("--feasible", plan.instances, "--baselines", "none", "--workers", plan.workers)
+    run(RTPHYS, "certify", *what, *options, "--out", out)
     return out
 
 
-def tested(plan: Plan, task: str, name: str, protocol: str) -> dict[int, bool]:
-    """Success by seed of a trained policy."""
+def tested(plan: Plan, task: str, name: str, protocol: str) -> Found:
+    """Success of a trained policy, by seed, and what goes with its failures."""
     weights = plan.out / "weights" / name
-    out = plan.out / "eval" / weights.name / task / protocol
+    out = plan.out / "eval" / str(plan.first_seed) / name / task / protocol
     options = ("--episodes", plan.instances, "--instances", instances(plan, task, protocol))
     given = ("--set", f"weights={weights}", "--set", f"device={plan.device}", "--size", SIZE)
     what = ("--task", task, "--protocol", protocol, "--workers", plan.workers, "--out", out)
     run(RTPHYS, "evaluate", "--policy", POLICY, *what, *options, *given)
-    return {r.seed: r.success for r in read_results(out).records[protocol, task]}
+    records = read_results(out).records[protocol, task]
+    solved = [r.seed for r in records if r.success]
+    kept = ("attribute", "low", "high", "log_odds", "p", "p_holm")  # of what each attribute does
+    return {
+        **Rate(len(solved), len(records)).to_json(),
+        "solved": solved,
+        "failed": [r.seed for r in records if not r.success],
+        "reasons": dict(Counter(r.reason for r in records if not r.success)),
+        "attributes": [{key: b.to_json()[key] for key in kept} for b in breaks(records)],
+    }
 
 
-def matrix(plan: Plan, cells: Mapping[Cell, Mapping[int, bool]]) -> dict[str, object]:
-    """Rates of the cells so far, and tests between them on the seeds that they share, as JSON."""
-    rates = [
-        {
-            **dict(zip(("task", "train", "test"), cell, strict=True)),
-            **Rate(sum(found.values()), len(found)).to_json(),
-            "solved": [seed for seed, success in found.items() if success],
-            "failed": [seed for seed, success in found.items() if not success],
-        }
-        for cell, found in cells.items()
-    ]
+def matrix(plan: Plan, cells: Mapping[Cell, Found]) -> dict[str, object]:
+    """The cells of a task so far, and tests between them on the seeds that they share, as JSON."""
+    found = [dict(zip(("train", "test"), cell, strict=True)) | cells[cell] for cell in cells]
     # What a test's protocol costs a policy, and what its demonstrations are worth under a test.
     pairs = [
-        compared(cells, other, (task, train, test))
-        for task, train, test in cells
-        for other in ((task, train, "clean"), (task, "clean", test))
-        if other in cells and other != (task, train, test)
+        compared(cells, a, b) for a, b in combinations(cells, 2) if a[0] == b[0] or a[1] == b[1]
     ]
-    about = ("episodes", "instances", "steps", "seed", "bfloat16")
-    return {**{key: getattr(plan, key) for key in about}, "cells": rates, "pairs": pairs}
+    about = ("episodes", "instances", "first_seed", "steps", "seed", "bfloat16")
+    return {**{key: getattr(plan, key) for key in about}, "cells": found, "pairs": pairs}
 
 
-def known(path: Path) -> dict[Cell, dict[int, bool]]:
+def known(path: Path) -> dict[Cell, Found]:
     """Cells of a matrix that earlier runs wrote; none without one."""
-    cells: dict[Cell, dict[int, bool]] = {}
-    for cell in json.loads(path.read_text())["cells"] if path.exists() else ():
-        found = dict.fromkeys(cell["solved"], True) | dict.fromkeys(cell["failed"], False)
-        cells[cell["task"], cell["train"], cell["test"]] = dict(sorted(found.items()))
-    return cells
+    cells = json.loads(path.read_text())["cells"] if path.exists() else ()
+    return {(cell.pop("train"), cell.pop("test")): cell for cell in cells}
 
 
-def compared(
-    cells: Mapping[Cell, Mapping[int, bool]], first: Cell, second: Cell
-) -> dict[str, object]:
+def compared(cells: Mapping[Cell, Found], first: Cell, second: Cell) -> dict[str, object]:
     """McNemar's test of two cells on the seeds that they share."""
-    common = sorted(cells[first].keys() & cells[second].keys())
-    found = paired([(cells[first][seed], cells[second][seed]) for seed in common])
+    ends = [dict.fromkeys(cells[c]["solved"], True) for c in (first, second)]
+    for end, cell in zip(ends, (first, second), strict=True):
+        end.update(dict.fromkeys(cells[cell]["failed"], False))
+    a, b = ends
+    found = paired([(a[seed], b[seed]) for seed in sorted(a.keys() & b.keys())])
     return {"first": [*first], "second": [*second], **found.to_json()}
 
 
@@ -157,19 +166,21 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--train", action="append", choices=TRAINING, help="default: each")
     parser.add_argument("--test", default=",".join(Plan.tests), help="protocols")
-    for name in ("episodes", "instances", "steps", "seed", "workers"):
-        parser.add_argument(f"--{name}", type=int, default=getattr(Plan, name))
+    for name in ("episodes", "instances", "first_seed", "steps", "seed", "workers"):
+        parser.add_argument(f"--{name.replace('_', '-')}", type=int, default=getattr(Plan, name))
     parser.add_argument("--device", default=Plan.device)
     parser.add_argument("--bfloat16", action="store_true")
     given = vars(parser.parse_args())
     tasks, training = given.pop("task"), given.pop("train") or TRAINING
     plan = Plan(tests=tuple(given.pop("test").split(",")), **given)
-    path = plan.out / "matrix.json"
-    cells = known(path)
-    for train, task in product(training, tasks):
+    own = "" if plan.first_seed == CERTIFIED else f".{plan.first_seed}"
+    for task, train in product(tasks, training):
+        path = plan.out / f"matrix{own}" / f"{task}.json"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        cells = known(path)
         trained(plan, task, train)
         for test in plan.tests:
-            cells[task, train, test] = tested(plan, task, train, test)
+            cells[train, test] = tested(plan, task, train, test)
             path.write_text(json.dumps(matrix(plan, cells), indent=1) + "\n")
 
 
