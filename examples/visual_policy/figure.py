@@ -1,7 +1,12 @@
-"""Draw the matrix of an experiment: python figure.py matrix.json visual_policy.png"""
+"""Draw an experiment: python figure.py run/matrix docs/images
+
+Writes visual_matrix.png, mean success over the tasks for each training set and test, and
+visual_tasks.png, success in each task with 95 % intervals.
+"""
 
 import json
 import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import matplotlib
@@ -11,43 +16,105 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-COLOURS = ("#4c72b0", "#dd8452", "#55a868")
+NAMES = {  # of training sets and tests, in the order of the figures
+    "clean": "clean",
+    "severity_25": "severity_\n25",
+    "severity_50": "severity_\n50",
+    "severity_100": "severity_\n100",
+    "phys_random": "phys_\nrandom",
+    "phys_random_labels": "phys_random\nwith labels",
+    "official_random": "official_\nrandom",
+    "phys_random_all": "phys_\nrandom_all",
+}
+COLOURS = dict(zip(NAMES, ("C0", "", "", "", "C1", "C2", "C4", "C3"), strict=True))
+COLUMNS = 3  # panels of tasks beside each other
+
+Matrices = dict[str, list[dict]]  # task -> cells
 
 
-def draw(matrix: dict, out: Path) -> None:
-    """One panel a task: success under each test, one bar a training set, 95 % intervals."""
-    cells = matrix["cells"]
-    training = list(dict.fromkeys(cell["train"] for cell in cells))
-    tests: dict[str, list[str]] = {}  # of each task
+def read(folder: Path) -> Matrices:
+    """Cells of each task, by name of the task."""
+    return {p.stem: json.loads(p.read_text())["cells"] for p in sorted(folder.glob("*.json"))}
+
+
+def ordered(names: Iterable[str]) -> list[str]:
+    """Names in the order of the figures."""
+    return sorted(set(names), key=[*NAMES].index)
+
+
+def draw_means(found: Matrices, out: Path) -> None:
+    """Heat map: mean success over the tasks that have a cell, and how many they are."""
+    cells = [cell for task in found.values() for cell in task]
+    rows, columns = ordered(c["train"] for c in cells), ordered(c["test"] for c in cells)
+    rates: dict[tuple[str, str], list[float]] = {}
     for cell in cells:
-        known = tests.setdefault(cell["task"], [])
-        known += [cell["test"]] if cell["test"] not in known else []
-    counts = [len(known) for known in tests.values()]
-    size, shares = (1.5 + 1.6 * sum(counts), 3.4), {"width_ratios": counts}
-    figure, axes = plt.subplots(
-        1, len(tests), figsize=size, sharey=True, squeeze=False, gridspec_kw=shares
-    )
-    width = 0.8 / len(training)
-    for axis, (task, known) in zip(axes[0], tests.items(), strict=True):
-        for number, train in enumerate(training):
-            found = [c for c in cells if (c["task"], c["train"]) == (task, train)]
-            shift = (number - (len(training) - 1) / 2) * width
-            x = np.array([known.index(c["test"]) for c in found]) + shift
-            rate = np.array([c["rate"] for c in found])
-            reach = np.array([[c["rate"] - c["low"], c["high"] - c["rate"]] for c in found])
-            style = {"color": COLOURS[number], "label": f"trained on {train}", "capsize": 3}
-            axis.bar(x, 100 * rate, width, yerr=100 * reach.T.reshape(2, -1), **style)
-        axis.set_title(task)
-        axis.set_xticks(range(len(known)), known, fontsize=9)
-        axis.set_xlabel("tested on")
+        rates.setdefault((cell["train"], cell["test"]), []).append(100 * cell["rate"])
+    means = np.full((len(rows), len(columns)), np.nan)
+    figure, axis = plt.subplots(figsize=(2.2 + 1.05 * len(columns), 1.2 + 0.62 * len(rows)))
+    for (train, test), values in rates.items():
+        row, column = rows.index(train), columns.index(test)
+        means[row, column] = np.mean(values)
+        text = f"{means[row, column]:.0f} %\n{len(values)} tasks"
+        dark = means[row, column] < 55
+        style = {"ha": "center", "va": "center", "fontsize": 9}
+        axis.text(column, row, text, color="white" if dark else "black", **style)
+    axis.imshow(means, vmin=0, vmax=100, cmap="viridis", aspect="auto")
+    axis.set_xticks(range(len(columns)), [NAMES[name] for name in columns], fontsize=9)
+    axis.set_yticks(range(len(rows)), [NAMES[name] for name in rows], fontsize=9)
+    axis.set_xlabel("tested on")
+    axis.set_ylabel("trained on")
+    axis.spines[:].set_visible(False)
+    _save(figure, out)
+
+
+def draw_tasks(found: Matrices, out: Path) -> None:
+    """One panel a task: success under each test, one colour a training set."""
+    lines = -(-len(found) // COLUMNS)
+    size = (3.9 * min(COLUMNS, len(found)), 2.6 * lines + 0.6)
+    figure, axes = plt.subplots(lines, min(COLUMNS, len(found)), figsize=size, squeeze=False)
+    tests = ordered(cell["test"] for task in found.values() for cell in task)
+    training = ordered(cell["train"] for task in found.values() for cell in task)
+    for number, axis in enumerate(axes.flat):
+        axis.set_visible(number < len(found))
+    for axis, (task, cells) in zip(axes.flat, found.items(), strict=False):
+        for place, train in enumerate(training):
+            shift = 0.12 * (place - (len(training) - 1) / 2)
+            _points(axis, tests, [c for c in cells if c["train"] == train], shift)
+        axis.set_title(task, fontsize=10)
+        axis.set_xticks(range(len(tests)), [NAMES[name] for name in tests], fontsize=7)
+        axis.set_ylim(-3, 103)
+        axis.grid(axis="y", alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
-    axes[0, 0].set_ylabel("success [%]")
-    axes[0, 0].set_ylim(0, 105)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=len(training), frameon=False)
-    figure.tight_layout(rect=(0, 0.08, 1, 1))
-    figure.savefig(out, dpi=120)
+    for axis in axes[:, 0]:
+        axis.set_ylabel("success [%]")
+    marks = [plt.Line2D([], [], color=COLOURS[name], marker="o") for name in training]
+    texts = ["trained on " + NAMES[name].replace("_\n", "_").replace("\n", " ") for name in training]
+    figure.legend(marks, texts, loc="lower center", ncols=3, frameon=False, fontsize=9)
+    figure.tight_layout(rect=(0, 0.2 / lines, 1, 1))
+    _save(figure, out)
+
+
+def _points(axis: plt.Axes, tests: Sequence[str], cells: Sequence[dict], shift: float) -> None:
+    """Rates of one training set with intervals; a line joins the tests of growing severity."""
+    if not cells:
+        return
+    cells = sorted(cells, key=lambda c: tests.index(c["test"]))
+    colour = COLOURS[cells[0]["train"]]
+    x = np.array([tests.index(c["test"]) for c in cells]) + shift
+    rate = np.array([c["rate"] for c in cells])
+    reach = np.array([[c["rate"] - c["low"], c["high"] - c["rate"]] for c in cells])
+    style = {"fmt": "o", "color": colour, "markersize": 4, "capsize": 2, "linewidth": 1}
+    axis.errorbar(x, 100 * rate, yerr=100 * reach.T, **style)
+    growing = [n for n, c in enumerate(cells) if c["test"] == "clean" or "severity" in c["test"]]
+    axis.plot(x[growing], 100 * rate[growing], color=colour, linewidth=1, alpha=0.6)
+
+
+def _save(figure: plt.Figure, out: Path) -> None:
+    figure.savefig(out, dpi=120, bbox_inches="tight", metadata={"Software": None})
+    plt.close(figure)
 
 
 if __name__ == "__main__":
-    draw(json.loads(Path(sys.argv[1]).read_text()), Path(sys.argv[2]))
+    matrices, images = read(Path(sys.argv[1])), Path(sys.argv[2])
+    draw_means(matrices, images / "visual_matrix.png")
+    draw_tasks(matrices, images / "visual_tasks.png")
