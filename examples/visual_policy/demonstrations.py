@@ -1,11 +1,11 @@
 """A dataset's episodes as arrays to train on, without PyTorch."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sight import PICTURES, Pictures, labels, shrink
+from sight import PICTURES, labels, shrink
 
 from rtphys.data.dataset import Episode
 
@@ -15,13 +15,14 @@ PAUSE = 2  # frames kept of a pause: who sees a single frame learns to stay wher
 STILL = 1e-3  # [rad, or of an opening] by which a command moves in a pause, at most
 
 Floats = NDArray[np.float32]
+Arrays = tuple[NDArray, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstrations:
     """N frames of several episodes."""
 
-    pictures: Pictures  # by camera, (N, H, W, 3) RGB
+    seen: dict[str, Arrays]  # by camera, what `load` was told to keep of N pictures
     command: Floats  # (N, 14) in force: left arm [rad], left opening, right arm, right opening
     following: Floats  # (N, CHUNK, 14) the next commands; behind the end, the last one
     objects: Floats  # (N, 3 k) positions of the task's k objects [m], world frame
@@ -51,8 +52,11 @@ def thinned(command: NDArray[np.floating]) -> NDArray[np.intp]:
     return np.array(kept)
 
 
-def load(dataset: Sequence[Episode]) -> Demonstrations:
-    """All frames of one task's episodes in memory: 55 KB each, 0.5 GB for 100 episodes.
+def load(dataset: Sequence[Episode], keep: Callable[[NDArray[np.uint8]], Arrays]) -> Demonstrations:
+    """All frames of one task's episodes in memory.
+
+    Args:
+        keep: pictures (n, H, W, 3) of a camera to arrays of n rows that are kept of them.
 
     Raises:
         ValueError: no episodes, or pictures that are too small.
@@ -60,31 +64,34 @@ def load(dataset: Sequence[Episode]) -> Demonstrations:
     """
     if not len(dataset):
         raise ValueError("the dataset holds no episode of this task")
-    # Clutter differs by episode; the task's objects are those that every episode has.
-    names = sorted(set.intersection(*(set(e.frames.object_poses) for e in dataset)))
+    common = set.intersection(*(set(e.frames.object_poses) for e in dataset))
+    names = sorted(name for name in common if not name.startswith("clutter"))
     kept = [kept_frames(episode) for episode in dataset]
     ends = np.cumsum([len(rows) for rows in kept])
     # Filled in place: parts that are joined at the end would need the memory twice.
-    pictures = {c: np.empty((ends[-1], *size, 3), np.uint8) for c, size in PICTURES.items()}
-    parts = []
+    seen, parts = dict[str, Arrays](), []
     for episode, rows, end in zip(dataset, kept, ends, strict=True):
         parts.append(_numbers(episode, rows, names))
-        for camera, filled in pictures.items():
-            _fill(filled[end - len(rows) : end], camera, episode, rows)
+        for camera in PICTURES:
+            arrays = keep(_pictures(camera, episode, rows))
+            whole = seen.setdefault(
+                camera, tuple(np.empty((ends[-1], *a.shape[1:]), a.dtype) for a in arrays)
+            )
+            for array, filled in zip(arrays, whole, strict=True):
+                filled[end - len(rows) : end] = array
     joined = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
     return Demonstrations(
-        pictures=pictures,
+        seen=seen,
         longest=max(len(rows) for rows in kept),
         **{key: array.astype(np.float32) for key, array in joined.items()},
     )
 
 
-def _fill(out: NDArray[np.uint8], camera: str, episode: Episode, rows: NDArray[np.intp]) -> None:
-    """Write a camera's pictures of these rows to `out`."""
-    place = {int(row): at for at, row in enumerate(rows)}
-    for t, picture in enumerate(episode.each_image(f"{camera}_camera")):
-        if t in place:
-            out[place[t]] = shrink(camera, picture)
+def _pictures(camera: str, episode: Episode, rows: NDArray[np.intp]) -> NDArray[np.uint8]:
+    """A camera's pictures of these rows."""
+    wanted = set(rows.tolist())
+    frames = enumerate(episode.each_image(f"{camera}_camera"))
+    return np.stack([shrink(camera, picture) for t, picture in frames if t in wanted])
 
 
 def _numbers(episode: Episode, rows: NDArray[np.intp], names: list[str]) -> dict[str, NDArray]:

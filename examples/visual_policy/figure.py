@@ -88,7 +88,9 @@ def draw_tasks(found: Matrices, out: Path) -> None:
     for axis in axes[:, 0]:
         axis.set_ylabel("success [%]")
     marks = [plt.Line2D([], [], color=COLOURS[name], marker="o") for name in training]
-    texts = ["trained on " + NAMES[name].replace("_\n", "_").replace("\n", " ") for name in training]
+    texts = [
+        "trained on " + NAMES[name].replace("_\n", "_").replace("\n", " ") for name in training
+    ]
     figure.legend(marks, texts, loc="lower center", ncols=3, frameon=False, fontsize=9)
     figure.tight_layout(rect=(0, 0.2 / lines, 1, 1))
     _save(figure, out)

@@ -1,11 +1,13 @@
-"""The network: an encoder with spatial softmax for each camera, then a multilayer perceptron."""
+"""The network: from features of each picture to points in it, then a multilayer perceptron."""
 
 from dataclasses import asdict, dataclass
 
 import torch
+from pretrained import COARSE, FINE
 from torch import Tensor, nn
 
-CHANNELS = 32  # feature maps of an encoder, each of which becomes one point
+FEATURES = FINE + COARSE  # of each place of a picture
+CHANNELS = 32  # maps that an encoder makes of them, each of which becomes one point
 ARMS, GRIPPERS = [*range(6), *range(7, 13)], [6, 13]  # of an action's 14 numbers
 
 
@@ -23,24 +25,32 @@ class Shape:
 
 
 class Encoder(nn.Module):
-    """Picture (n, 3, H, W) to points (n, 2 CHANNELS), -1..1, where its features are strongest."""
+    """Features of n pictures to points (n, 2 CHANNELS), -1..1, where maps of them are strongest."""
 
     short = False  # whether to convolve in bfloat16: faster where the processor has it
 
     def __init__(self) -> None:
         super().__init__()
-        # One wide convolution with a long stride costs half of two narrow ones on a CPU.
+        self.register_buffer("mean", torch.zeros(1, FEATURES, 1, 1))
+        self.register_buffer("spread", torch.ones(1, FEATURES, 1, 1))
         self.maps = nn.Sequential(
-            nn.Conv2d(3, 32, 8, stride=4, padding=2),
+            nn.Conv2d(FEATURES, 2 * CHANNELS, 1),
             nn.ReLU(),
-            nn.Conv2d(32, CHANNELS, 3, padding=1),
+            nn.Conv2d(2 * CHANNELS, 2 * CHANNELS, 3, padding=1),
             nn.ReLU(),
-            nn.Conv2d(CHANNELS, CHANNELS, 1),
+            nn.Conv2d(2 * CHANNELS, CHANNELS, 1),
         )
 
-    def forward(self, picture: Tensor) -> Tensor:
-        with torch.autocast(picture.device.type, torch.bfloat16, enabled=self.short):
-            maps = self.maps(picture)
+    def measure(self, fine: Tensor, coarse: Tensor) -> None:
+        """Take mean and spread of each feature from samples."""
+        joined = _joined(fine, coarse)
+        self.mean.copy_(joined.mean((0, 2, 3), keepdim=True))
+        self.spread.copy_(joined.std((0, 2, 3), keepdim=True) + 1e-3)
+
+    def forward(self, fine: Tensor, coarse: Tensor) -> Tensor:
+        known = (_joined(fine, coarse) - self.mean) / self.spread
+        with torch.autocast(known.device.type, torch.bfloat16, enabled=self.short):
+            maps = self.maps(known)
         maps = maps.float()
         height, width = maps.shape[-2:]
         weight = maps.flatten(2).softmax(-1).unflatten(-1, (height, width))
@@ -50,8 +60,15 @@ class Encoder(nn.Module):
         return torch.cat(points, dim=1)
 
 
+def _joined(fine: Tensor, coarse: Tensor) -> Tensor:
+    """All features at the finer resolution, (n, FEATURES, h, w)."""
+    size = tuple(fine.shape[-2:])
+    larger = nn.functional.interpolate(coarse.float(), size, mode="bilinear")
+    return torch.cat([fine.float(), larger], dim=1)
+
+
 class Network(nn.Module):
-    """Pictures, command and labels to the next commands, and where the objects are.
+    """Features, command and labels to the next commands, and where the objects are.
 
     Arms are predicted relative to the command that is shown, openings as they are.
     """
@@ -83,25 +100,19 @@ class Network(nn.Module):
         getattr(self, f"{name}_scale").copy_(torch.where(spread > 1e-4, spread, torch.inf))
 
     def forward(
-        self, pictures: dict[str, Tensor], command: Tensor, labels: Tensor
+        self, seen: dict[str, tuple[Tensor, Tensor]], command: Tensor, labels: Tensor
     ) -> tuple[Tensor, Tensor]:
         """Commands (n, chunk, 14) and object positions (n, objects) [m].
 
         Args:
-            pictures: by camera, (n, H, W, 3), 0..1.
+            seen: features by camera, fine and coarse (`pretrained.Seen`).
             command: (n, 14).
             labels: (n, m) in standard deviations from the mean (`standard`).
         """
-        seen = [
-            encoder(pictures[camera].permute(0, 3, 1, 2) - 0.5)
-            for camera, encoder in (
-                ("head", self.head),
-                ("left", self.wrist),
-                ("right", self.wrist),
-            )
-        ]
+        encoders = {"head": self.head, "left": self.wrist, "right": self.wrist}
+        points = [encoder(*seen[camera]) for camera, encoder in encoders.items()]
         known = (command - self.command_mean) / self.command_scale
-        hidden = self.body(torch.cat([*seen, known, labels], dim=1))
+        hidden = self.body(torch.cat([*points, known, labels], dim=1))
         actions = self.actions(hidden).unflatten(1, (self.shape.chunk, 14))
         base = command.clone()
         base[:, GRIPPERS] = 0

@@ -16,6 +16,7 @@ import numpy as np
 import torch
 from demonstrations import CHUNK, Demonstrations, load
 from network import ARMS, GRIPPERS, Network, Shape
+from pretrained import Eye
 from sight import PICTURES
 from torch import Tensor
 
@@ -24,10 +25,9 @@ import rtphys  # before NumPy
 # Standard deviations [rad] of the noise on the command that is shown, smallest and largest; one is
 # drawn for each sample. Targets stay, so the network learns to return to the demonstration.
 NOISE = (0.003, 0.05)
-SHIFT = 2  # [px] by which pictures are moved at random, at most
-BRIGHTNESS = 0.1  # by which they are made brighter or darker, at most
 LABEL_NOISE = 0.2  # deviations; exact labels would tell the episodes apart, and be learnt by heart
 OBJECTS_WEIGHT = 0.5  # of the objects' positions [0.1 m] in the loss
+MEASURED = 7  # every so many frames suffice for the spread of features
 REPORT, KEEP = 100, 500  # steps between reports, and between checkpoints
 
 
@@ -48,7 +48,10 @@ class Samples:
     """Demonstrations on a device; draws batches with noise."""
 
     def __init__(self, data: Demonstrations, options: Options, device: str) -> None:
-        self._pictures = {c: torch.from_numpy(p).to(device) for c, p in data.pictures.items()}
+        self.seen = {
+            camera: tuple(torch.from_numpy(array).to(device) for array in arrays)
+            for camera, arrays in data.seen.items()
+        }
         self.command = torch.from_numpy(data.command).to(device)
         self.following = torch.from_numpy(data.following).to(device)
         self.objects = torch.from_numpy(data.objects).to(device)
@@ -65,22 +68,12 @@ class Samples:
         noise[:, GRIPPERS] = 0
         labels = net.standard(self.labels[rows])
         return {
-            "pictures": {c: self._shown(p, rows, rng) for c, p in self._pictures.items()},
+            "seen": {c: tuple(array[rows] for array in arrays) for c, arrays in self.seen.items()},
             "command": self.command[rows] + self._on(noise.astype(np.float32)),
             "labels": labels + self._on(LABEL_NOISE * _normal(rng, tuple(labels.shape))),
             "following": self.following[rows],
             "objects": self.objects[rows],
         }
-
-    def _shown(self, pictures: Tensor, rows: Tensor, rng: np.random.Generator) -> Tensor:
-        """Pictures of these rows, 0..1, each shifted and brightened on its own."""
-        size, (height, width) = len(rows), pictures.shape[1:3]
-        dy, dx = (self._on(rng.integers(-SHIFT, SHIFT + 1, (size, 1))) for _ in range(2))
-        y = (torch.arange(height, device=self._device) + dy).clamp(0, height - 1)
-        x = (torch.arange(width, device=self._device) + dx).clamp(0, width - 1)
-        cut = pictures[rows[:, None, None], y[:, :, None], x[:, None, :]]
-        light = 1 + rng.uniform(-BRIGHTNESS, BRIGHTNESS, (size, 1, 1, 1))
-        return cut * self._on((light / 255).astype(np.float32))
 
     def _on(self, array: np.ndarray) -> Tensor:
         return torch.from_numpy(array).to(self._device)
@@ -92,7 +85,7 @@ def _normal(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
 
 def errors(net: Network, batch: dict) -> tuple[Tensor, Tensor, Tensor]:
     """Mean absolute errors of arms [rad], openings, and object positions [m]."""
-    actions, objects = net(batch["pictures"], batch["command"], batch["labels"])
+    actions, objects = net(batch["seen"], batch["command"], batch["labels"])
     off = (actions - batch["following"]).abs()
     return (
         off[..., ARMS].mean(),
@@ -112,6 +105,8 @@ def train(data: Demonstrations, options: Options, out: Path, device: str = "cpu"
     shape = Shape(CHUNK, data.objects.shape[1], data.labels.shape[1] if options.labels else 0)
     samples, net = Samples(data, options, device), Network(shape).to(device)
     net.head.short = net.wrist.short = options.bfloat16
+    for encoder, camera in ((net.head, "head"), (net.wrist, "left")):
+        encoder.measure(*(array[::MEASURED].float() for array in samples.seen[camera]))
     net.measure("command", samples.command)
     net.measure("objects", samples.objects)
     net.measure("labels", samples.labels[:, : shape.labels])
@@ -152,7 +147,8 @@ def report(done: int, options: Options, error: Sequence[float], step_s: float) -
 def digest(data: Demonstrations) -> str:
     """Of all that a network could learn from."""
     found = hashlib.sha256()
-    for array in (*data.pictures.values(), data.command, data.following, data.objects, data.labels):
+    seen = [array for arrays in data.seen.values() for array in arrays]
+    for array in (*seen, data.command, data.following, data.objects, data.labels):
         found.update(np.ascontiguousarray(array).data)
     return found.hexdigest()
 
@@ -201,7 +197,7 @@ def main() -> None:
     options = Options(**{name: getattr(args, name) for name in decisive})
     opened = [rtphys.Dataset(path).where(args.task, args.protocol) for path in args.datasets]
     episodes = [episode for dataset in opened for episode in dataset[: args.episodes]]
-    data = load(episodes)
+    data = load(episodes, Eye(args.device))
     sizes = ", ".join(f"{camera} {w}x{h}" for camera, (h, w) in PICTURES.items())
     print(f"{len(data)} frames of {len(episodes)} demonstrations, {sizes}")
     train(data, options, args.out, args.device)

@@ -11,6 +11,7 @@ import numpy as np
 import torch
 from network import Network, Shape
 from numpy.typing import NDArray
+from pretrained import Eye
 from sight import labels, shrunk
 
 from rtphys.episode import Observation, PolicyEpisode
@@ -27,6 +28,7 @@ class VisualPolicy:
         self._device = options.get("device", "cpu")
         self._execute = int(options.get("execute", 8))
         found = torch.load(checkpoint, map_location=self._device, weights_only=True)
+        self._eye = Eye(self._device)
         self._net = Network(Shape(**found["shape"])).to(self._device).eval()
         self._net.load_state_dict(found["net"])
         self._most = int(float(options.get("patience", 2)) * found["longest"])
@@ -43,12 +45,14 @@ class VisualPolicy:
 
     @torch.no_grad()
     def _chunk(self, observation: Observation, known: torch.Tensor) -> NDArray[np.float64]:
-        pictures = {
-            camera: self._tensor(picture) / 255
+        seen = {
+            camera: tuple(
+                torch.from_numpy(array).to(self._device) for array in self._eye(picture[None])
+            )
             for camera, picture in shrunk(observation.images).items()
         }
         command = self._tensor(observation.vector.astype(np.float32))
-        actions, _ = self._net(pictures, command, self._net.standard(known))
+        actions, _ = self._net(seen, command, self._net.standard(known))
         return actions[0, : self._execute].double().cpu().numpy()
 
     def _tensor(self, array: np.ndarray) -> torch.Tensor:

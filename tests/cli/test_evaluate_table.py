@@ -9,7 +9,13 @@ from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from rtphys.cli.evaluate_tables import attributes_table, first_error, pairs_table, rates_table
+from rtphys.cli.evaluate_tables import (
+    attributes_table,
+    first_error,
+    only_errors,
+    pairs_table,
+    rates_table,
+)
 from rtphys.results.breaks import Break
 from rtphys.results.folder import Results, record_file
 from rtphys.results.logistic import Curve
@@ -35,8 +41,8 @@ RATES = [
     "phys_random_all",
     TASK,
     "89 % [86, 91.5] 445/500",
-    "77.5 % [73.9, 80.8] 445/574",
-    "66.6 % [62.4, 70.6] 333/500",
+    "77.5 % 445/574",
+    "66.6 % 333/500",
     "step_limit 44, policy_error 11",
 ]
 TOTAL = ["phys_random_all", "all, mean 50 %", *RATES[2:5], ""]
@@ -89,4 +95,6 @@ def test_the_first_error_of_a_policy_is_said_in_one_line(tmp_path: Path) -> None
         "policy_error of seed 100001: ValueError: 14 actions, not 16; "
         f"the traceback is `detail` in {where}"
     )
+    assert not only_errors(results)
+    assert only_errors(Results(tmp_path, {}, {("clean", TASK): records[1:]}, {}))
     assert first_error(Results(tmp_path, {}, {("clean", TASK): records[:1]}, {})) == ""

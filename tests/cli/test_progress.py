@@ -88,6 +88,18 @@ def test_a_summary_has_a_row_for_each_series() -> None:
     assert [column[1] for column in cells] == ["click_bell", "4 / 4", "0", "-", ""]
 
 
+def test_where_a_failure_counts_as_well_the_solved_are_shown(capsys: pytest.CaptureFixture) -> None:
+    tally = Tally("lift_pot", 3)
+    for success in (True, False, False):
+        tally.add("", success)
+    table = summary_table([tally])
+    assert [str(column.header) for column in table.columns][3] == "solved"
+    assert list(table.columns[3].cells) == ["33 %"]
+    lines = Lines("episodes")
+    lines.tallies = [tally]
+    assert lines.sentence().startswith("3 of 3 episodes, 1 solved, ")
+
+
 def test_a_terminal_shows_a_table(monkeypatch: pytest.MonkeyPatch) -> None:
     live = progress.Live("episodes")
     tally = Tally("lift_pot", 4)

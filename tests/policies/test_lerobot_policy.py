@@ -131,7 +131,7 @@ def test_a_checkpoint_of_another_robot(stub: Opener) -> None:
 
 def test_a_checkpoint_that_wants_the_physics(stub: Opener) -> None:
     """Without an answer every episode would end in an error, and the rate would read 0 %."""
-    with pytest.raises(BadValue, match=r"no robot senses; \?physics=True shows it"):
+    with pytest.raises(BadValue, match=r"physics labels; \?physics=true shows them"):
         stub("knows_physics")
     with pytest.raises(BadValue, match=r"has to read .*environment_state of \[15\].* is \[13\]"):
         stub("knows_other_physics", physics="true")

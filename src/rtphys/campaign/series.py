@@ -26,13 +26,20 @@ class Tally:
     stopped: str = ""  # why it was given up
     new_accepted: int = field(default=0, init=False)  # of this run
     new_attempts: int = field(default=0, init=False)  # likewise
+    solved: int | None = field(default=None, init=False)  # of this run; None: nothing is judged
 
     @property
     def done(self) -> bool:
         return self.accepted >= self.wanted
 
-    def add(self, reason: str) -> None:
-        """Counts one result; an empty reason means that it counts towards the goal."""
+    def add(self, reason: str, success: bool | None = None) -> None:
+        """Counts one result; an empty reason means that it counts towards the goal.
+
+        Args:
+            success: whether a robot solved its task, where a failure counts as well.
+        """
+        if success is not None:
+            self.solved = (self.solved or 0) + success
         self.attempts += 1
         self.new_attempts += 1
         if reason:
@@ -78,6 +85,10 @@ class Series(ABC, Generic[J, R]):
     def reason(self, result: R) -> str:
         """Why a result does not count towards the goal; empty if it does."""
         return ""
+
+    def success(self, result: R) -> bool | None:
+        """Whether a robot solved its task, in studies where a failure counts as well."""
+        return None
 
     def arrived(self, seed: int, result: R) -> R:
         """Called when a worker hands a result over, which may be long before it is committed."""
@@ -145,7 +156,7 @@ class Series(ABC, Generic[J, R]):
                 self.halted = problem
                 return
             if self._committed >= self._owed:
-                self.tally.add(self.reason(result))
+                self.tally.add(self.reason(result), self.success(result))
             self._committed += 1
             self.tally.judge(exhausted=self._committed >= len(self.seeds))
             if self.enough:
@@ -165,11 +176,18 @@ class Batch(Series[J, R]):
 
     Args:
         failed: the result of a job that took its workers with it.
+        solved: whether a result is a success; for studies where a failure counts as well.
     """
 
-    def __init__(self, name: str, jobs: Mapping[int, J], failed: Callable[[J, Lost], R]) -> None:
+    def __init__(
+        self,
+        name: str,
+        jobs: Mapping[int, J],
+        failed: Callable[[J, Lost], R],
+        solved: Callable[[R], bool] | None = None,
+    ) -> None:
         super().__init__(Tally(name, len(jobs)), tuple(jobs))
-        self.jobs, self._failed = jobs, failed
+        self.jobs, self._failed, self._solved = jobs, failed, solved
         self.results = dict[int, R]()  # by number
 
     def job(self, seed: int) -> J:
@@ -178,6 +196,9 @@ class Batch(Series[J, R]):
     def commit(self, seed: int, result: R) -> str:
         self.results[seed] = result
         return ""
+
+    def success(self, result: R) -> bool | None:
+        return None if self._solved is None else self._solved(result)
 
     def lost(self, seed: int, loss: Lost) -> R:
         return self._failed(self.jobs[seed], loss)

@@ -1,7 +1,6 @@
 """`rtphys collect`: verified episodes of one or more tasks."""
 
 import json
-import shlex
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from rtphys.campaign.series import Tally
 from rtphys.cli.derived import changed, takes
 from rtphys.cli.options import JSON_HELP
 from rtphys.cli.stopping import Incomplete, resumable
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import command_line, say
 from rtphys.core import library
 from rtphys.core.errors import BadValue
 from rtphys.setting.option import Option
@@ -130,7 +129,7 @@ def _collect(plans: Sequence[TaskPlan], run: Run, as_json: bool) -> None:
     say_digest(run.out, err=as_json)
     if given_up := [f"{t.name}: {t.stopped}" for t in tallies if t.stopped]:
         raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
-    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(run.out))}", err=as_json)
+    say("to check every file: " + command_line("verify-manifest", run.out), err=as_json)
 
 
 def _plain(tally: Tally) -> dict[str, object]:

@@ -28,6 +28,7 @@ from rtphys.results.folder import Results
 from rtphys.results.published import PROTOCOLS, limits_of_comparison, per_task, settings
 from rtphys.results.statistics import Rate
 
+MOST_NAMED = 3  # evaluations whose names fit above their columns
 TITLE = "success among feasible seeds, 95 % intervals"
 
 
@@ -116,6 +117,9 @@ def _compare(evaluations: Sequence[Results], protocol: str | None, paper: bool) 
 def _rates(columns: Sequence[Column], tasks: Sequence[str]) -> Table:
     heads = [f"{column.label}, {column.protocol}" for column in columns]
     title = "success [%], in brackets its 95 % interval"
+    if len(heads) > MOST_NAMED:
+        title += "".join(f"\n[{number}] {head}" for number, head in enumerate(heads, start=1))
+        heads = [f"[{number}]" for number in range(1, len(heads) + 1)]
     table = fitting_table(["task"], heads, title, justify="right")
     for task in tasks:
         table.add_row(task, *(_cell(column.rates.get(task)) for column in columns))

@@ -17,7 +17,8 @@ def evaluate(plan: EvaluatePlan, output: AsJson) -> None:
 
     Nothing is searched for: the instances are those of a list that `rtphys certify` has made. The
     same policy gives the same records, with any number of workers. It may be interrupted: the
-    same command goes on where it stopped.
+    same command goes on where it stopped. The exit code is 1 if the policy raised an error in
+    every episode.
 
     Examples:
 
@@ -27,7 +28,7 @@ def evaluate(plan: EvaluatePlan, output: AsJson) -> None:
     """
     plan.check()
     from rtphys.assets.pack import default_pack
-    from rtphys.cli.evaluate_tables import first_error, show
+    from rtphys.cli.evaluate_tables import first_error, only_errors, show
     from rtphys.cli.progress import campaign_progress
     from rtphys.results import read_results
     from rtphys.studies.evaluate.run import evaluate as run_evaluation
@@ -38,9 +39,12 @@ def evaluate(plan: EvaluatePlan, output: AsJson) -> None:
         typer.echo(json.dumps(summary.to_json(), indent=2, ensure_ascii=False))
     else:
         show(summary)
-    if broken := first_error(read_results(plan.folder)):
+    results = read_results(plan.folder)
+    if broken := first_error(results):
         say(broken, err=True)
     written = (
         "records, summary and figures" if any(plan.folder.glob("*.png")) else "records and summary"
     )
     say(f"{written} are in {plan.folder}", err=output.as_json)
+    if only_errors(results):
+        raise typer.Exit(1)

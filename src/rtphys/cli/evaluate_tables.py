@@ -35,6 +35,12 @@ def first_error(results: Results) -> str:
     return f"policy_error of seed {first.seed}: {raised}; the traceback is `detail` in {where}"
 
 
+def only_errors(results: Results) -> bool:
+    """Whether the policy raised an error in every episode."""
+    played = [record for records in results.records.values() for record in records]
+    return bool(played) and all(record.reason == "policy_error" for record in played)
+
+
 def rates_table(summary: Summary) -> Table:
     """Success rates of each task and protocol."""
     columns = ("of feasible", "of all slots", "held", "reasons")
@@ -53,14 +59,16 @@ def rates_table(summary: Summary) -> Table:
 
 def _rates(counts: Counts) -> tuple[str, str, str]:
     held = Rate(counts.held, counts.rollouts)
-    return _rate(counts.of_feasible), _rate(counts.of_slots), _rate(held)
+    # One interval a row fits into 80 columns; summary.json holds the others.
+    return _rate(counts.of_feasible, bounds=True), _rate(counts.of_slots), _rate(held)
 
 
-def _rate(rate: Rate | None) -> str:
+def _rate(rate: Rate | None, bounds: bool = False) -> str:
     if rate is None or rate.value is None:
         return "-"
     low, high = map(_percent, rate.interval)
-    return f"{_percent(rate.value)} % [{low}, {high}] {rate.successes}/{rate.trials}"
+    between = f" [{low}, {high}]" if bounds else ""
+    return f"{_percent(rate.value)} %{between} {rate.successes}/{rate.trials}"
 
 
 def _percent(share: float) -> str:

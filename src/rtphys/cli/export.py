@@ -8,7 +8,7 @@ from rich.progress import Progress
 
 from rtphys.cli.derived import names_in
 from rtphys.cli.screen import Screen
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import counted, say
 from rtphys.data.dataset import Dataset
 
 app = typer.Typer(
@@ -61,7 +61,7 @@ def lerobot(
             features=names_in(features or []),
             progress=lambda done, _: bar.update(row, completed=done),
         )
-    say(f"{out}: {len(chosen)} episodes, LeRobot {version}")
+    say(f"{out}: {counted(len(chosen), 'episodes')}, LeRobot {version}")
 
 
 @app.command()

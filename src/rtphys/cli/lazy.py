@@ -10,7 +10,7 @@ from importlib import import_module
 import typer
 from typer.core import TyperGroup
 
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import command_line, say
 from rtphys.core.errors import BadValue, RtphysError
 
 # Package -> the optional part of rtphys that brings it.
@@ -139,7 +139,7 @@ def _command_line(match: re.Match[str]) -> str:
     flags = _flags(_load(match[1]).params)
     words = [word.partition("=") for word in match[2].split()]
     options = (f" {flags[field]} {value}" for field, _, value in words)
-    return f"`rtphys {match[1]}{''.join(options)}`"
+    return f"`{command_line(match[1])}{''.join(options)}`"
 
 
 def _parameters(command, arguments: Sequence[str]) -> list:

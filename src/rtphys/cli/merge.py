@@ -1,6 +1,5 @@
 """`rtphys merge`: shards into one dataset."""
 
-import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -8,7 +7,7 @@ import typer
 
 from rtphys.cli.collect import say_digest
 from rtphys.cli.stopping import Incomplete, resumable
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import command_line, counted, say
 from rtphys.core.errors import BadValue
 
 
@@ -35,8 +34,11 @@ def merge(
         tallies = merge_shards(parts, out, workers, listener)
     made = sum(tally.new_attempts for tally in tallies)
     episodes = sum(tally.accepted for tally in tallies)
-    say(f"{episodes} episodes of {len(tallies)} tasks in {out}; {made} attempts made here")
+    say(
+        f"{counted(episodes, 'episodes')} of {counted(len(tallies), 'tasks')} in {out}; "
+        f"{counted(made, 'attempts')} made here"
+    )
     say_digest(out)
     if given_up := [f"{t.name}: {t.stopped}" for t in tallies if not t.done]:
         raise Incomplete("; ".join(given_up))
-    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(out))}")
+    say("to check every file: " + command_line("verify-manifest", out))

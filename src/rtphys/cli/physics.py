@@ -12,7 +12,7 @@ from rtphys.cli.domains import AsJson, domain_named
 from rtphys.cli.fitting import fitting_table, print_table
 from rtphys.cli.options import split
 from rtphys.cli.physics_audit import audit
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import counted, say
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
 from rtphys.physics import Physics, Value, attributes, parse_overrides
@@ -106,7 +106,8 @@ def prove(
     if as_json:
         typer.echo(json.dumps(rows, ensure_ascii=False))
     else:
-        say(f"{total - failed} of {total} trials obey the laws of {len(laws)} attributes")
+        what = counted(len(laws), "attributes")
+        say(f"{total - failed} of {total} trials obey the laws of {what}")
     if failed:
         raise typer.Exit(1)
 

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtphys.cli.domains import AsJson
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import counted, say
+from rtphys.core import library
+from rtphys.core.errors import UnknownName
 from rtphys.physics import attributes
 
 if TYPE_CHECKING:
@@ -39,6 +41,10 @@ def audit(
     from rtphys.proofs.audit import selections_by_task_dataset
 
     data = Dataset(dataset)
+    known = library.names("tasks")
+    for task in data.tasks if labels else ():
+        if task not in known:
+            raise UnknownName("task", task, known, dataset)
     report, sound = _labels(data, as_json) if labels else ({}, True)
     found = selections_by_task_dataset(data)
     for name, selections in found.items():
@@ -87,10 +93,10 @@ def _tell(one: "Audit") -> None:
 
 
 def _tell_totals(totals: "Totals") -> None:
-    said = "the rebuilt world does what the label says"
-    say(f"{totals.sound} of {totals.episodes} episodes: {said}")
+    counts = f"in {totals.sound} of {counted(totals.episodes, 'episodes')}"
+    say(f"{counts}, the rebuilt world does what the label says")
     if totals.worst:
-        say(f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'of':>9}  unit")
+        say(f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'allowed':>9}  unit")
     for key, m in sorted(totals.worst.items()):
         unit = attributes()[key].unit
         deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}"

@@ -15,7 +15,7 @@ from rtphys.campaign.engine import Listener
 from rtphys.campaign.series import Tally
 from rtphys.cli.fitting import fitting_table
 from rtphys.cli.screen import Screen
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import counted, say
 
 LINE_EVERY = 10.0  # [s] between plain lines
 REFRESH = 0.5  # [s] between redraws
@@ -66,7 +66,9 @@ class _Counts(Listener):
         rejected = sum((tally.rejections for tally in self.tallies), Counter[str]())
         why = f", {rejected.total()} rejected ({reasons(rejected)})" if rejected else ""
         rate = f"{self.per_minute:.1f} {self.noun}/min, {self.time_left} left"
-        return f"{done} of {wanted} {self.noun}, {attempts} attempts{why}, {rate}"
+        solved = [tally.solved for tally in self.tallies if tally.solved is not None]
+        tried = f"{sum(solved)} solved" if solved else counted(attempts, "attempts")
+        return f"{done} of {wanted} {self.noun}, {tried}{why}, {rate}"
 
 
 class Lines(_Counts):
@@ -146,11 +148,14 @@ def totals(tallies: Sequence[Tally]) -> tuple[int, int, int]:
 
 def summary_table(tallies: Sequence[Tally], noun: str = "episodes") -> Table:
     """One row a series."""
-    columns = (noun, "attempts", "accepted", "rejected, by reason")
+    judged = any(tally.solved is not None for tally in tallies)
+    # Where a failure counts as well, nearly all are accepted, which tells nothing.
+    columns = (noun, "attempts", "solved" if judged else "accepted", "rejected, by reason")
     table = fitting_table(["task"], columns)
     for tally in tallies:
         tried = tally.new_attempts
-        share = f"{100 * tally.new_accepted / tried:.0f} %" if tried else "-"
+        good = (tally.solved or 0) if judged else tally.new_accepted
+        share = f"{100 * good / tried:.0f} %" if tried else "-"
         counts = f"{tally.accepted} / {tally.wanted}"
         table.add_row(tally.name, counts, str(tried), share, reasons(tally.rejections))
     return table

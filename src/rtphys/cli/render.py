@@ -1,10 +1,8 @@
 """`rtphys render`: a dataset drawn again from its stored states."""
 
-import shlex
-
 from rtphys.cli.derived import takes
 from rtphys.cli.stopping import resumable
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import command_line, counted, say
 from rtphys.studies.render.plan import RenderPlan
 
 
@@ -25,10 +23,10 @@ def render(plan: RenderPlan) -> None:
 
     with resumable(), campaign_progress("episodes") as listener:
         done = draw_again(plan, listener)
-    say(f"{done.episodes} episodes in {plan.out}")
+    say(f"{counted(done.episodes, 'episodes')} in {plan.out}")
     if done.compared:
         share = f"{done.compared - done.differing} of {done.compared}"
         say(f"{share} pictures that were stored before have come out the same, byte for byte")
     if done.differing:
         say("another device or driver drew the others; `rtphys doctor` names this one's", err=True)
-    say(f"to check every file: rtphys verify-manifest {shlex.quote(str(plan.out))}")
+    say("to check every file: " + command_line("verify-manifest", plan.out))

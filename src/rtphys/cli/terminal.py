@@ -5,7 +5,9 @@ cursor, change what was written before, or answer in the user's name.
 """
 
 import re
+import shlex
 
+import click
 import typer
 
 # Control characters, marks that turn the direction of text, and halves of characters.
@@ -31,6 +33,25 @@ def _spelled(character: str) -> str:
         if ord(character) > 127
         else (f"\\x{ord(character):02x}")
     )
+
+
+def command_line(*words: object) -> str:
+    """A command to type, with the options before its name that the running one was given."""
+    context = click.get_current_context(silent=True)
+    given = {} if context is None else context.find_root().params
+    before = [
+        word
+        for name in ("library", "assets", "fallback")
+        for value in (given.get(name) if name == "library" else [given.get(name)]) or ()
+        if value
+        for word in (f"--{name}", value)
+    ]
+    return shlex.join(str(word) for word in ("rtphys", *before, *words))
+
+
+def counted(number: int, noun: str) -> str:
+    """`"1 episode"`, `"2 episodes"`. `noun`: in the plural."""
+    return f"{number} {noun.removesuffix('s') if number == 1 else noun}"
 
 
 def say(text: str, *, err: bool = False) -> None:

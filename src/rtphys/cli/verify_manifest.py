@@ -9,7 +9,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from rtphys.cli.derived import takes
 from rtphys.cli.screen import Screen
-from rtphys.cli.terminal import printable, say
+from rtphys.cli.terminal import counted, printable, say
 from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import files
 from rtphys.data.check_episode import Effort
@@ -107,8 +107,9 @@ def verify_manifest(looks: Looks, origin: Origin, again: Again) -> None:
         say(printable(f"note: {note}", one_line=True), err=True)
     if report.digest:
         say(f"digest {report.digest}{signed}")
-    what = f"{report.episodes} episodes, {report.files} files, {report.bytes / 1e6:.1f} MB{made}"
-    verdict = "sound" if report.sound else f"{len(report.problems)} problems"
+    what = ", ".join((counted(report.episodes, "episodes"), counted(report.files, "files")))
+    what += f", {report.bytes / 1e6:.1f} MB{made}"
+    verdict = "sound" if report.sound else counted(len(report.problems), "problems")
     say(f"{out}: {verdict} ({what})", err=not report.sound)
     raise typer.Exit(0 if report.sound else 1)
 
@@ -147,8 +148,8 @@ def _replay(out: Path, again: Again, report: Report) -> str:
     report.notes += proof.notes
     for name in (*proof.episodes, *proof.rejections):
         say(printable(f"made again: {name}", one_line=True), err=True)
-    counts = f"{len(proof.episodes)} episodes made again"
-    return f"; {counts}, {len(proof.rejections)} rejected seeds tried again"
+    counts = f"{counted(len(proof.episodes), 'episodes')} made again"
+    return f"; {counts}, {counted(len(proof.rejections), 'rejected seeds')} tried again"
 
 
 def _with_bar(out: Path, effort: Effort, memory: Path | None) -> Report:

@@ -126,7 +126,9 @@ class PhysicsCheck:
                 differences.append(f"attributes.{key} is missing")
                 continue
             if key not in known:
-                differences.append(f"attributes.{key} is no attribute")
+                differences.append(
+                    f"attributes.{key} is no attribute that is known here; is its library loaded?"
+                )
                 continue
             varied = key in drawn.varied
             tolerance = None if label.tolerance is None else known[key].deviation(drawn[key])

@@ -9,7 +9,17 @@ from rtphys.data import files
 from rtphys.data.attempts import own_place, read_attempts
 from rtphys.data.files import FileFacts
 from rtphys.data.journal import START, Line
-from rtphys.data.layout import FAILURES, JOURNAL, MANIFEST, STAGING, TaskDataset, episode_number
+from rtphys.data.layout import (
+    FAILURES,
+    JOURNAL,
+    LOCK,
+    MANIFEST,
+    SHARD,
+    SIGNATURE,
+    STAGING,
+    TaskDataset,
+    episode_number,
+)
 from rtphys.data.manifest import (
     TaskDatasetHistory,
     journals_below,
@@ -17,6 +27,8 @@ from rtphys.data.manifest import (
     parse_manifest,
 )
 from rtphys.data.schema import Manifest, TaskDatasetEntry
+
+OURS = (MANIFEST, SIGNATURE, SHARD, LOCK, "report.html")  # that rtphys writes beside the datasets
 
 
 @dataclass
@@ -188,6 +200,9 @@ def _twins(tree: Tree, findings: Findings) -> None:
 
 
 def _unlisted(tree: Tree, findings: Findings) -> None:
+    for path in sorted(tree.out.iterdir()):  # a README, a licence: a user may add what is no data
+        if path.is_file() and path.name not in OURS and path.suffix != files.TEMPORARY:
+            findings.notes.append(f"{path}: no manifest covers it")
     for name, place in tree.task_datasets.items():
         if place.staging.exists():
             findings.notes.append(f"{name}: a run was cut off or still goes on ({STAGING})")

@@ -182,11 +182,28 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener = QUIET) -> list[Score
             role = "expert, a second time" if robot == "again" else robot
             seeds = range(plan.first_seed, plan.first_seed + count)
             jobs = {seed: Job(robot, setting.at(seed)) for seed in seeds}
-            batches.append(Batch(f"{task}, {protocol} ({role})", jobs, lost))
+            batches.append(
+                Batch(
+                    f"{task}, {protocol} ({role})",
+                    jobs,
+                    lost,
+                    solved if robot in BLIND else accepted,
+                )
+            )
             scores[-1].trials[robot] = batches[-1].results
     with LocalPool(CheckWorker(pack), plan.workers or cores()) as pool:
         run_all(batches, pool, listener)
     return scores
+
+
+def solved(trial: Trial) -> bool:
+    """Whether a robot that sees nothing solved its task."""
+    return trial.success
+
+
+def accepted(trial: Trial) -> bool:
+    """Whether the expert solved its task."""
+    return not trial.reason
 
 
 def lost(job: Job, loss: Lost) -> Trial:

@@ -51,6 +51,8 @@ def _tries(job: Trouble) -> int:
 def act(what: str) -> None:
     if what.startswith("farewell:"):
         atexit.register(Path(what.removeprefix("farewell:")).touch)
+    elif what == "print":
+        print("hello\nworld")
     elif what == "abort":
         os.abort()
     elif what == "killed":

@@ -44,6 +44,17 @@ def test_what_a_library_registered_for_the_end_is_run(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"end", "spent"}
 
 
+def test_what_a_job_prints_is_heard_once() -> None:
+    said, found = list[str](), dict[int, int | Lost]()
+    with LocalPool[Trouble, int](setup, 1, QUICK) as pool:
+        pool.notice = said.append
+        for number, what in enumerate(("print", "", "print")):
+            pool.submit(str(number), Trouble(what), partial(found.__setitem__, number))
+            while pool.busy:
+                pool.wait()
+    assert said == ["hello", "world"] * 2 and len(found) == 3
+
+
 @pytest.mark.parametrize("death", ["abort", "exit", "killed"])
 def test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done(death: str) -> None:
     found = run([Trouble(), Trouble(death), Trouble(), Trouble()])

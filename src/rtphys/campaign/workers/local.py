@@ -56,7 +56,9 @@ def main(connection: Connection, parent: int) -> None:
         work = setup()
         connection.send("ready")
         while True:
-            connection.send(work(connection.recv()))
+            result = work(connection.recv())
+            sys.stdout.flush()  # what the job has printed is shown with its result
+            connection.send(result)
     except (EOFError, BrokenPipeError):
         with suppress(Exception):  # nobody listens any more
             getattr(setup, "finish", int)()
@@ -79,7 +81,9 @@ def _user_line(error: BaseException) -> str:
 class _Worker(Generic[J, R]):
     process: subprocess.Popen[bytes]
     line: Connection
-    log: IO[bytes]
+    log: IO[bytes]  # its standard error
+    prints: IO[bytes]  # its standard output
+    shown: int = 0  # bytes of `prints` that were shown
     job: Job[J, R] | None = None
     since: float = 0.0
     ready: bool = False
@@ -87,9 +91,17 @@ class _Worker(Generic[J, R]):
     killed: str = ""  # why we killed it
 
     def last_words(self) -> str:
-        log = self.log.fileno()  # `seek` would move the worker's own place in the file
-        said = os.pread(log, os.fstat(log).st_size, 0)
+        # `seek` would move the worker's own place in the files.
+        files = (self.prints.fileno(), self.log.fileno())
+        said = b"".join(os.pread(file, os.fstat(file).st_size, 0) for file in files)
         return said.decode(errors="replace")[-LOG_TAIL:].strip()
+
+    def printed(self) -> list[str]:
+        """Lines that a user's code has printed since the last call."""
+        prints = self.prints.fileno()
+        new = os.pread(prints, os.fstat(prints).st_size - self.shown, self.shown)
+        self.shown += len(new)
+        return new.decode(errors="replace").splitlines()
 
 
 @dataclass
@@ -117,18 +129,18 @@ class LocalPool(WorkerPool[J, R]):
 
     def _spawn(self) -> _Worker[J, R]:
         ours, theirs = Pipe()
-        log = TemporaryFile()  # noqa: SIM115 - `_remove` closes it
+        log, prints = TemporaryFile(), TemporaryFile()  # noqa: SIM115 - `_remove` closes them
         process = subprocess.Popen(
             [sys.executable, "-m", __name__, str(theirs.fileno()), str(os.getpid())],
             stdin=subprocess.DEVNULL,
-            stdout=log,
-            stderr=subprocess.STDOUT,
+            stdout=prints,
+            stderr=log,
             pass_fds=[theirs.fileno()],
             env={**os.environ, **THREADS, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
             process_group=0,  # Ctrl-C is handled by the parent alone
         )
         theirs.close()
-        worker = _Worker[J, R](process, ours, log)
+        worker = _Worker[J, R](process, ours, log, prints)
         self._workers.append(worker)
         ours.send(sys.path)
         ours.send(self.setup)
@@ -141,6 +153,7 @@ class LocalPool(WorkerPool[J, R]):
             with suppress(subprocess.TimeoutExpired):
                 worker.process.wait(max(deadline - time.monotonic(), 0.0))
         worker.log.close()
+        worker.prints.close()
         worker.process.kill()
         self._workers.remove(worker)
         return worker.process.wait()
@@ -169,6 +182,8 @@ class LocalPool(WorkerPool[J, R]):
         except (EOFError, OSError):
             self._handle_death(worker, job)
             return
+        for line in worker.printed():
+            self.notice(line)
         if isinstance(message, WorkerFailed):
             text = f"{job.name}: {message}" if worker.ready else str(message)
             trace = message.trace and message.trace + worker.last_words()
@@ -184,7 +199,10 @@ class LocalPool(WorkerPool[J, R]):
 
     def _handle_death(self, worker: _Worker[J, R], job: Job[J, R]) -> None:
         """A dead worker's job gets another try, or is given up."""
-        said, status = worker.last_words(), self._remove(worker)
+        said, printed = worker.last_words(), worker.printed()
+        status = self._remove(worker)
+        for line in printed if worker.ready else ():
+            self.notice(line)
         killer = next((s.name for s in signal.Signals if s == -status), f"signal {-status}")
         died = f"ended with exit code {status}" if status >= 0 else f"was killed by {killer}"
         died = worker.killed or died

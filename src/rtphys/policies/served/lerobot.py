@@ -240,7 +240,7 @@ def check_vectors(
     known = about["inputs"].get(PHYSICS)
     wanted = [sum(one.size for one in attributes().values())]
     if known is not None and not oracle:
-        cure = "it is trained with the physics, which no robot senses; ?physics=True shows it"
+        cure = "the checkpoint was trained with the physics labels; ?physics=true shows them"
         raise BadValue("physics", oracle, cure)
     if oracle and known != wanted:
         problem = f"the checkpoint has to read {PHYSICS} of {wanted}, its shape there is {known}"

@@ -102,6 +102,9 @@ class TaskEvaluation(Series[Job, Played]):
             self.write()
         return ""
 
+    def success(self, result: Played) -> bool:
+        return result.record.success
+
     def lost(self, seed: int, loss: Lost) -> Played:
         return unplayed(self.setting.at(seed), loss.reason, loss.detail)
 
