@@ -25,7 +25,8 @@ from rtphys.results.statistics import Rate, paired
 
 HERE = Path(__file__).resolve().parent
 SHIPPED = HERE.parents[1] / "manifests" / "benchmark_v2"
-RTPHYS = Path(sys.executable).with_name("rtphys")
+# Its library brings protocols between `clean` and `phys_random`; `severity_50` has looks as well.
+RTPHYS = (Path(sys.executable).with_name("rtphys"), "--library", HERE / "library")
 POLICY = f"python:{HERE / 'visual_policy.py'}:load"
 SIZE = "128x96"  # of every picture; the network needs no larger ones
 FIRST_SEED = 1_000_000  # of the demonstrations, far from the certified seeds
@@ -57,7 +58,7 @@ class Plan:
     """What one run does for each task."""
 
     out: Path
-    tests: tuple[str, ...] = ("clean", "phys_random")
+    tests: tuple[str, ...] = ("clean", "phys_random_25", "phys_random_50", "phys_random")
     episodes: int = 300  # demonstrations of each training set
     instances: int = 100  # certified ones of each test
     first_seed: int = CERTIFIED  # of the tests' instances
@@ -79,13 +80,15 @@ def demonstrations(plan: Plan, task: str, learnt: TrainingSet) -> list[Path]:
     options = ("--episodes", plan.episodes, "--seed", FIRST_SEED, "--size", SIZE, "--no-recovery")
     where = ("--workers", plan.workers, "--out", out)
     states = ("--sense", "states") if learnt.looks > 1 else ()  # to draw from
-    run(RTPHYS, "collect", "--task", task, "--protocol", learnt.protocol, *options, *states, *where)
+    run(
+        *RTPHYS, "collect", "--task", task, "--protocol", learnt.protocol, *options, *states, *where
+    )
     folders = [out]
     for number in range(1, learnt.looks):
         look = f"{learnt.protocol}.{number}"
         folders.append(plan.out / "demos" / f"{task}.{look}")
         where = ("--workers", plan.workers, "--out", folders[-1])
-        run(RTPHYS, "render", out, "--look", look, *where)
+        run(*RTPHYS, "render", out, "--look", look, *where)
     return folders
 
 
@@ -109,7 +112,7 @@ def instances(plan: Plan, task: str, protocol: str) -> Path:
     out = plan.out / "lists" / str(plan.first_seed)
     what = ("--task", task, "--protocol", protocol, "--first-seed", plan.first_seed)
     options = ("--feasible", plan.instances, "--baselines", "none", "--workers", plan.workers)
-    run(RTPHYS, "certify", *what, *options, "--out", out)
+    run(*RTPHYS, "certify", *what, *options, "--out", out)
     return out
 
 
@@ -120,7 +123,7 @@ def tested(plan: Plan, task: str, name: str, protocol: str) -> Found:
     options = ("--episodes", plan.instances, "--instances", instances(plan, task, protocol))
     given = ("--set", f"weights={weights}", "--set", f"device={plan.device}", "--size", SIZE)
     what = ("--task", task, "--protocol", protocol, "--workers", plan.workers, "--out", out)
-    run(RTPHYS, "evaluate", "--policy", POLICY, *what, *options, *given)
+    run(*RTPHYS, "evaluate", "--policy", POLICY, *what, *options, *given)
     records = read_results(out).records[protocol, task]
     solved = [r.seed for r in records if r.success]
     kept = ("attribute", "low", "high", "log_odds", "p", "p_holm")  # of what each attribute does

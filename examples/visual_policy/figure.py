@@ -18,15 +18,15 @@ import numpy as np
 
 NAMES = {  # of training sets and tests, in the order of the figures
     "clean": "clean",
-    "severity_25": "severity_\n25",
-    "severity_50": "severity_\n50",
-    "severity_100": "severity_\n100",
+    "phys_random_25": "phys_\nrandom_\n25",
+    "phys_random_50": "phys_\nrandom_\n50",
     "phys_random": "phys_\nrandom",
     "phys_random_labels": "phys_random\nwith labels",
     "official_random": "official_\nrandom",
-    "phys_random_all": "phys_\nrandom_all",
+    "phys_random_all": "phys_\nrandom_\nall",
 }
-COLOURS = dict(zip(NAMES, ("C0", "", "", "", "C1", "C2", "C4", "C3"), strict=True))
+COLOURS = dict(zip(NAMES, ("C0", "", "", "C1", "C2", "C4", "C3"), strict=True))
+GROWING = ("clean", "phys_random_25", "phys_random_50", "phys_random")  # ranges of physics
 COLUMNS = 3  # panels of tasks beside each other
 
 Matrices = dict[str, list[dict]]  # task -> cells
@@ -97,7 +97,7 @@ def draw_tasks(found: Matrices, out: Path) -> None:
 
 
 def _points(axis: plt.Axes, tests: Sequence[str], cells: Sequence[dict], shift: float) -> None:
-    """Rates of one training set with intervals; a line joins the tests of growing severity."""
+    """Rates of one training set with intervals; a line joins tests of growing ranges."""
     if not cells:
         return
     cells = sorted(cells, key=lambda c: tests.index(c["test"]))
@@ -107,7 +107,7 @@ def _points(axis: plt.Axes, tests: Sequence[str], cells: Sequence[dict], shift: 
     reach = np.array([[c["rate"] - c["low"], c["high"] - c["rate"]] for c in cells])
     style = {"fmt": "o", "color": colour, "markersize": 4, "capsize": 2, "linewidth": 1}
     axis.errorbar(x, 100 * rate, yerr=100 * reach.T, **style)
-    growing = [n for n, c in enumerate(cells) if c["test"] == "clean" or "severity" in c["test"]]
+    growing = [n for n, c in enumerate(cells) if c["test"] in GROWING]
     axis.plot(x[growing], 100 * rate[growing], color=colour, linewidth=1, alpha=0.6)
 
 
