@@ -109,7 +109,7 @@ def instances(plan: Plan, task: str, protocol: str) -> Path:
     official = plan.first_seed == CERTIFIED and shipped.is_file()
     if official and yaml.safe_load(shipped.read_text())["feasible"] >= plan.instances:
         return SHIPPED
-    out = plan.out / "lists" / str(plan.first_seed)
+    out = plan.out / "lists" / str(plan.first_seed) / task  # certify locks its folder
     what = ("--task", task, "--protocol", protocol, "--first-seed", plan.first_seed)
     options = ("--feasible", plan.instances, "--baselines", "none", "--workers", plan.workers)
     run(*RTPHYS, "certify", *what, *options, "--out", out)
