@@ -1,8 +1,10 @@
 """How far a campaign is: counts of this run, and lines for logs."""
 
 from collections import Counter
+from io import StringIO
 
 import pytest
+from rich.console import Console, Group
 
 from rtphys.campaign.series import Tally
 from rtphys.cli import progress
@@ -98,6 +100,17 @@ def test_where_a_failure_counts_as_well_the_solved_are_shown(capsys: pytest.Capt
     lines = Lines("episodes")
     lines.tallies = [tally]
     assert lines.sentence().startswith("3 of 3 episodes, 1 solved, ")
+
+
+def test_the_sentence_below_the_bar_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = list[Group]()
+    monkeypatch.setattr(progress.RichLive, "update", lambda _, what, **__: drawn.append(what))
+    live = progress.Live("episodes")
+    live.started([Tally("lift_pot", 1000)])
+    console = Console(width=80, file=StringIO())
+    console.print(drawn[-1])
+    assert isinstance(console.file, StringIO)
+    assert console.file.getvalue().splitlines()[-1].strip() == live.sentence()
 
 
 def test_a_terminal_shows_a_table(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,9 +24,9 @@ class Tally:
     rejections: Counter[str] = field(default_factory=Counter[str])  # of this run, by reason
     fruitless: int = 0  # attempts since the last one that counted
     stopped: str = ""  # why it was given up
+    solved: int | None = None  # of this run; None in studies in which only successes count
     new_accepted: int = field(default=0, init=False)  # of this run
     new_attempts: int = field(default=0, init=False)  # likewise
-    solved: int | None = field(default=None, init=False)  # of this run; None: nothing is judged
 
     @property
     def done(self) -> bool:
@@ -186,7 +186,7 @@ class Batch(Series[J, R]):
         failed: Callable[[J, Lost], R],
         solved: Callable[[R], bool] | None = None,
     ) -> None:
-        super().__init__(Tally(name, len(jobs)), tuple(jobs))
+        super().__init__(Tally(name, len(jobs), solved=None if solved is None else 0), tuple(jobs))
         self.jobs, self._failed, self._solved = jobs, failed, solved
         self.results = dict[int, R]()  # by number
 

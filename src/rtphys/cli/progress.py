@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from rich.console import Group
 from rich.live import Live as RichLive
+from rich.padding import Padding
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
@@ -136,7 +137,8 @@ class Live(_Counts):
         done, wanted, _ = totals(self.tallies)
         few = 0 < len(self.tallies) <= MOST_ROWS
         table = [summary_table(self.tallies, self.noun)] if few else []
-        bar = ProgressBar(total=wanted, completed=done, width=40)
+        # Padded, because a bar alone does not end its line.
+        bar = Padding(ProgressBar(total=wanted, completed=done, width=40), 0)
         self._live.update(Group(*table, bar, Text(self.sentence())), refresh=True)
 
 

@@ -77,7 +77,7 @@ class TaskEvaluation(Series[Job, Played]):
         if known[: len(seeds)] != seeds[: len(known)]:
             raise BadFile(self.path, "its seeds are not those of the instance list")
         done = min(len(known), len(seeds))
-        tally = Tally(f"{task}, {protocol}", len(seeds), done, done)
+        tally = Tally(f"{task}, {protocol}", len(seeds), done, done, solved=0)
         super().__init__(tally, seeds[done:])
         if experience is not None:
             experience.check(seeds[:done])
@@ -180,7 +180,7 @@ def _claim(plan: EvaluatePlan, ground: Mapping[str, JSON]) -> None:
         clauses = differences(before, run)
         clauses += ["the files of the policy were edited since"] if edited else []
         if not plan.resume:
-            clauses = ["and `resume` is off"]
+            raise OtherRun(f"{plan.folder}: holds results, and `resume` is off")
         if clauses:
             raise OtherRun(
                 f"{plan.folder}: holds results of another evaluation: {'; '.join(clauses)}. "
