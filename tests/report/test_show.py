@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from rtphys.cli.show import show
 from rtphys.data.dataset import Dataset
 from rtphys.report.joint_plot import joint_plot, panels
-from rtphys.report.sheet import GAP, contact_sheet
+from rtphys.report.sheet import CAPTION, GAP, contact_sheet
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -59,8 +59,9 @@ def test_by_number(dataset: Dataset) -> None:
 def test_sheet_has_a_row_per_camera(dataset: Dataset) -> None:
     sheet = contact_sheet(dataset[0])
     height, width, _ = dataset[0].image("head_camera", 0).shape
-    assert sheet.shape == (3 * (height + GAP), FRAMES * (width + GAP), 3)
-    np.testing.assert_array_equal(sheet[:height, :width], dataset[0].image("head_camera", 0))
+    assert sheet.shape == (3 * (CAPTION + height + GAP), FRAMES * (width + GAP), 3)
+    shown = sheet[CAPTION : CAPTION + height, :width]
+    np.testing.assert_array_equal(shown, dataset[0].image("head_camera", 0))
 
 
 def test_plot_draws_target_and_measured_of_every_joint(dataset: Dataset) -> None:

@@ -14,7 +14,7 @@ from rtphys.cli.derived import takes
 from rtphys.cli.terminal import say
 from rtphys.core.errors import BadFile
 from rtphys.setting.option import Option
-from rtphys.studies.check import BLIND, CheckPlan, Score, sheet
+from rtphys.studies.check import BLIND, CheckPlan, Score, ends
 from rtphys.studies.check import check as run_check
 from rtphys.studies.resources import check_drawable
 
@@ -120,11 +120,13 @@ def _percent(rate: float | None) -> str:
 
 def _draw(pack: Pack, scores: Sequence[Score], out: Path) -> None:
     from rtphys.data.files import make_folder, replace_file
+    from rtphys.data.jpeg import encode_png
+    from rtphys.report.sheet import captioned
 
     single = len(scores) == 1 and out.suffix == ".png"
     make_folder(out.parent if single else out)
     for score in scores:
         path = out if single else out / f"{score.setting.task}_{score.setting.protocol}.png"
-        seed, picture = sheet(pack, score)
-        replace_file(path, picture)
-        say(f"{path}: seed {seed}")
+        shown = ends(pack, score)
+        replace_file(path, encode_png(captioned(shown.pictures, shown.stages)))
+        say(f"{path}: seed {shown.seed}")

@@ -2,12 +2,13 @@
 
 import time
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
@@ -16,7 +17,6 @@ from rtphys.campaign.series import Batch
 from rtphys.campaign.workers.local import LocalPool, cores
 from rtphys.campaign.workers.pool import Lost
 from rtphys.core.errors import Infeasible
-from rtphys.data.jpeg import encode_png
 from rtphys.episode import begin
 from rtphys.episode.generate import attempt, start
 from rtphys.episode.instance import prepare
@@ -236,10 +236,18 @@ def solves(recipe: Recipe, task: Task, pack: Pack, robot: str) -> bool:
     return episode.success
 
 
-def sheet(pack: Pack, score: Score) -> tuple[int, bytes]:
-    """(seed, PNG): one row a camera, one column the end of each stage; drawn in this process.
+class Ends(NamedTuple):
+    """What the cameras see at the end of each stage of an attempt."""
 
-    Shows the lowest accepted seed, or the first failure if there is none. Needs a renderer.
+    seed: int
+    stages: Sequence[str]
+    pictures: Mapping[str, Sequence[NDArray[np.uint8]]]  # by camera
+
+
+def ends(pack: Pack, score: Score) -> Ends:
+    """Pictures of the lowest accepted seed, or of the first failure if there is none.
+
+    They are drawn in this process. Needs a renderer.
     """
     renderer.configure()  # before the first scene
     seed = min(score.accepted or score.failures)
@@ -248,7 +256,7 @@ def sheet(pack: Pack, score: Score) -> tuple[int, bytes]:
     if recording is None:  # not even settled: show what it looks like before anyone acts
         recording = start(prepare(recipe, task, pack)).recorder.recording
     last = {row.stage: row for row in recording.rows}  # of each stage
-    ends = replace(recording, rows=list(last.values()))
-    images = photograph(recipe, task, pack, Film.of(ends), Filming(SHEET_CAMERAS)).images
-    columns = [np.concatenate(list(shown.values())) for shown in images]
-    return seed, encode_png(np.concatenate(columns, axis=1))
+    kept = replace(recording, rows=list(last.values()))
+    images = list(photograph(recipe, task, pack, Film.of(kept), Filming(SHEET_CAMERAS)).images)
+    stages = [recording.stages[stage] for stage in last]
+    return Ends(seed, stages, {camera: [shown[camera] for shown in images] for camera in images[0]})
