@@ -46,8 +46,8 @@ TRAINING = {
     "clean": TrainingSet("clean"),
     "phys_random": TrainingSet("phys_random"),
     "phys_random_labels": TrainingSet("phys_random", labels=True),
-    "official_random": TrainingSet("official_random", looks=10),
-    "phys_random_all": TrainingSet("phys_random_all", looks=10),
+    "official_random": TrainingSet("official_random", looks=4),
+    "phys_random_all": TrainingSet("phys_random_all", looks=4),
 }
 Cell = tuple[str, str]  # training set, protocol of the test
 Found = dict[str, Any]  # what a test found, as JSON
@@ -62,7 +62,7 @@ class Plan:
     episodes: int = 300  # demonstrations of each training set
     instances: int = 100  # certified ones of each test
     first_seed: int = CERTIFIED  # of the tests' instances
-    steps: int = 10_000
+    steps: int = 5_000
     seed: int = 0
     device: str = "cpu"
     bfloat16: bool = False
