@@ -21,7 +21,7 @@ OWNERS = {
     "manifold3d": {"assets"},
     "PIL": {"assets"},
     "h5py": {"data"},
-    "cv2": {"data"},
+    "cv2": {"data", "report"},
     "simplejpeg": {"data"},
     "isal": {"data"},
     "av": {"data"},
@@ -42,6 +42,7 @@ OWNERS = {
     "sklearn": {"identification"},
     "threadpoolctl": {"identification"},
     "typer": {"cli"},
+    "click": {"cli"},  # below typer: the context of the running command
     "rich": {"cli"},
 }
 

@@ -89,8 +89,7 @@ def prove(
         say(reason, err=True)
     pack = default_pack()
     check_robot(pack, embodiment)
-    lab, failed, total = Lab(pack, embodiment=embodiment), 0, 0
-    rows: list[dict[str, object]] = []
+    lab, failed, total, rows = Lab(pack, embodiment=embodiment), 0, 0, list[dict[str, object]]()
     for law in laws:
         trials = list(prove(lab, law.key))
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
@@ -106,8 +105,8 @@ def prove(
     if as_json:
         typer.echo(json.dumps(rows, ensure_ascii=False))
     else:
-        what = counted(len(laws), "attributes")
-        say(f"{total - failed} of {total} trials obey the laws of {what}")
+        of = counted(len(laws), "attributes")
+        say(f"{total - failed} of {total} trials obey the laws of {of}")
     if failed:
         raise typer.Exit(1)
 
