@@ -3,10 +3,10 @@
 from dataclasses import asdict, dataclass
 
 import torch
-from pretrained import COARSE, FINE
+from pretrained import features
+from sight import PICTURES
 from torch import Tensor, nn
 
-FEATURES = FINE + COARSE  # of each place of a picture
 CHANNELS = 32  # maps that an encoder makes of them, each of which becomes one point
 ARMS, GRIPPERS = [*range(6), *range(7, 13)], [6, 13]  # of an action's 14 numbers
 
@@ -29,12 +29,13 @@ class Encoder(nn.Module):
 
     short = False  # whether to convolve in bfloat16: faster where the processor has it
 
-    def __init__(self) -> None:
+    def __init__(self, camera: str) -> None:
         super().__init__()
-        self.register_buffer("mean", torch.zeros(1, FEATURES, 1, 1))
-        self.register_buffer("spread", torch.ones(1, FEATURES, 1, 1))
+        count = features(PICTURES[camera][1])
+        self.register_buffer("mean", torch.zeros(1, count, 1, 1))
+        self.register_buffer("spread", torch.ones(1, count, 1, 1))
         self.maps = nn.Sequential(
-            nn.Conv2d(FEATURES, 2 * CHANNELS, 1),
+            nn.Conv2d(count, 2 * CHANNELS, 1),
             nn.ReLU(),
             nn.Conv2d(2 * CHANNELS, 2 * CHANNELS, 3, padding=1),
             nn.ReLU(),
@@ -61,7 +62,7 @@ class Encoder(nn.Module):
 
 
 def _joined(fine: Tensor, coarse: Tensor) -> Tensor:
-    """All features at the finer resolution, (n, FEATURES, h, w)."""
+    """All features at the finer resolution, (n, features, h, w)."""
     size = tuple(fine.shape[-2:])
     larger = nn.functional.interpolate(coarse.float(), size, mode="bilinear")
     return torch.cat([fine.float(), larger], dim=1)
@@ -76,7 +77,7 @@ class Network(nn.Module):
     def __init__(self, shape: Shape) -> None:
         super().__init__()
         self.shape = shape
-        self.head, self.wrist = Encoder(), Encoder()  # both wrists share one
+        self.head, self.wrist = Encoder("head"), Encoder("left")  # both wrists share one
         inputs = 3 * 2 * CHANNELS + 14 + shape.labels
         self.body = nn.Sequential(
             nn.Linear(inputs, shape.hidden),

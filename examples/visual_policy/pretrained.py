@@ -13,19 +13,28 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import conv2d, pad, relu6
 
-# Of each stage: blocks, stride, expansion. Later stages say what a picture shows, and
-# no longer where: they are left out.
-STAGES = ((1, 1, 1), (2, 2, 6), (2, 2, 6), (3, 2, 6))
-FINE, COARSE = 40, 80  # channels of the last two, at an eighth and a sixteenth of the picture
+# Of each stage: blocks, stride, expansion, channels of its features. Later stages say what a
+# picture shows, and no longer where: they are left out.
+STAGES = ((1, 1, 1, 16), (2, 2, 6, 24), (2, 2, 6, 40), (3, 2, 6, 80))
+SMALL = 64  # [px] pictures so narrow, or narrower, are seen by stages that are one step finer
 BATCH = 64  # pictures at once: bounds the memory
 EPSILON = 1e-3  # of its batch normalization
 
 
 class Seen(NamedTuple):
-    """Features of n pictures (H, W), in half precision."""
+    """Features of n pictures (H, W) by two stages, in half precision."""
 
-    fine: NDArray[np.float16]  # (n, FINE, H / 8, W / 8)
-    coarse: NDArray[np.float16]  # (n, COARSE, H / 16, W / 16)
+    fine: NDArray[np.float16]  # (n, c, H / 8, W / 8), of small pictures (n, c, H / 4, W / 4)
+    coarse: NDArray[np.float16]  # (n, d, H / 16, W / 16), of small pictures (n, d, H / 8, W / 8)
+
+
+def features(width: int) -> int:
+    """Number of features of each place of a picture so wide [px]: c + d of `Seen`."""
+    return sum(STAGES[stage][-1] for stage in _stages(width))
+
+
+def _stages(width: int) -> tuple[int, int]:
+    return (1, 2) if width <= SMALL else (2, 3)
 
 
 class Eye:
@@ -47,8 +56,9 @@ class Eye:
     def _see(self, pictures: NDArray[np.uint8]) -> tuple[Tensor, Tensor]:
         shown = torch.from_numpy(pictures).to(self._device).permute(0, 3, 1, 2)
         x = relu6(self._convolve((shown.float() - 127) / 128, "_conv_stem", "_bn0", 2))
+        wanted = _stages(shown.shape[-1])
         number, levels = 0, list[Tensor]()
-        for blocks, stride, expansion in STAGES:
+        for blocks, stride, expansion, _ in STAGES[: wanted[-1] + 1]:
             for block in range(blocks):
                 name, before = f"_blocks.{number}.", x
                 if expansion > 1:
@@ -59,7 +69,7 @@ class Eye:
                 x = x + before if block else x
                 number += 1
             levels.append(x)
-        return levels[-2], levels[-1]
+        return levels[wanted[0]], levels[wanted[1]]
 
     def _convolve(self, x: Tensor, name: str, norm: str, stride: int = 1) -> Tensor:
         """A convolution with its batch normalization, padded as TensorFlow does."""

@@ -91,7 +91,8 @@ def made_up(frames: int = 64) -> Demonstrations:
     column = rng.integers(0, 28, frames)
     seen: dict[str, Arrays] = {}
     for camera in ("head", "left", "right"):
-        fine, coarse = np.zeros((frames, 40, 6, 32)), np.zeros((frames, 80, 3, 16))
+        few, many = (40, 80) if camera == "head" else (24, 40)
+        fine, coarse = np.zeros((frames, few, 6, 32)), np.zeros((frames, many, 3, 16))
         for row, x in enumerate(column):
             fine[row, 3, 2:4, x : x + 4] = 1
         seen[camera] = fine.astype(np.float16), coarse.astype(np.float16)
@@ -106,13 +107,16 @@ def test_features_move_with_the_picture() -> None:
     """By a stride of theirs, and each picture is seen on its own."""
     pytest.importorskip("torch")
     pytest.importorskip(WEIGHTS)
-    from pretrained import COARSE, FINE, Eye
+    from pretrained import Eye, features
 
     pictures = np.full((2, 96, 128, 3), 90, np.uint8)
     pictures[0, 30:50, 40:60] = pictures[1, 30:50, 56:76] = (200, 40, 40)
     eye = Eye()
     fine, coarse = eye(pictures)
-    assert fine.shape == (2, FINE, 12, 16) and coarse.shape == (2, COARSE, 6, 8)
+    assert fine.shape == (2, 40, 12, 16) and coarse.shape == (2, 80, 6, 8)
+    small = eye(pictures[:, ::2, ::2])
+    assert small.fine.shape == (2, 24, 12, 16) and small.coarse.shape == (2, 40, 6, 8)
+    assert (features(128), features(64)) == (120, 64)
     # Where the border is far away.
     np.testing.assert_allclose(fine[0, :, 4:6, 6:8], fine[1, :, 4:6, 8:10], atol=0.05)
     assert np.abs(fine[0] - fine[1]).max() > 1
