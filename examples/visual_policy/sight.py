@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.data.jpeg import decode, encode
 from rtphys.physics import Physics, attributes
 
 PICTURES = {"head": (96, 128), "left": (48, 64), "right": (48, 64)}  # camera -> height, width [px]
@@ -45,5 +46,10 @@ def labels(physics: Physics) -> NDArray[np.float32]:
 
 
 def shrunk(images: Mapping[str, NDArray[np.uint8]]) -> Pictures:
-    """All cameras of one instant."""
-    return {camera: shrink(camera, images[camera]) for camera in PICTURES}
+    """All cameras of one instant of an episode, as a dataset would have stored them.
+
+    A dataset's pictures have gone through JPEG. A network that was trained on them may fail on
+    pictures that have not.
+    """
+    stored = {camera: decode(encode(images[camera])) for camera in PICTURES}
+    return {camera: shrink(camera, picture) for camera, picture in stored.items()}
