@@ -10,6 +10,8 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+import policy_tables
+
 from rtphys import task as vocabulary
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
@@ -37,6 +39,7 @@ DOCUMENTS = (
     DOCS / "domains.md",
     DOCS / "physics.md",
     DOCS / "benchmark.md",
+    DOCS / "visual_policy.md",
     DOCS / "reference" / "task.md",
 )
 SHOWN = ("block", "plate", "071_can", "001_bottle", "021_cup", "081_playingcards", "043_book")
@@ -244,6 +247,9 @@ TABLES = {
     "benchmark": benchmark,
     "baselines": baselines,
     "blind": blind,
+    "policy_successes": lambda: _table(*policy_tables.successes()),
+    "policy_falls": lambda: _table(*policy_tables.falls()),
+    "policy_breaking": lambda: _table(*policy_tables.breaking()),
 }
 
 

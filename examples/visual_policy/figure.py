@@ -54,7 +54,8 @@ def draw_means(found: Matrices, out: Path) -> None:
     for (train, test), values in rates.items():
         row, column = rows.index(train), columns.index(test)
         means[row, column] = np.mean(values)
-        text = f"{means[row, column]:.0f} %\n{len(values)} tasks"
+        count = f"{len(values)} task{'s' * (len(values) > 1)}"
+        text = f"{means[row, column]:.0f} %\n{count}"
         dark = means[row, column] < 55
         style = {"ha": "center", "va": "center", "fontsize": 9}
         axis.text(column, row, text, color="white" if dark else "black", **style)
