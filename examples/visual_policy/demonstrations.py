@@ -22,7 +22,7 @@ Arrays = tuple[NDArray, ...]
 class Demonstrations:
     """N frames of several episodes."""
 
-    seen: dict[str, Arrays]  # by camera, what `load` was told to keep of N pictures
+    seen: dict[str, Arrays]  # by camera, arrays of N rows: features of its pictures
     command: Floats  # (N, 14) in force: left arm [rad], left opening, right arm, right opening
     following: Floats  # (N, CHUNK, 14) the next commands; behind the end, the last one
     objects: Floats  # (N, 3 k) positions of the task's k objects [m], world frame
