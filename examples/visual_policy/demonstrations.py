@@ -1,5 +1,6 @@
 """A dataset's episodes as arrays to train on, without PyTorch."""
 
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -28,6 +29,7 @@ class Demonstrations:
     objects: Floats  # (N, 3 k) positions of the task's k objects [m], world frame
     labels: Floats  # (N, m) physics of the episode
     longest: int  # frames of the longest episode
+    digest: str  # of the files
 
     def __len__(self) -> int:
         return len(self.command)
@@ -83,8 +85,18 @@ def load(dataset: Sequence[Episode], keep: Callable[[NDArray[np.uint8]], Arrays]
     return Demonstrations(
         seen=seen,
         longest=max(len(rows) for rows in kept),
+        digest=digest(dataset),
         **{key: array.astype(np.float32) for key, array in joined.items()},
     )
+
+
+def digest(dataset: Sequence[Episode]) -> str:
+    """SHA-256 of all files that a network could learn from."""
+    found = hashlib.sha256()
+    for episode in dataset:
+        for path in (episode.paths.hdf5, episode.paths.phys_meta):
+            found.update(path.read_bytes())
+    return found.hexdigest()
 
 
 def _pictures(camera: str, episode: Episode, rows: NDArray[np.intp]) -> NDArray[np.uint8]:

@@ -5,16 +5,15 @@ the bit, because every step draws its batch from the seed and its own number.
 """
 
 import argparse
-import hashlib
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 import torch
-from demonstrations import CHUNK, Demonstrations, load
+from demonstrations import CHUNK, Demonstrations, digest, load
 from network import ARMS, GRIPPERS, Network, Shape
 from pretrained import Eye
 from sight import PICTURES
@@ -111,7 +110,7 @@ def train(data: Demonstrations, options: Options, out: Path, device: str = "cpu"
     net.measure("objects", samples.objects)
     net.measure("labels", samples.labels[:, : shape.labels])
     adam = torch.optim.Adam(net.parameters(), lr=options.rate)
-    about = {"options": asdict(options), "data": digest(data), "longest": data.longest}
+    about = {"options": asdict(options), "data": data.digest, "longest": data.longest}
     first = _continued(out, about, net, adam)
     running, started = None, time.monotonic()
     for step in range(first, options.steps):
@@ -144,15 +143,6 @@ def report(done: int, options: Options, error: Sequence[float], step_s: float) -
     )
 
 
-def digest(data: Demonstrations) -> str:
-    """Of all that a network could learn from."""
-    found = hashlib.sha256()
-    seen = [array for arrays in data.seen.values() for array in arrays]
-    for array in (*seen, data.command, data.following, data.objects, data.labels):
-        found.update(np.ascontiguousarray(array).data)
-    return found.hexdigest()
-
-
 def save(
     out: Path, about: dict[str, object], net: Network, adam: torch.optim.Adam, done: int
 ) -> None:
@@ -165,15 +155,26 @@ def save(
 
 
 def _continued(out: Path, about: dict[str, object], net: Network, adam: torch.optim.Adam) -> int:
-    if not out.exists():
+    if (found := checkpoint(out, about)) is None:
         return 0
+    net.load_state_dict(found["net"])
+    adam.load_state_dict(found["adam"])
+    return int(found["done"])
+
+
+def checkpoint(out: Path, about: Mapping[str, object]) -> dict | None:
+    """What `out` holds, if anything.
+
+    Raises:
+        ValueError: it was trained on other data or with other options than `about` says.
+    """
+    if not out.exists():
+        return None
     found = torch.load(out, map_location="cpu", weights_only=True)
     for key in ("options", "data"):
         if found[key] != about[key]:
             raise ValueError(f"{out}: trained with {key} {found[key]}, not {about[key]}; remove it")
-    net.load_state_dict(found["net"])
-    adam.load_state_dict(found["adam"])
-    return int(found["done"])
+    return found
 
 
 def main() -> None:
@@ -197,6 +198,11 @@ def main() -> None:
     options = Options(**{name: getattr(args, name) for name in decisive})
     opened = [rtphys.Dataset(path).where(args.task, args.protocol) for path in args.datasets]
     episodes = [episode for dataset in opened for episode in dataset[: args.episodes]]
+    # Known from the files: reading their pictures takes minutes.
+    found = checkpoint(args.out, {"options": asdict(options), "data": digest(episodes)})
+    if found is not None and found["done"] == options.steps:
+        print(f"{args.out}: {options.steps} steps done")
+        return
     data = load(episodes, Eye(args.device))
     sizes = ", ".join(f"{camera} {w}x{h}" for camera, (h, w) in PICTURES.items())
     print(f"{len(data)} frames of {len(episodes)} demonstrations, {sizes}")

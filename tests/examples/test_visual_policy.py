@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sight
 import synthetic
-from demonstrations import CHUNK, Arrays, Demonstrations, kept_frames, load, thinned
+from demonstrations import CHUNK, Arrays, Demonstrations, digest, kept_frames, load, thinned
 from test_dataset_writer import collect
 
 from rtphys.data.dataset import Dataset
@@ -85,6 +85,11 @@ def test_clutter_is_no_object_of_the_task(dataset: Dataset) -> None:
     assert len(load([episode], halved).objects[0]) == 3 * len(poses)
 
 
+def test_the_digest_says_what_was_learnt(dataset: Dataset) -> None:
+    found = {digest(dataset[:1]), digest(dataset), digest(dataset[::-1])}
+    assert len(found) == 3 and load(dataset, halved).digest == digest(dataset)
+
+
 def made_up(frames: int = 64) -> Demonstrations:
     """A feature somewhere, and a first joint that must go there."""
     rng = np.random.default_rng(0)
@@ -100,7 +105,9 @@ def made_up(frames: int = 64) -> Demonstrations:
     following[:, :, 0] = (column[:, None] - 14) / 28
     place = np.stack([column / 28, column * 0, column * 0], axis=1).astype(np.float32)
     command = np.zeros((frames, 14), np.float32)
-    return Demonstrations(seen, command, following, place, np.zeros((frames, 15), np.float32), 5)
+    return Demonstrations(
+        seen, command, following, place, np.zeros((frames, 15), np.float32), 5, "made up"
+    )
 
 
 def test_features_move_with_the_picture() -> None:
