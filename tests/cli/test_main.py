@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from rtphys.cli import lazy
 from rtphys.cli.derived import takes
 from rtphys.cli.main import COMMANDS, app
-from rtphys.core.errors import BadValue, NoRenderer, RtphysError
+from rtphys.core.errors import BadValue, NoRenderer, RtphysError, UnknownName
 from rtphys.data.faults import CannotWrite
 from rtphys.setting.option import Option
 
@@ -206,6 +206,15 @@ def flagged(problem: BaseException, *arguments: str) -> str:
 )
 def test_a_field_is_spelled_as_the_flag_of_the_command(problem: RtphysError, said: str) -> None:
     assert said in flagged(problem)
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [("attribute", "--library DIR"), ("attribute of domain odd", "--domain"), ("prop", "")],
+)
+def test_an_unknown_name_says_where_others_are(kind: str, told: str) -> None:
+    found = RUN.invoke(program(UnknownName(kind, "mass", ["weight"])), ["fail"]).output
+    assert "Known: weight" in found and (told in found if told else "--" not in found)
 
 
 def test_an_error_of_the_library_names_the_flag() -> None:

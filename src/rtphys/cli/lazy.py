@@ -23,6 +23,7 @@ EXTRAS = {
     "sklearn": "identify",
 }
 OF_LIBRARIES = ("task", "task or domain", "domain", "protocol", "embodiment", "attribute")
+LIBRARY_HINT = "; --library DIR, before the command's name, adds yours"
 RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
 INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
@@ -55,8 +56,7 @@ class LazyGroup(TyperGroup):
         except RtphysError as error:
             running = _parameters(*ctx.meta.get(RUNNING, (None, ())))
             text = with_flags(error, _flags([*self.params, *running]))
-            if not ctx.params.get("library") and getattr(error, "kind", "") in OF_LIBRARIES:
-                text += "; --library DIR, before the command's name, adds yours"
+            text += _next(getattr(error, "kind", ""), bool(ctx.params.get("library")))
             _stop(text, error.exit_code)
         except KeyboardInterrupt:
             _stop("stopped", INTERRUPTED)
@@ -67,6 +67,13 @@ class LazyGroup(TyperGroup):
             extra = EXTRAS.get(package)
             cure = f"`pip install 'rtphys[{extra}]'`" if extra else "`rtphys doctor` names the cure"
             _stop(f"{error}; {cure}", 3)
+
+
+def _next(kind: str, library: bool) -> str:
+    """Where an unknown name may be found, for a line that says it is unknown."""
+    if kind.startswith("attribute of domain "):
+        return "; --domain or a protocol chooses a domain that varies it (`rtphys domains list`)"
+    return "" if library or kind not in OF_LIBRARIES else LIBRARY_HINT
 
 
 @contextmanager

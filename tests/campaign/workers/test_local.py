@@ -106,6 +106,13 @@ def test_an_exception_in_a_users_file_comes_out_with_its_line(tmp_path: Path) ->
         run([Trouble(f"task:{task}")])
 
 
+def test_a_refusal_in_a_users_file_comes_out_with_its_line(tmp_path: Path) -> None:
+    task, raising = tmp_path / "mine.py", "raise UnknownName('prop', 'ring', ['bell'])"
+    task.write_text(f"from rtphys.core.errors import UnknownName\n\ndef play():\n    {raising}\n")
+    with pytest.raises(WorkerFailed, match=rf"unknown prop 'ring'.* \({task}, line 4\)$"):
+        run([Trouble(f"task:{task}")])
+
+
 def test_a_refusal_comes_out_as_the_sentence_it_is() -> None:
     with pytest.raises(WorkerFailed, match=r"friction = -1 is not allowed") as caught:
         run([Trouble("refusal")])

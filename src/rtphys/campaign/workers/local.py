@@ -63,7 +63,7 @@ def main(connection: Connection, parent: int) -> None:
         with suppress(Exception):  # nobody listens any more
             getattr(setup, "finish", int)()
     except RtphysError as error:
-        connection.send(WorkerFailed(str(error), error.exit_code))
+        connection.send(WorkerFailed(f"{error}{_user_line(error)}", error.exit_code))
     except BaseException as error:  # sent to the supervisor, who stops the run
         text = f"{type(error).__name__}: {error}{_user_line(error)}"
         connection.send(WorkerFailed(text, trace=traceback.format_exc()))
