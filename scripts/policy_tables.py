@@ -1,7 +1,7 @@
 """Tables of docs/visual_policy.md, from the files that `experiment.py` of the example writes."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,8 @@ from typing import Any
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "visual_policy"
 TRAINING = ("clean", "phys_random", "phys_random_labels")
 TESTS = ("clean", "phys_random_25", "phys_random_50", "phys_random")
+LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
+LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
 Row = tuple[str, ...]
@@ -28,21 +30,30 @@ def cells_of(task: str) -> Cells:
 
 
 def successes() -> Table:
-    """Success of each task and training set under each test, with intervals."""
-    return ("task", "trained on", *(f"`{test}`" for test in TESTS)), _successes()
+    """Success of each task and training set where looks do not vary, with intervals."""
+    return _head(TESTS), _successes(TRAINING, TESTS)
 
 
-def _successes() -> Iterator[Row]:
+def looks() -> Table:
+    """The same where looks vary as well."""
+    return _head(LOOKS_TESTS), _successes(LOOKS, LOOKS_TESTS)
+
+
+def _head(tests: Sequence[str]) -> Row:
+    return "task", "trained on", *(f"`{test}`" for test in tests)
+
+
+def _successes(training: Sequence[str], tests: Sequence[str]) -> Iterator[Row]:
     for task in matrices():
         cells = cells_of(task)
-        for train in TRAINING:
-            found = [cells.get((train, test)) for test in TESTS]
+        for train in training:
+            found = [cells.get((train, test)) for test in tests]
             if any(found):
                 yield f"`{task}`", f"`{train}`", *map(_rate, found)
 
 
 def falls() -> Table:
-    """What `phys_random` costs a policy that was trained on `clean`, and what training wins back.
+    """What `phys_random` costs a policy that was trained on `clean`, and what wins it back.
 
     Counts of seeds that only one of two cells solves, with McNemar's p.
     """
@@ -50,6 +61,7 @@ def falls() -> Table:
         "task",
         "trained on `clean`: `clean`, `phys_random`",
         "tested on `phys_random`: trained on `clean`, `phys_random`",
+        "tested on `phys_random`: without, with labels",
     )
     return head, _falls()
 
@@ -60,6 +72,7 @@ def _falls() -> Iterator[Row]:
         asked = (
             (("clean", "clean"), ("clean", "phys_random")),
             (("clean", "phys_random"), ("phys_random", "phys_random")),
+            (("phys_random", "phys_random"), ("phys_random_labels", "phys_random")),
         )
         shown = [pairs.get(pair) for pair in asked]
         if any(shown):

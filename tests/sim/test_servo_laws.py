@@ -134,3 +134,20 @@ def test_a_servo_at_rest_obeys_its_law(name: str, label: float):
     assert (arm.measured() - arm.target)[joint] == pytest.approx(
         law[joint], rel=0.1, abs=RESOLUTION
     )
+
+
+def test_a_servo_of_half_the_stiffness_droops_twice_as_far():
+    """And has kept its damping."""
+    held = hold("stack_blocks_two", 1.0)
+    servos = held.world.arm_servos
+    for servo in servos:
+        servo.set_stiffness(0.5 * servo.nominal_stiffness)
+    drive = held.arm.limb.drive
+    for _ in range(round(2 * TIME_CONSTANTS * drive.damping / drive.stiffness * RATE)):
+        held.world.step()
+    law = 2 * held.droop_law()
+    joint = int(np.abs(law).argmax())
+    droop = (held.arm.measured() - held.arm.target)[joint]
+    assert droop == pytest.approx(law[joint], rel=0.1, abs=RESOLUTION)
+    assert {s.stiffness / s.nominal_stiffness for s in servos} == {0.5}
+    assert {s.damping / s.nominal_damping for s in servos} == {1.0}

@@ -217,9 +217,9 @@ class SimServo:
             gains: stiffness [N m/rad or N/m] and nominal damping [N m s/rad or N s/m].
             armature: inertia of the rotor as the joint feels it [kg m^2 or kg].
         """
-        self.joint, (stiffness, self._nominal) = joint, gains
+        self.joint, (self._stiffness, self._damping) = joint, gains
         joint.set_friction(0.0)
-        joint.set_drive_properties(stiffness, self._nominal)
+        joint.set_drive_properties(*gains)
         joint.set_armature(np.array([[armature]], np.float32))
 
     @property
@@ -227,8 +227,19 @@ class SimServo:
         return self.joint.name
 
     @property
+    def nominal_stiffness(self) -> float:
+        return self._stiffness
+
+    @property
+    def stiffness(self) -> float:
+        return float(self.joint.stiffness)
+
+    def set_stiffness(self, stiffness: float) -> None:
+        self.joint.set_drive_properties(stiffness, self.joint.damping)
+
+    @property
     def nominal_damping(self) -> float:
-        return self._nominal
+        return self._damping
 
     @property
     def damping(self) -> float:
