@@ -131,6 +131,7 @@ def tested(plan: Plan, task: str, name: str, protocol: str) -> Found:
 
 def matrix(plan: Plan, cells: Mapping[Cell, Found]) -> dict[str, object]:
     """The cells of a task so far, and tests between them on the seeds that they share, as JSON."""
+    cells = dict(sorted(cells.items()))  # in whatever order runs have found them
     found = [dict(zip(("train", "test"), cell, strict=True)) | cells[cell] for cell in cells]
     # What a test's protocol costs a policy, and what its demonstrations are worth under a test.
     pairs = [
