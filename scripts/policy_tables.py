@@ -8,7 +8,8 @@ from typing import Any
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "visual_policy"
 TRAINING = ("clean", "phys_random", "phys_random_labels")
-TESTS = ("clean", "phys_random_25", "phys_random_50", "phys_random")
+TESTS = ("clean", "phys_random_25", "phys_random_50", "phys_random", "phys_random_fixed_height")
+BROKEN = ("phys_random", "phys_random_fixed_height")
 LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
 LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
@@ -60,6 +61,7 @@ def falls() -> Table:
     head = (
         "task",
         "trained on `clean`: `clean`, `phys_random`",
+        "trained on `clean`: `clean`, `phys_random_fixed_height`",
         "tested on `phys_random`: trained on `clean`, `phys_random`",
         "tested on `phys_random`: without, with labels",
     )
@@ -71,6 +73,7 @@ def _falls() -> Iterator[Row]:
         pairs = {(tuple(p["first"]), tuple(p["second"])): p for p in matrix["pairs"]}
         asked = (
             (("clean", "clean"), ("clean", "phys_random")),
+            (("clean", "clean"), ("clean", "phys_random_fixed_height")),
             (("clean", "phys_random"), ("phys_random", "phys_random")),
             (("phys_random", "phys_random"), ("phys_random_labels", "phys_random")),
         )
@@ -80,18 +83,25 @@ def _falls() -> Iterator[Row]:
 
 
 def breaking() -> Table:
-    """Attributes that matter under `phys_random`, for each task and training set."""
-    return ("task", "trained on", "it fails more often at"), _breaking()
+    """Attributes that matter where physics varies, for each task and training set."""
+    return _head(BROKEN), _breaking()
 
 
 def _breaking() -> Iterator[Row]:
     for task in matrices():
         cells = cells_of(task)
         for train in TRAINING:
-            if cell := cells.get((train, "phys_random")):
-                named = [a for a in cell["attributes"] if a["p_holm"] < SIGNIFICANT]
-                said = ", ".join(_effect(a) for a in named) or "none"
-                yield f"`{task}`", f"`{train}`", said
+            found = [cells.get((train, test)) for test in BROKEN]
+            if any(found):
+                yield f"`{task}`", f"`{train}`", *map(_named, found)
+
+
+def _named(cell: Mapping[str, Any] | None) -> str:
+    """Attributes at which a policy fails more often."""
+    if cell is None:
+        return "-"
+    found = [a for a in cell["attributes"] if a["p_holm"] < SIGNIFICANT]
+    return ", ".join(map(_effect, found)) or "none"
 
 
 def _rate(cell: Mapping[str, Any] | None) -> str:

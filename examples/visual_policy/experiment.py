@@ -25,12 +25,21 @@ from rtphys.results.statistics import Rate, paired
 
 HERE = Path(__file__).resolve().parent
 SHIPPED = HERE.parents[1] / "manifests" / "benchmark_v2"
-# Its library brings protocols between `clean` and `phys_random`; `severity_50` has looks as well.
+# Its library brings parts of `phys_random`; the built-in `severity_50` varies looks as well.
 RTPHYS = (Path(sys.executable).with_name("rtphys"), "--library", HERE / "library")
 POLICY = f"python:{HERE / 'visual_policy.py'}:load"
 SIZE = "128x96"  # of every picture; the network needs no larger ones
 FIRST_SEED = 1_000_000  # of the demonstrations, far from the certified seeds
 CERTIFIED = 100_000  # first seed of the certified lists
+
+PHYSICS_ALONE = (  # tests in which nothing else varies
+    "clean",
+    "phys_random_25",
+    "phys_random_50",
+    "phys_random",
+    "phys_random_fixed_height",
+)
+WITH_LOOKS = ("clean", "phys_random", "official_random", "phys_random_all")
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,7 @@ class TrainingSet:
     """What a network learns from."""
 
     protocol: str
+    tests: tuple[str, ...] = PHYSICS_ALONE  # protocols
     labels: bool = False  # whether it is shown the physics labels
     episodes: int | None = None  # demonstrations; None: `Plan.episodes`
 
@@ -47,8 +57,8 @@ TRAINING = {
     "phys_random": TrainingSet("phys_random"),
     "phys_random_labels": TrainingSet("phys_random", labels=True),
     # Looks need many. Another look of an episode costs 85 % of the CPU time of another episode.
-    "official_random": TrainingSet("official_random", episodes=1000),
-    "phys_random_all": TrainingSet("phys_random_all", episodes=1000),
+    "official_random": TrainingSet("official_random", WITH_LOOKS, episodes=1000),
+    "phys_random_all": TrainingSet("phys_random_all", WITH_LOOKS, episodes=1000),
 }
 Cell = tuple[str, str]  # training set, protocol of the test
 Found = dict[str, Any]  # what a test found, as JSON
@@ -59,7 +69,6 @@ class Plan:
     """What one run does for each task."""
 
     out: Path
-    tests: tuple[str, ...] = ("clean", "phys_random_25", "phys_random_50", "phys_random")
     episodes: int = 300  # demonstrations of a training set that does not say
     instances: int = 100  # certified ones of each test
     first_seed: int = CERTIFIED  # of the tests' instances
@@ -158,25 +167,27 @@ def compared(cells: Mapping[Cell, Found], first: Cell, second: Cell) -> dict[str
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--task", action="append", required=True, help="repeatable")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--train", action="append", choices=TRAINING, help="default: each")
-    parser.add_argument("--test", default=",".join(Plan.tests), help="protocols")
+    parser.add_argument("--test", help="protocols; default: those of the training set")
     for name in ("episodes", "instances", "first_seed", "steps", "seed", "workers"):
         parser.add_argument(f"--{name.replace('_', '-')}", type=int, default=getattr(Plan, name))
     parser.add_argument("--device", default=Plan.device)
     parser.add_argument("--bfloat16", action="store_true")
     given = vars(parser.parse_args())
-    tasks, training = given.pop("task"), given.pop("train") or TRAINING
-    plan = Plan(tests=tuple(given.pop("test").split(",")), **given)
+    tasks, training, tests = given.pop("task"), given.pop("train") or TRAINING, given.pop("test")
+    plan = Plan(**given)
     own = "" if plan.first_seed == CERTIFIED else f".{plan.first_seed}"
     for task, train in product(tasks, training):
         path = plan.out / f"matrix{own}" / f"{task}.json"
         path.parent.mkdir(parents=True, exist_ok=True)
         cells = known(path)
         trained(plan, task, train)
-        for test in plan.tests:
+        for test in tests.split(",") if tests else TRAINING[train].tests:
             cells[train, test] = tested(plan, task, train, test)
             path.write_text(json.dumps(matrix(plan, cells), indent=1) + "\n")
 

@@ -21,11 +21,12 @@ NAMES = {  # of training sets and tests, in the order of the figures
     "phys_random_25": "phys_\nrandom_\n25",
     "phys_random_50": "phys_\nrandom_\n50",
     "phys_random": "phys_\nrandom",
+    "phys_random_fixed_height": "at fixed\nheight",
     "phys_random_labels": "phys_random\nwith labels",
     "official_random": "official_\nrandom",
     "phys_random_all": "phys_\nrandom_\nall",
 }
-COLOURS = dict(zip(NAMES, ("C0", "", "", "C1", "C2", "C4", "C3"), strict=True))
+COLOURS = dict(zip(NAMES, ("C0", "", "", "C1", "", "C2", "C4", "C3"), strict=True))
 GROWING = ("clean", "phys_random_25", "phys_random_50", "phys_random")  # ranges of physics
 COLUMNS = 3  # panels of tasks beside each other
 

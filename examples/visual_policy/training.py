@@ -178,7 +178,9 @@ def checkpoint(out: Path, about: Mapping[str, object]) -> dict | None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("datasets", type=Path, nargs="+", metavar="DATASET")
     parser.add_argument("--task", required=True)
     parser.add_argument("--protocol", help="of the episodes; default: all of the task's")
