@@ -10,6 +10,7 @@ file, `later` reads the same items again.
 
 import argparse
 import json
+import os
 import subprocess
 import tempfile
 import time
@@ -56,7 +57,9 @@ def ours(path: Path, wanted: np.ndarray) -> tuple[int, list[float]]:
 def theirs(python: Path, exported: Path, wanted: list[int]) -> dict:
     """What LeRobot's dataset does with these rows."""
     line = [python, "-c", LEROBOT, exported, json.dumps(wanted)]
-    done = subprocess.run(line, check=True, capture_output=True, text=True)
+    # Threads that wait for work would cost CPU time.
+    single = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(line, check=True, capture_output=True, text=True, env=single)
     return json.loads(done.stdout.splitlines()[-1])
 
 
