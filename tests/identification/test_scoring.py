@@ -82,6 +82,7 @@ def test_what_is_no_finite_number_an_episode_is_named() -> None:
 
 
 def test_trees_learn_and_are_the_same_every_time() -> None:
+    pytest.importorskip("sklearn")
     first, second = (score(table_of(samples(60)), "friction", UNIT, Trees) for _ in range(2))
     assert first == second
     assert first.r2 > 0.5
