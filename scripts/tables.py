@@ -248,6 +248,7 @@ TABLES = {
     "baselines": baselines,
     "blind": blind,
     "policy_successes": lambda: _table(*policy_tables.successes()),
+    "policy_parts": lambda: _table(*policy_tables.parts()),
     "policy_looks": lambda: _table(*policy_tables.looks()),
     "policy_falls": lambda: _table(*policy_tables.falls()),
     "policy_breaking": lambda: _table(*policy_tables.breaking()),

@@ -38,6 +38,7 @@ PHYSICS_ALONE = (  # tests in which nothing else varies
     "phys_random_50",
     "phys_random",
     "phys_random_fixed_height",
+    "phys_random_dynamics",
 )
 WITH_LOOKS = ("clean", "phys_random", "official_random", "phys_random_all")
 

@@ -21,10 +21,10 @@ SHOWN = (240, 180)  # width, height [px] of each picture
 
 
 def first_failure(out: Path, task: str) -> rtphys.Episode | None:
-    """The first instance that fails, recorded; none if all succeed."""
+    """The first instance that fails, recorded; none without one."""
     cells = json.loads((out / "matrix" / f"{task}.json").read_text())["cells"]
-    cell = next(c for c in cells if (c["train"], c["test"]) == (TRAIN, TEST))
-    if not cell["failed"]:
+    cell = next((c for c in cells if (c["train"], c["test"]) == (TRAIN, TEST)), None)
+    if cell is None or not cell["failed"]:
         return None
     count = 1 + sum(seed < min(cell["failed"]) for seed in cell["solved"])
     folder = out / "failures" / task

@@ -18,15 +18,16 @@ import numpy as np
 
 NAMES = {  # of training sets and tests, in the order of the figures
     "clean": "clean",
-    "phys_random_25": "phys_\nrandom_\n25",
-    "phys_random_50": "phys_\nrandom_\n50",
+    "phys_random_25": "25 %",
+    "phys_random_50": "50 %",
     "phys_random": "phys_\nrandom",
-    "phys_random_fixed_height": "at fixed\nheight",
+    "phys_random_fixed_height": "fixed\nheight",
+    "phys_random_dynamics": "dyna-\nmics",
     "phys_random_labels": "phys_random\nwith labels",
     "official_random": "official_\nrandom",
     "phys_random_all": "phys_\nrandom_\nall",
 }
-COLOURS = dict(zip(NAMES, ("C0", "", "", "C1", "", "C2", "C4", "C3"), strict=True))
+COLOURS = dict(zip(NAMES, ("C0", "", "", "C1", "", "", "C2", "C4", "C3"), strict=True))
 GROWING = ("clean", "phys_random_25", "phys_random_50", "phys_random")  # ranges of physics
 COLUMNS = 3  # panels of tasks beside each other
 
@@ -72,7 +73,7 @@ def draw_means(found: Matrices, out: Path) -> None:
 def draw_tasks(found: Matrices, out: Path) -> None:
     """One panel a task: success under each test, one colour a training set."""
     lines = -(-len(found) // COLUMNS)
-    size = (3.9 * min(COLUMNS, len(found)), 2.6 * lines + 0.6)
+    size = (4.3 * min(COLUMNS, len(found)), 2.6 * lines + 0.6)
     figure, axes = plt.subplots(lines, min(COLUMNS, len(found)), figsize=size, squeeze=False)
     tests = ordered(cell["test"] for task in found.values() for cell in task)
     training = ordered(cell["train"] for task in found.values() for cell in task)
@@ -110,7 +111,8 @@ def _points(axis: plt.Axes, tests: Sequence[str], cells: Sequence[dict], shift: 
     style = {"fmt": "o", "color": colour, "markersize": 4, "capsize": 2, "linewidth": 1}
     axis.errorbar(x, 100 * rate, yerr=100 * reach.T, **style)
     growing = [n for n, c in enumerate(cells) if c["test"] in GROWING]
-    axis.plot(x[growing], 100 * rate[growing], color=colour, linewidth=1, alpha=0.6)
+    if len(growing) == len(GROWING):
+        axis.plot(x[growing], 100 * rate[growing], color=colour, linewidth=1, alpha=0.6)
 
 
 def _save(figure: plt.Figure, out: Path) -> None:
