@@ -15,6 +15,27 @@ LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
 LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
+Pair = tuple[tuple[str, ...], tuple[str, ...]]  # of cells, each by training set and test
+PAIRS: dict[str, Pair] = {
+    "trained on `clean`: `clean`, `phys_random`": (("clean", "clean"), ("clean", "phys_random")),
+    "trained on `clean`: `clean`, `phys_random_dynamics`": (
+        ("clean", "clean"),
+        ("clean", "phys_random_dynamics"),
+    ),
+    "tested on `phys_random`: trained on `clean`, `phys_random`": (
+        ("clean", "phys_random"),
+        ("phys_random", "phys_random"),
+    ),
+    "tested on `phys_random_dynamics`: trained on `clean`, `phys_random`": (
+        ("clean", "phys_random_dynamics"),
+        ("phys_random", "phys_random_dynamics"),
+    ),
+    "tested on `phys_random`: without, with labels": (
+        ("phys_random", "phys_random"),
+        ("phys_random_labels", "phys_random"),
+    ),
+}
+
 Row = tuple[str, ...]
 Table = tuple[Row, Iterator[Row]]  # head and rows
 Cells = Mapping[tuple[str, str], Mapping[str, Any]]  # training set, test -> what was found
@@ -59,33 +80,21 @@ def _successes(training: Sequence[str], tests: Sequence[str]) -> Iterator[Row]:
                 yield f"`{task}`", f"`{train}`", *map(_rate, found)
 
 
-def falls() -> Table:
-    """What `phys_random` costs a policy that was trained on `clean`, and what wins it back.
-
-    Counts of seeds that only one of two cells solves, with McNemar's p.
-    """
-    head = (
-        "task",
-        "trained on `clean`: `clean`, `phys_random`",
-        "trained on `clean`: `clean`, `phys_random_dynamics`",
-        "tested on `phys_random`: trained on `clean`, `phys_random`",
-        "tested on `phys_random`: without, with labels",
+def pairs() -> Table:
+    """Counts of seeds that only one of two cells solves, with McNemar's p."""
+    found = {task: _pairs(matrix) for task, matrix in matrices().items()}
+    asked = {
+        head: pair for head, pair in PAIRS.items() if any(pair in known for known in found.values())
+    }
+    rows = (
+        (f"`{task}`", *(_pair(known.get(pair)) for pair in asked.values()))
+        for task, known in found.items()
     )
-    return head, _falls()
+    return ("task", *asked), rows
 
 
-def _falls() -> Iterator[Row]:
-    for task, matrix in matrices().items():
-        pairs = {(tuple(p["first"]), tuple(p["second"])): p for p in matrix["pairs"]}
-        asked = (
-            (("clean", "clean"), ("clean", "phys_random")),
-            (("clean", "clean"), ("clean", "phys_random_dynamics")),
-            (("clean", "phys_random"), ("phys_random", "phys_random")),
-            (("phys_random", "phys_random"), ("phys_random_labels", "phys_random")),
-        )
-        shown = [pairs.get(pair) for pair in asked]
-        if any(shown):
-            yield f"`{task}`", *(_pair(pair) for pair in shown)
+def _pairs(matrix: Mapping[str, Any]) -> dict[Pair, Mapping[str, Any]]:
+    return {(tuple(p["first"]), tuple(p["second"])): p for p in matrix["pairs"]}
 
 
 def breaking() -> Table:

@@ -250,7 +250,7 @@ TABLES = {
     "policy_successes": lambda: _table(*policy_tables.successes()),
     "policy_parts": lambda: _table(*policy_tables.parts()),
     "policy_looks": lambda: _table(*policy_tables.looks()),
-    "policy_falls": lambda: _table(*policy_tables.falls()),
+    "policy_pairs": lambda: _table(*policy_tables.pairs()),
     "policy_breaking": lambda: _table(*policy_tables.breaking()),
 }
 

@@ -1,4 +1,4 @@
-"""Train and test policies with eyes: python experiment.py --task click_bell --out run
+"""Train and test visuomotor policies: python experiment.py --task click_bell --out run
 
 Collects demonstrations, trains one network on each training set, tests each under every protocol on
 certified instances, and writes matrix/<task>.json. Every part resumes: repeat the command. Commands

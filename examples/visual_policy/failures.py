@@ -10,7 +10,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from experiment import POLICY, RTPHYS, SHIPPED, run
+from experiment import POLICY, RTPHYS, SHIPPED, SIZE, run
 
 import rtphys
 from rtphys.report.sheet import captioned
@@ -28,11 +28,13 @@ def first_failure(out: Path, task: str) -> rtphys.Episode | None:
         return None
     count = 1 + sum(seed < min(cell["failed"]) for seed in cell["solved"])
     folder = out / "failures" / task
-    given = ("--set", f"weights={out / 'weights' / TRAIN}", "--size", "320x240")
+    given = ("--set", f"weights={out / 'weights' / TRAIN}", "--size", SIZE)
     what = ("--task", task, "--protocol", TEST, "--instances", SHIPPED, "--episodes", count)
-    where = ("--out", folder / "results", "--record", folder / "record")
+    where = ("--out", folder / "results", "--record", folder / "record", "--sense", "states")
     run(*RTPHYS, "evaluate", "--policy", POLICY, *given, *what, *where)
-    return rtphys.Dataset(folder / "record").failures()[0]
+    # Larger pictures from the states; the policy must see what it saw in the experiment.
+    run(*RTPHYS, "render", folder / "record", "--size", "320x240", "--out", folder / "drawn")
+    return rtphys.Dataset(folder / "drawn").failures()[0]
 
 
 def main() -> None:
