@@ -10,7 +10,7 @@ from rtphys.cli.main import app
 
 def test_each_model_is_a_row_with_its_points() -> None:
     done = CliRunner().invoke(app, ["assets", "list", "*bell", "015_laptop", "--json"])
-    rows = {(row["object"], row["model"]): row for row in json.loads(done.output)}
+    rows = {(row["object"], row["model"]): row for row in json.loads(done.stdout)}
     pack = default_pack()
     for (name, index), row in rows.items():
         model = (pack.articulation if row["articulated"] else pack.model)(name, index)
