@@ -209,12 +209,12 @@ def test_a_field_is_spelled_as_the_flag_of_the_command(problem: RtphysError, sai
 
 
 @pytest.mark.parametrize(
-    ("kind", "told"),
+    ("kind", "hint"),
     [("attribute", "--library DIR"), ("attribute of domain odd", "--domain"), ("prop", "")],
 )
-def test_an_unknown_name_says_where_others_are(kind: str, told: str) -> None:
+def test_an_unknown_name_says_where_others_are(kind: str, hint: str) -> None:
     found = RUN.invoke(program(UnknownName(kind, "mass", ["weight"])), ["fail"]).output
-    assert "Known: weight" in found and (told in found if told else "--" not in found)
+    assert "Known: weight" in found and (hint in found if hint else "--" not in found)
 
 
 def test_an_error_of_the_library_names_the_flag() -> None:
