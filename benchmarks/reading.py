@@ -12,6 +12,7 @@ import argparse
 import json
 import os
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -74,7 +75,8 @@ def main() -> None:
     frames, (first, later) = ours(args.dataset, wanted)
     with tempfile.TemporaryDirectory() as folder:
         exported = Path(folder) / "exported"
-        subprocess.run(["rtphys", "export", "lerobot", args.dataset, "--out", exported], check=True)
+        export = (Path(sys.executable).with_name("rtphys"), "export", "lerobot")
+        subprocess.run([*export, args.dataset, "--out", exported], check=True)
         rows = (wanted[: args.lerobot_items] % frames).tolist()
         found = theirs(args.lerobot, exported, rows)
     if (found["frames"], found["pictures"]) != (frames, len(CAMERAS)):

@@ -23,7 +23,6 @@ EXTRAS = {
     "sklearn": "identify",
 }
 OF_LIBRARIES = ("task", "task or domain", "domain", "protocol", "embodiment", "attribute")
-LIBRARY_HINT = "; --library DIR, before the command's name, adds yours"
 RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
 INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
@@ -56,7 +55,7 @@ class LazyGroup(TyperGroup):
         except RtphysError as error:
             running = _parameters(*ctx.meta.get(RUNNING, (None, ())))
             text = with_flags(error, _flags([*self.params, *running]))
-            text += _next(getattr(error, "kind", ""), bool(ctx.params.get("library")))
+            text += _hint(getattr(error, "kind", ""), bool(ctx.params.get("library")))
             _stop(text, error.exit_code)
         except KeyboardInterrupt:
             _stop("stopped", INTERRUPTED)
@@ -69,11 +68,13 @@ class LazyGroup(TyperGroup):
             _stop(f"{error}; {cure}", 3)
 
 
-def _next(kind: str, library: bool) -> str:
-    """Where an unknown name may be found, for a line that says it is unknown."""
+def _hint(kind: str, library: bool) -> str:
+    """Where another name of an unknown kind may be found; empty where nothing helps."""
     if kind.startswith("attribute of domain "):
         return "; --domain or a protocol chooses a domain that varies it (`rtphys domains list`)"
-    return "" if library or kind not in OF_LIBRARIES else LIBRARY_HINT
+    if library or kind not in OF_LIBRARIES:
+        return ""
+    return "; --library DIR, before the command's name, adds yours"
 
 
 @contextmanager

@@ -217,7 +217,7 @@ class SimServo:
             gains: stiffness [N m/rad or N/m] and nominal damping [N m s/rad or N s/m].
             armature: inertia of the rotor as the joint feels it [kg m^2 or kg].
         """
-        self.joint, (self._stiffness, self._damping) = joint, gains
+        self.joint, (self._stiffness, self._damping) = joint, gains  # the nominal ones
         joint.set_friction(0.0)
         joint.set_drive_properties(*gains)
         joint.set_armature(np.array([[armature]], np.float32))
