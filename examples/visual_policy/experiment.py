@@ -40,6 +40,7 @@ PHYSICS_ALONE = (  # tests in which nothing else varies
     "phys_random_fixed_height",
     "phys_random_dynamics",
 )
+FEWER_TESTS = ("clean", "phys_random")
 WITH_LOOKS = ("clean", "phys_random", "official_random", "phys_random_all")
 
 
@@ -57,6 +58,10 @@ TRAINING = {
     "clean": TrainingSet("clean"),
     "phys_random": TrainingSet("phys_random"),
     "phys_random_labels": TrainingSet("phys_random", labels=True),
+    # The first of the same demonstrations.
+    "clean_100": TrainingSet("clean", FEWER_TESTS, episodes=100),
+    "phys_random_100": TrainingSet("phys_random", FEWER_TESTS, episodes=100),
+    "phys_random_labels_100": TrainingSet("phys_random", FEWER_TESTS, labels=True, episodes=100),
     # Looks need many. Another look of an episode costs 85 % of the CPU time of another episode.
     "official_random": TrainingSet("official_random", WITH_LOOKS, episodes=1000),
     "phys_random_all": TrainingSet("phys_random_all", WITH_LOOKS, episodes=1000),
@@ -79,6 +84,10 @@ class Plan:
     bfloat16: bool = False
     workers: int = 1
 
+    def demonstrations(self, learnt: TrainingSet) -> int:
+        """How many a training set has."""
+        return learnt.episodes or self.episodes
+
 
 def run(*words: object) -> None:
     """Run a command; its output is shown. Raises `CalledProcessError`."""
@@ -88,7 +97,7 @@ def run(*words: object) -> None:
 def demonstrations(plan: Plan, task: str, learnt: TrainingSet) -> Path:
     """Dataset of the demonstrations; what is missing is collected."""
     out = plan.out / "demos" / f"{task}.{learnt.protocol}"
-    count = learnt.episodes or plan.episodes
+    count = plan.demonstrations(learnt)
     options = ("--episodes", count, "--seed", FIRST_SEED, "--size", SIZE, "--no-recovery")
     where = ("--workers", plan.workers, "--out", out)
     run(*RTPHYS, "collect", "--task", task, "--protocol", learnt.protocol, *options, *where)
@@ -101,7 +110,7 @@ def trained(plan: Plan, task: str, name: str) -> Path:
     data = demonstrations(plan, task, learnt)
     flags = [*["--labels"] * learnt.labels, *["--bfloat16"] * plan.bfloat16]
     options = ("--steps", plan.steps, "--seed", plan.seed, "--device", plan.device, *flags)
-    where = ("--out", folder / f"{task}.pt")
+    where = ("--episodes", plan.demonstrations(learnt), "--out", folder / f"{task}.pt")
     run(sys.executable, HERE / "training.py", data, "--task", task, *options, *where)
     return folder
 
@@ -131,6 +140,8 @@ def tested(plan: Plan, task: str, name: str, protocol: str) -> Found:
     solved = [r.seed for r in records if r.success]
     kept = ("attribute", "low", "high", "log_odds", "p", "p_holm")  # of what each attribute does
     return {
+        "demonstrations": plan.demonstrations(TRAINING[name]),
+        "bfloat16": plan.bfloat16,
         **Rate(len(solved), len(records)).to_json(),
         "solved": solved,
         "failed": [r.seed for r in records if not r.success],
@@ -147,7 +158,7 @@ def matrix(plan: Plan, cells: Mapping[Cell, Found]) -> dict[str, object]:
     pairs = [
         compared(cells, a, b) for a, b in combinations(cells, 2) if a[0] == b[0] or a[1] == b[1]
     ]
-    about = ("episodes", "instances", "first_seed", "steps", "seed", "bfloat16")
+    about = ("instances", "first_seed", "steps", "seed")
     return {**{key: getattr(plan, key) for key in about}, "cells": found, "pairs": pairs}
 
 

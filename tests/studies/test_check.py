@@ -64,6 +64,14 @@ def test_an_idle_robot_that_succeeds_is_complained_about() -> None:
     assert text == "click_bell, clean: the idle robot solves 1 of 2 seeds"
 
 
+def test_an_expert_that_solves_nothing_is_complained_about() -> None:
+    job = Job("expert", Setting("click_bell", "clean").at(1))
+    failed = lost(job, Lost("worker_hang", "slept"))
+    assert complaints([score_of(("expert", 0, failed), ("expert", 1, GOOD))]) == []
+    (text,) = complaints([score_of(("expert", 0, failed), ("expert", 1, failed))])
+    assert text == "click_bell, clean: the expert solves none of 2 seeds"
+
+
 def test_two_outcomes_of_one_seed_are_complained_about() -> None:
     same = score_of(("expert", 0, GOOD), ("again", 0, GOOD))
     assert complaints([same]) == []

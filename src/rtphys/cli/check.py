@@ -47,7 +47,8 @@ def check(plan: CheckPlan, output: Output) -> None:
     the same states; the policies idle, random and jitter must fail. CPU-s is the mean time of an
     attempt.
 
-    Exit code 1: a robot that sees nothing succeeded, or a seed gave two outcomes.
+    Exit code 1: the expert solved no seed of a protocol, a robot that sees nothing succeeded, or a
+    seed gave two outcomes.
 
     Examples:
 
@@ -73,10 +74,12 @@ def check(plan: CheckPlan, output: Output) -> None:
 
 
 def complaints(scores: Sequence[Score]) -> list[str]:
-    """What is wrong with the task itself, not with its expert."""
+    """What no task may do; an expert that fails some seeds is not among it."""
     found: list[str] = []
     for score in scores:
         at = _name(score)
+        if (tried := score.tried("expert")) and not score.accepted:
+            found.append(f"{at}: the expert solves none of {len(tried)} seeds")
         found += [
             f"{at}: the {robot} robot solves {solved} of {len(score.tried(robot))} seeds"
             for robot in BLIND
