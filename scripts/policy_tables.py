@@ -6,13 +6,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from rtphys.results.statistics import paired
+
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "visual_policy"
+AGAIN = FOLDER / "float32"  # the same training sets, in another precision
 TRAINING = ("clean", "phys_random", "phys_random_labels")
 TESTS = ("clean", "phys_random_25", "phys_random_50", "phys_random")
 PARTS = ("clean", "phys_random", "phys_random_fixed_height", "phys_random_dynamics")
 BROKEN = ("phys_random", "phys_random_fixed_height", "phys_random_dynamics")
 LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
 LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
+AMOUNTS = ("clean", "phys_random")  # of training sets, and of what they are tested on
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
 Pair = tuple[tuple[str, ...], tuple[str, ...]]  # of cells, each by training set and test
@@ -42,14 +46,14 @@ Cells = Mapping[tuple[str, str], Mapping[str, Any]]  # training set, test -> wha
 
 
 @cache
-def matrices() -> dict[str, dict[str, Any]]:
+def matrices(folder: Path = FOLDER) -> dict[str, dict[str, Any]]:
     """The experiment's files by task."""
-    return {path.stem: json.loads(path.read_text()) for path in sorted(FOLDER.glob("*.json"))}
+    return {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))}
 
 
-def cells_of(task: str) -> Cells:
+def cells_of(task: str, folder: Path = FOLDER) -> Cells:
     """Cells of a task by training set and test."""
-    return {(cell["train"], cell["test"]): cell for cell in matrices()[task]["cells"]}
+    return {(cell["train"], cell["test"]): cell for cell in matrices(folder)[task]["cells"]}
 
 
 def successes() -> Table:
@@ -78,6 +82,38 @@ def _successes(training: Sequence[str], tests: Sequence[str]) -> Iterator[Row]:
             found = [cells.get((train, test)) for test in tests]
             if any(found):
                 yield f"`{task}`", f"`{train}`", *map(_rate, found)
+
+
+def amounts() -> Table:
+    """The same after a hundred demonstrations, and after all."""
+    return ("task", "trained on", "demonstrations", *(f"`{test}`" for test in AMOUNTS)), _amounts()
+
+
+def _amounts() -> Iterator[Row]:
+    for task in matrices():
+        cells = cells_of(task)
+        for train in AMOUNTS:
+            few = [cells.get((f"{train}_100", test)) for test in AMOUNTS]
+            for found in (few, [cells[train, test] for test in AMOUNTS]) if all(few) else ():
+                yield f"`{task}`", f"`{train}`", str(found[0]["demonstrations"]), *map(_rate, found)
+
+
+def trainings() -> Table:
+    """Trainings that differ in rounding alone, tested on the same instances."""
+    head = ("task", "trained on", "tested on", "bfloat16", "float32", "only the first, the second")
+    return head, _trainings()
+
+
+def _trainings() -> Iterator[Row]:
+    for task in matrices(AGAIN):
+        first = cells_of(task)
+        for key, cell in cells_of(task, AGAIN).items():
+            solved, also = (set(c["solved"]) for c in (first[key], cell))
+            found = paired(
+                [(seed in solved, seed in also) for seed in [*cell["solved"], *cell["failed"]]]
+            )
+            rates = map(_rate, (first[key], cell))
+            yield f"`{task}`", *(f"`{name}`" for name in key), *rates, _pair(found.to_json())
 
 
 def pairs() -> Table:

@@ -18,16 +18,25 @@ import numpy as np
 
 NAMES = {  # of training sets and tests, in the order of the figures
     "clean": "clean",
+    "clean_100": "clean\n(100)",
     "phys_random_25": "25 %",
     "phys_random_50": "50 %",
     "phys_random": "phys_\nrandom",
+    "phys_random_100": "phys_random\n(100)",
+    "phys_random_labels": "phys_random\nwith labels",
+    "phys_random_labels_100": "phys_random\nlabels (100)",
     "phys_random_fixed_height": "fixed\nheight",
     "phys_random_dynamics": "dyna-\nmics",
-    "phys_random_labels": "phys_random\nwith labels",
     "official_random": "official_\nrandom",
     "phys_random_all": "phys_\nrandom_\nall",
 }
-COLOURS = dict(zip(NAMES, ("C0", "", "", "C1", "", "", "C2", "C4", "C3"), strict=True))
+COLOURS = {  # of training sets with a panel for each task
+    "clean": "C0",
+    "phys_random": "C1",
+    "phys_random_labels": "C2",
+    "official_random": "C4",
+    "phys_random_all": "C3",
+}
 GROWING = ("clean", "phys_random_25", "phys_random_50", "phys_random")  # ranges of physics
 COLUMNS = 3  # panels of tasks beside each other
 
@@ -73,10 +82,11 @@ def draw_means(found: Matrices, out: Path) -> None:
 def draw_tasks(found: Matrices, out: Path) -> None:
     """One panel a task: success under each test, one colour a training set."""
     lines = -(-len(found) // COLUMNS)
-    size = (4.3 * min(COLUMNS, len(found)), 2.6 * lines + 0.6)
+    size = (5 * min(COLUMNS, len(found)), 2.6 * lines + 0.6)
     figure, axes = plt.subplots(lines, min(COLUMNS, len(found)), figsize=size, squeeze=False)
     tests = ordered(cell["test"] for task in found.values() for cell in task)
-    training = ordered(cell["train"] for task in found.values() for cell in task)
+    known = {cell["train"] for task in found.values() for cell in task}
+    training = [name for name in COLOURS if name in known]
     for number, axis in enumerate(axes.flat):
         axis.set_visible(number < len(found))
     for axis, (task, cells) in zip(axes.flat, found.items(), strict=False):
@@ -85,6 +95,7 @@ def draw_tasks(found: Matrices, out: Path) -> None:
             _points(axis, tests, [c for c in cells if c["train"] == train], shift)
         axis.set_title(task, fontsize=10)
         axis.set_xticks(range(len(tests)), [NAMES[name] for name in tests], fontsize=7)
+        axis.set_xlim(-0.5, len(tests) - 0.5)
         axis.set_ylim(-3, 103)
         axis.grid(axis="y", alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)

@@ -2,7 +2,8 @@
 
 `--set weights=FOLDER` names the folder of the checkpoints, `<task>.pt`. `execute` (8) is the number
 of a chunk's actions that are carried out, `device` where the network computes, `patience` (2) after
-how many times the longest demonstration the policy gives up.
+how many times the longest demonstration the policy gives up. `labels=mean` shows a network that was
+trained with labels their mean in training instead of the episode's.
 """
 
 from pathlib import Path
@@ -24,6 +25,9 @@ class VisualPolicy:
     needs_images = True
 
     def __init__(self, checkpoint: Path, options: dict[str, str]) -> None:
+        self._labels = options.get("labels", "true")
+        if self._labels not in ("true", "mean"):
+            raise ValueError(f"labels: {self._labels!r}; allowed: true, mean")
         torch.set_num_threads(1)  # the evaluation has a process for each core
         self._device = options.get("device", "cpu")
         self._execute = int(options.get("execute", 8))
@@ -35,7 +39,8 @@ class VisualPolicy:
 
     def play(self, episode: PolicyEpisode) -> None:
         """Act until the episode is over, or for as long as demonstrations make sense."""
-        known = self._tensor(labels(episode.instance.physics))  # used by an oracle alone
+        true = self._tensor(labels(episode.instance.physics))  # used by an oracle alone
+        known = self._net.labels_mean[None] if self._labels == "mean" else true
         while not episode.over and episode.taken < self._most:
             for action in self._chunk(episode.observe(), known):
                 episode.act(action)

@@ -169,8 +169,10 @@ def test_training_learns_resumes_and_repeats_to_the_bit(tmp_path: Path) -> None:
 
 @pytest.mark.sim
 @pytest.mark.render
-@pytest.mark.parametrize("labels", [False, True])
-def test_a_checkpoint_plays(tmp_path: Path, labels: bool) -> None:
+@pytest.mark.parametrize(
+    ("labels", "shown"), [(False, "true"), (True, "true"), (True, "mean")], ids=str
+)
+def test_a_checkpoint_plays(tmp_path: Path, labels: bool, shown: str) -> None:
     pytest.importorskip("torch")
     pytest.importorskip(WEIGHTS)
     from training import Options, train
@@ -183,7 +185,7 @@ def test_a_checkpoint_plays(tmp_path: Path, labels: bool) -> None:
     from rtphys.task.spec import load_task
 
     train(made_up(), Options("click_bell", 1, labels=labels), tmp_path / "click_bell.pt")
-    given = {"weights": str(tmp_path), "execute": "4", "patience": "2"}
+    given = {"weights": str(tmp_path), "execute": "4", "patience": "2", "labels": shown}
     policy = open_policy(
         f"python:{FOLDER}/visual_policy.py:load", PolicySetup("click_bell", options=given)
     )
@@ -193,9 +195,18 @@ def test_a_checkpoint_plays(tmp_path: Path, labels: bool) -> None:
     assert episode.taken == 12  # the first chunk that ends beyond twice five
 
 
-@pytest.mark.parametrize("task", sorted(path.stem for path in PUBLISHED.glob("*.json")))
-def test_published_numbers_follow_from_their_seeds(task: str) -> None:
-    path = PUBLISHED / f"{task}.json"
+def test_labels_that_cannot_be_shown_are_refused(tmp_path: Path) -> None:
+    pytest.importorskip("torch")
+    from visual_policy import VisualPolicy
+
+    with pytest.raises(ValueError, match="labels: 'none'; allowed: true, mean"):
+        VisualPolicy(tmp_path / "click_bell.pt", {"labels": "none"})
+
+
+@pytest.mark.parametrize(
+    "path", sorted(PUBLISHED.rglob("*.json")), ids=lambda path: f"{path.parent.name}-{path.stem}"
+)
+def test_published_numbers_follow_from_their_seeds(path: Path) -> None:
     published, cells = json.loads(path.read_text()), known(path)
     for (train, _), cell in cells.items():
         solved, failed = set(cell["solved"]), set(cell["failed"])
