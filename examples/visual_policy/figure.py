@@ -1,7 +1,7 @@
 """Draw an experiment: python figure.py run/matrix docs/images
 
-Writes visual_matrix.png, mean success over the tasks for each training set and test, and
-visual_tasks.png, success in each task with 95 % intervals.
+Writes visual_matrix.png, mean success over the tasks for each training set and test where looks are
+fixed and where they vary, and visual_tasks.png, success in each task with 95 % intervals.
 """
 
 import json
@@ -18,19 +18,16 @@ import numpy as np
 
 NAMES = {  # of training sets and tests, in the order of the figures
     "clean": "clean",
-    "clean_100": "clean\n(100)",
     "phys_random_25": "25 %",
     "phys_random_50": "50 %",
     "phys_random": "phys_\nrandom",
-    "phys_random_100": "phys_random\n(100)",
     "phys_random_labels": "phys_random\nwith labels",
-    "phys_random_labels_100": "phys_random\nlabels (100)",
     "phys_random_fixed_height": "fixed\nheight",
     "phys_random_dynamics": "dyna-\nmics",
     "official_random": "official_\nrandom",
     "phys_random_all": "phys_\nrandom_\nall",
 }
-COLOURS = {  # of training sets with a panel for each task
+COLOURS = {  # of the training sets that are drawn
     "clean": "C0",
     "phys_random": "C1",
     "phys_random_labels": "C2",
@@ -38,14 +35,17 @@ COLOURS = {  # of training sets with a panel for each task
     "phys_random_all": "C3",
 }
 GROWING = ("clean", "phys_random_25", "phys_random_50", "phys_random")  # ranges of physics
+LOOKS = ("official_random", "phys_random_all")  # training sets and tests whose looks vary
+LOOKS_TESTS = ("clean", "phys_random", *LOOKS)
 COLUMNS = 3  # panels of tasks beside each other
 
 Matrices = dict[str, list[dict]]  # task -> cells
 
 
 def read(folder: Path) -> Matrices:
-    """Cells of each task, by name of the task."""
-    return {p.stem: json.loads(p.read_text())["cells"] for p in sorted(folder.glob("*.json"))}
+    """Cells of the training sets that are drawn, by name of the task."""
+    found = {p.stem: json.loads(p.read_text())["cells"] for p in sorted(folder.glob("*.json"))}
+    return {task: [c for c in cells if c["train"] in COLOURS] for task, cells in found.items()}
 
 
 def ordered(names: Iterable[str]) -> list[str]:
@@ -54,29 +54,50 @@ def ordered(names: Iterable[str]) -> list[str]:
 
 
 def draw_means(found: Matrices, out: Path) -> None:
-    """Heat map: mean success over the tasks that have a cell, and how many they are."""
-    cells = [cell for task in found.values() for cell in task]
+    """Two heat maps of the mean success over tasks: looks fixed, and looks varied.
+
+    The second takes only tasks that were learnt under varied looks, so that its rows compare.
+    """
+    looks = {
+        task: [c for c in cells if c["test"] in LOOKS_TESTS]
+        for task, cells in found.items()
+        if any(c["train"] in LOOKS for c in cells)
+    }
+    fixed = {
+        task: [c for c in cells if c["train"] not in LOOKS and c["test"] not in LOOKS]
+        for task, cells in found.items()
+    }
+    drawn = [block for block in (fixed, looks) if any(block.values())]
+    heights = [len({c["train"] for cells in block.values() for c in cells}) for block in drawn]
+    size = (8.5, 0.9 * len(drawn) + 0.62 * sum(heights))
+    layout = {"squeeze": False, "height_ratios": heights, "layout": "constrained"}
+    figure, axes = plt.subplots(len(drawn), 1, figsize=size, **layout)
+    for axis, block in zip(axes.flat, drawn, strict=True):
+        _heat_map(axis, [cell for cells in block.values() for cell in cells])
+    axes[-1, 0].set_xlabel("tested on")
+    _save(figure, out)
+
+
+def _heat_map(axis: plt.Axes, cells: Sequence[dict]) -> None:
+    """Mean of the cells of each training set and test, and how many tasks they are."""
     rows, columns = ordered(c["train"] for c in cells), ordered(c["test"] for c in cells)
     rates: dict[tuple[str, str], list[float]] = {}
     for cell in cells:
         rates.setdefault((cell["train"], cell["test"]), []).append(100 * cell["rate"])
     means = np.full((len(rows), len(columns)), np.nan)
-    figure, axis = plt.subplots(figsize=(2.2 + 1.05 * len(columns), 1.2 + 0.62 * len(rows)))
     for (train, test), values in rates.items():
         row, column = rows.index(train), columns.index(test)
         means[row, column] = np.mean(values)
         count = f"{len(values)} task{'s' * (len(values) > 1)}"
-        text = f"{means[row, column]:.0f} %\n{count}"
+        text = f"{np.floor(means[row, column] + 0.5):.0f} %\n{count}"  # .0f rounds 98.5 to 98
         dark = means[row, column] < 55
         style = {"ha": "center", "va": "center", "fontsize": 9}
         axis.text(column, row, text, color="white" if dark else "black", **style)
     axis.imshow(means, vmin=0, vmax=100, cmap="viridis", aspect="auto")
     axis.set_xticks(range(len(columns)), [NAMES[name] for name in columns], fontsize=9)
     axis.set_yticks(range(len(rows)), [NAMES[name] for name in rows], fontsize=9)
-    axis.set_xlabel("tested on")
     axis.set_ylabel("trained on")
     axis.spines[:].set_visible(False)
-    _save(figure, out)
 
 
 def draw_tasks(found: Matrices, out: Path) -> None:
