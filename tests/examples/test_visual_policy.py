@@ -109,9 +109,8 @@ def made_up(frames: int = 64) -> Demonstrations:
     following[:, :, 0] = (column[:, None] - 14) / 28
     place = np.stack([column / 28, column * 0, column * 0], axis=1).astype(np.float32)
     command = np.zeros((frames, 14), np.float32)
-    return Demonstrations(
-        seen, command, following, place, np.zeros((frames, 15), np.float32), 5, "made up"
-    )
+    labels = rng.normal(size=(frames, 15)).astype(np.float32)
+    return Demonstrations(seen, command, following, place, labels, 5, "made up")
 
 
 def test_features_move_with_the_picture() -> None:
@@ -172,9 +171,12 @@ def test_training_learns_resumes_and_repeats_to_the_bit(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("labels", "shown"), [(False, "true"), (True, "true"), (True, "mean")], ids=str
 )
-def test_a_checkpoint_plays(tmp_path: Path, labels: bool, shown: str) -> None:
-    pytest.importorskip("torch")
+def test_a_checkpoint_plays_on_the_labels_that_were_asked_for(
+    tmp_path: Path, labels: bool, shown: str
+) -> None:
+    torch = pytest.importorskip("torch")
     pytest.importorskip(WEIGHTS)
+    from network import Network
     from training import Options, train
 
     from rtphys.assets.pack import default_pack
@@ -184,15 +186,27 @@ def test_a_checkpoint_plays(tmp_path: Path, labels: bool, shown: str) -> None:
     from rtphys.setting.setting import Setting
     from rtphys.task.spec import load_task
 
-    train(made_up(), Options("click_bell", 1, labels=labels), tmp_path / "click_bell.pt")
+    net = train(made_up(), Options("click_bell", 1, labels=labels), tmp_path / "click_bell.pt")
     given = {"weights": str(tmp_path), "execute": "4", "patience": "2", "labels": shown}
     policy = open_policy(
         f"python:{FOLDER}/visual_policy.py:load", PolicySetup("click_bell", options=given)
     )
     recipe, filming = Setting("click_bell", "phys_random").at(0), Filming(size="128x96")
     episode = begin(recipe, load_task("click_bell"), default_pack(), filming)
-    policy.play(episode)
+    saw = []
+
+    def record(module: object, inputs: tuple) -> None:
+        if isinstance(module, Network):
+            saw.append(inputs[2].numpy())
+
+    with torch.nn.modules.module.register_module_forward_pre_hook(record):
+        policy.play(episode)
     assert episode.taken == 12  # the first chunk that ends beyond twice five
+    true = sight.labels(episode.instance.physics) if labels else np.zeros(0)
+    mean, scale = (part.numpy() for part in (net.labels_mean, net.labels_scale))
+    expected = (true - mean) / scale if shown == "true" else np.zeros(15)
+    np.testing.assert_allclose(saw, [expected[None]] * 3, rtol=1e-5)
+    assert shown == "mean" or not labels or np.abs(expected).max() > 1
 
 
 def test_labels_that_cannot_be_shown_are_refused(tmp_path: Path) -> None:
