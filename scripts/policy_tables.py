@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ PARTS = ("clean", "phys_random", "phys_random_fixed_height", "phys_random_dynami
 BROKEN = ("phys_random", "phys_random_fixed_height", "phys_random_dynamics")
 LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
 LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
-AMOUNTS = ("clean", "phys_random")  # of training sets, and of what they are tested on
+FEWER_TESTS = ("clean", "phys_random")  # of what has learnt from a hundred demonstrations
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
 Pair = tuple[tuple[str, ...], tuple[str, ...]]  # of cells, each by training set and test
@@ -85,35 +86,41 @@ def _successes(training: Sequence[str], tests: Sequence[str]) -> Iterator[Row]:
 
 
 def amounts() -> Table:
-    """The same after a hundred demonstrations, and after all."""
-    return ("task", "trained on", "demonstrations", *(f"`{test}`" for test in AMOUNTS)), _amounts()
+    """Success after a hundred demonstrations and after all, on the same instances."""
+    return _head_of_two("100", "300"), _amounts()
 
 
 def _amounts() -> Iterator[Row]:
     for task in matrices():
         cells = cells_of(task)
-        for train in AMOUNTS:
-            few = [cells.get((f"{train}_100", test)) for test in AMOUNTS]
-            for found in (few, [cells[train, test] for test in AMOUNTS]) if all(few) else ():
-                yield f"`{task}`", f"`{train}`", str(found[0]["demonstrations"]), *map(_rate, found)
+        for train, test in product(TRAINING, FEWER_TESTS):
+            few = cells.get((f"{train}_100", test))
+            if few is not None:
+                yield f"`{task}`", f"`{train}`", f"`{test}`", *_two(few, cells[train, test])
 
 
 def trainings() -> Table:
     """Trainings that differ in rounding alone, tested on the same instances."""
-    head = ("task", "trained on", "tested on", "bfloat16", "float32", "only the first, the second")
-    return head, _trainings()
+    return _head_of_two("bfloat16", "float32"), _trainings()
 
 
 def _trainings() -> Iterator[Row]:
     for task in matrices(AGAIN):
         first = cells_of(task)
         for key, cell in cells_of(task, AGAIN).items():
-            solved, also = (set(c["solved"]) for c in (first[key], cell))
-            found = paired(
-                [(seed in solved, seed in also) for seed in [*cell["solved"], *cell["failed"]]]
-            )
-            rates = map(_rate, (first[key], cell))
-            yield f"`{task}`", *(f"`{name}`" for name in key), *rates, _pair(found.to_json())
+            yield f"`{task}`", *(f"`{name}`" for name in key), *_two(first[key], cell)
+
+
+def _head_of_two(first: str, second: str) -> Row:
+    return "task", "trained on", "tested on", first, second, "only the first, the second"
+
+
+def _two(first: Mapping[str, Any], second: Mapping[str, Any]) -> Row:
+    """Rates of two cells of one test, and the test between them."""
+    solved, also = (set(cell["solved"]) for cell in (first, second))
+    seeds = [*first["solved"], *first["failed"]]
+    found = paired([(seed in solved, seed in also) for seed in seeds])
+    return _rate(first), _rate(second), _pair(found.to_json())
 
 
 def pairs() -> Table:
