@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,6 @@ PARTS = ("clean", "phys_random", "phys_random_fixed_height", "phys_random_dynami
 BROKEN = ("phys_random", "phys_random_fixed_height", "phys_random_dynamics")
 LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
 LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
-FEWER_TESTS = ("clean", "phys_random")  # of what has learnt from a hundred demonstrations
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
 Pair = tuple[tuple[str, ...], tuple[str, ...]]  # of cells, each by training set and test
@@ -87,40 +85,47 @@ def _successes(training: Sequence[str], tests: Sequence[str]) -> Iterator[Row]:
 
 def amounts() -> Table:
     """Success after a hundred demonstrations and after all, on the same instances."""
-    return _head_of_two("100", "300"), _amounts()
+    return _head(TESTS), _amounts()
 
 
 def _amounts() -> Iterator[Row]:
     for task in matrices():
         cells = cells_of(task)
-        for train, test in product(TRAINING, FEWER_TESTS):
-            few = cells.get((f"{train}_100", test))
-            if few is not None:
-                yield f"`{task}`", f"`{train}`", f"`{test}`", *_two(few, cells[train, test])
+        for train in TRAINING:
+            found = [
+                (cells.get((f"{train}_100", test)), cells.get((train, test))) for test in TESTS
+            ]
+            if any(few for few, _ in found):
+                yield f"`{task}`", f"`{train}`", *(_growth(few, cell) for few, cell in found)
+
+
+def _growth(few: Mapping[str, Any] | None, cell: Mapping[str, Any] | None) -> str:
+    """Rates of two cells of one test, and p of the difference."""
+    if few is None or cell is None:
+        return "-"
+    first, second = (f"{100 * found['rate']:.0f}" for found in (few, cell))
+    return f"{first}, {second} %, p = {_between(few, cell)['p']:.1g}"
 
 
 def trainings() -> Table:
     """Trainings that differ in rounding alone, tested on the same instances."""
-    return _head_of_two("bfloat16", "float32"), _trainings()
+    head = ("task", "trained on", "tested on", "bfloat16", "float32", "only the first, the second")
+    return head, _trainings()
 
 
 def _trainings() -> Iterator[Row]:
     for task in matrices(AGAIN):
         first = cells_of(task)
         for key, cell in cells_of(task, AGAIN).items():
-            yield f"`{task}`", *(f"`{name}`" for name in key), *_two(first[key], cell)
+            rates, names = map(_rate, (first[key], cell)), (f"`{name}`" for name in key)
+            yield f"`{task}`", *names, *rates, _pair(_between(first[key], cell))
 
 
-def _head_of_two(first: str, second: str) -> Row:
-    return "task", "trained on", "tested on", first, second, "only the first, the second"
-
-
-def _two(first: Mapping[str, Any], second: Mapping[str, Any]) -> Row:
-    """Rates of two cells of one test, and the test between them."""
+def _between(first: Mapping[str, Any], second: Mapping[str, Any]) -> Mapping[str, Any]:
+    """McNemar's test of two cells of the same instances, as JSON."""
     solved, also = (set(cell["solved"]) for cell in (first, second))
     seeds = [*first["solved"], *first["failed"]]
-    found = paired([(seed in solved, seed in also) for seed in seeds])
-    return _rate(first), _rate(second), _pair(found.to_json())
+    return paired([(seed in solved, seed in also) for seed in seeds]).to_json()
 
 
 def pairs() -> Table:

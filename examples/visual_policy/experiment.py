@@ -32,15 +32,9 @@ SIZE = "128x96"  # of every picture; the network needs no larger ones
 FIRST_SEED = 1_000_000  # of the demonstrations, far from the certified seeds
 CERTIFIED = 100_000  # first seed of the certified lists
 
-PHYSICS_ALONE = (  # tests in which nothing else varies
-    "clean",
-    "phys_random_25",
-    "phys_random_50",
-    "phys_random",
-    "phys_random_fixed_height",
-    "phys_random_dynamics",
-)
-FEWER_TESTS = ("clean", "phys_random")
+# Tests in which nothing else varies: growing ranges of all attributes, and parts of them.
+SEVERITIES = ("clean", "phys_random_25", "phys_random_50", "phys_random")
+PHYSICS_ALONE = (*SEVERITIES, "phys_random_fixed_height", "phys_random_dynamics")
 WITH_LOOKS = ("clean", "phys_random", "official_random", "phys_random_all")
 
 
@@ -59,9 +53,9 @@ TRAINING = {
     "phys_random": TrainingSet("phys_random"),
     "phys_random_labels": TrainingSet("phys_random", labels=True),
     # The first of the same demonstrations.
-    "clean_100": TrainingSet("clean", FEWER_TESTS, episodes=100),
-    "phys_random_100": TrainingSet("phys_random", FEWER_TESTS, episodes=100),
-    "phys_random_labels_100": TrainingSet("phys_random", FEWER_TESTS, labels=True, episodes=100),
+    "clean_100": TrainingSet("clean", SEVERITIES, episodes=100),
+    "phys_random_100": TrainingSet("phys_random", SEVERITIES, episodes=100),
+    "phys_random_labels_100": TrainingSet("phys_random", SEVERITIES, labels=True, episodes=100),
     # Looks need many. Another look of an episode costs 85 % of the CPU time of another episode.
     "official_random": TrainingSet("official_random", WITH_LOOKS, episodes=1000),
     "phys_random_all": TrainingSet("phys_random_all", WITH_LOOKS, episodes=1000),

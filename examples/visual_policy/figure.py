@@ -1,12 +1,14 @@
 """Draw an experiment: python figure.py run/matrix docs/images
 
 Writes visual_matrix.png, mean success over the tasks for each training set and test where looks are
-fixed and where they vary, and visual_tasks.png, success in each task with 95 % intervals.
+fixed and where they vary, visual_tasks.png, success in each task with 95 % intervals, and
+visual_amounts.png, means after a hundred demonstrations and after all.
 """
 
 import json
 import sys
 from collections.abc import Iterable, Sequence
+from itertools import product
 from pathlib import Path
 
 import matplotlib
@@ -35,6 +37,7 @@ COLOURS = {  # of the training sets that are drawn
     "phys_random_all": "C3",
 }
 GROWING = ("clean", "phys_random_25", "phys_random_50", "phys_random")  # ranges of physics
+FEW = "_100"  # ends the name of a training set with a hundred of the demonstrations
 LOOKS = ("official_random", "phys_random_all")  # training sets and tests whose looks vary
 LOOKS_TESTS = ("clean", "phys_random", *LOOKS)
 COLUMNS = 3  # panels of tasks beside each other
@@ -43,8 +46,12 @@ Matrices = dict[str, list[dict]]  # task -> cells
 
 
 def read(folder: Path) -> Matrices:
-    """Cells of the training sets that are drawn, by name of the task."""
-    found = {p.stem: json.loads(p.read_text())["cells"] for p in sorted(folder.glob("*.json"))}
+    """Cells by name of the task."""
+    return {p.stem: json.loads(p.read_text())["cells"] for p in sorted(folder.glob("*.json"))}
+
+
+def of_all_demonstrations(found: Matrices) -> Matrices:
+    """Cells of the training sets that are not cut to a hundred demonstrations."""
     return {task: [c for c in cells if c["train"] in COLOURS] for task, cells in found.items()}
 
 
@@ -147,6 +154,44 @@ def _points(axis: plt.Axes, tests: Sequence[str], cells: Sequence[dict], shift: 
         axis.plot(x[growing], 100 * rate[growing], color=colour, linewidth=1, alpha=0.6)
 
 
+def draw_amounts(found: Matrices, out: Path) -> None:
+    """One panel a training set: mean success after a hundred demonstrations, and after all.
+
+    The mean is of the tasks that have both. Draws nothing where no task has.
+    """
+    rates = {
+        (c["train"], c["test"], task): 100 * c["rate"]
+        for task, cells in found.items()
+        for c in cells
+    }
+    tasks: dict[str, list[str]] = {}
+    for train, task in product(COLOURS, found):
+        wanted = product((train, train + FEW), GROWING)
+        if all((*cell, task) in rates for cell in wanted):
+            tasks.setdefault(train, []).append(task)
+    if not tasks:
+        return
+    size, layout = (3.4 * len(tasks), 3.0), {"squeeze": False, "sharey": True}
+    figure, axes = plt.subplots(1, len(tasks), figsize=size, layout="constrained", **layout)
+    for axis, (train, both) in zip(axes.flat, tasks.items(), strict=True):
+        for name, line, end in ((train, "o-", "all"), (train + FEW, "o--", "100")):
+            mean = [np.mean([rates[name, test, task] for task in both]) for test in GROWING]
+            axis.plot(mean, line, color=COLOURS[train], mfc="none" if end == "100" else None)
+            axis.annotate(
+                end, (0, mean[0]), (-6, 0), textcoords="offset points", ha="right", va="center"
+            )
+        axis.set_title(
+            f"trained on {NAMES[train]}".replace("_\n", "_").replace("\n", " "), fontsize=10
+        )
+        axis.set_xticks(range(len(GROWING)), [NAMES[name] for name in GROWING], fontsize=8)
+        axis.set_xlim(-0.6, len(GROWING) - 0.8)
+        axis.set_ylim(-3, 103)
+        axis.grid(axis="y", alpha=0.3)
+        axis.spines[["top", "right"]].set_visible(False)
+    axes[0, 0].set_ylabel("mean success [%]")
+    _save(figure, out)
+
+
 def _save(figure: plt.Figure, out: Path) -> None:
     figure.savefig(out, dpi=120, bbox_inches="tight", metadata={"Software": None})
     plt.close(figure)
@@ -154,5 +199,7 @@ def _save(figure: plt.Figure, out: Path) -> None:
 
 if __name__ == "__main__":
     matrices, images = read(Path(sys.argv[1])), Path(sys.argv[2])
-    draw_means(matrices, images / "visual_matrix.png")
-    draw_tasks(matrices, images / "visual_tasks.png")
+    whole = of_all_demonstrations(matrices)
+    draw_means(whole, images / "visual_matrix.png")
+    draw_tasks(whole, images / "visual_tasks.png")
+    draw_amounts(matrices, images / "visual_amounts.png")
