@@ -174,20 +174,19 @@ def draw_amounts(found: Matrices, out: Path) -> None:
     size, layout = (3.4 * len(tasks), 3.0), {"squeeze": False, "sharey": True}
     figure, axes = plt.subplots(1, len(tasks), figsize=size, layout="constrained", **layout)
     for axis, (train, both) in zip(axes.flat, tasks.items(), strict=True):
-        for name, line, end in ((train, "o-", "all"), (train + FEW, "o--", "100")):
+        for name, line, fill in ((train, "o-", None), (train + FEW, "o--", "none")):
             mean = [np.mean([rates[name, test, task] for task in both]) for test in GROWING]
-            axis.plot(mean, line, color=COLOURS[train], mfc="none" if end == "100" else None)
-            axis.annotate(
-                end, (0, mean[0]), (-6, 0), textcoords="offset points", ha="right", va="center"
-            )
+            axis.plot(mean, line, color=COLOURS[train], markerfacecolor=fill)
         axis.set_title(
             f"trained on {NAMES[train]}".replace("_\n", "_").replace("\n", " "), fontsize=10
         )
         axis.set_xticks(range(len(GROWING)), [NAMES[name] for name in GROWING], fontsize=8)
-        axis.set_xlim(-0.6, len(GROWING) - 0.8)
+        axis.set_xlim(-0.3, len(GROWING) - 0.7)
         axis.set_ylim(-3, 103)
         axis.grid(axis="y", alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
+    marks = [plt.Line2D([], [], color="0.3", linestyle=line) for line in ("-", "--")]
+    axes[0, -1].legend(marks, ("all demonstrations", "100 of them"), frameon=False, fontsize=8)
     axes[0, 0].set_ylabel("mean success [%]")
     _save(figure, out)
 
