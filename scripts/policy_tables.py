@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from rtphys.results.statistics import paired
+from rtphys.results.statistics import Paired, paired
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "visual_policy"
 AGAIN = FOLDER / "float32"  # the same training sets, in another precision
@@ -18,8 +18,8 @@ LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
 LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
-Pair = tuple[tuple[str, ...], tuple[str, ...]]  # of cells, each by training set and test
-PAIRS: dict[str, Pair] = {
+Key = tuple[str, str]  # of a cell: training set and test
+PAIRS: dict[str, tuple[Key, Key]] = {
     "trained on `clean`: `clean`, `phys_random`": (("clean", "clean"), ("clean", "phys_random")),
     "trained on `clean`: `clean`, `phys_random_dynamics`": (
         ("clean", "clean"),
@@ -41,7 +41,8 @@ PAIRS: dict[str, Pair] = {
 
 Row = tuple[str, ...]
 Table = tuple[Row, Iterator[Row]]  # head and rows
-Cells = Mapping[tuple[str, str], Mapping[str, Any]]  # training set, test -> what was found
+Cell = Mapping[str, Any]  # what was found
+Cells = Mapping[Key, Cell]
 
 
 @cache
@@ -99,12 +100,12 @@ def _amounts() -> Iterator[Row]:
                 yield f"`{task}`", f"`{train}`", *(_growth(few, cell) for few, cell in found)
 
 
-def _growth(few: Mapping[str, Any] | None, cell: Mapping[str, Any] | None) -> str:
+def _growth(few: Cell | None, cell: Cell | None) -> str:
     """Rates of two cells of one test, and p of the difference."""
     if few is None or cell is None:
         return "-"
     first, second = (f"{100 * found['rate']:.0f}" for found in (few, cell))
-    return f"{first}, {second} %, p = {_between(few, cell)['p']:.1g}"
+    return f"{first}, {second} %, p = {_between(few, cell).p:.1g}"
 
 
 def trainings() -> Table:
@@ -118,31 +119,16 @@ def _trainings() -> Iterator[Row]:
         first = cells_of(task)
         for key, cell in cells_of(task, AGAIN).items():
             rates, names = map(_rate, (first[key], cell)), (f"`{name}`" for name in key)
-            yield f"`{task}`", *names, *rates, _pair(_between(first[key], cell))
-
-
-def _between(first: Mapping[str, Any], second: Mapping[str, Any]) -> Mapping[str, Any]:
-    """McNemar's test of two cells of the same instances, as JSON."""
-    solved, also = (set(cell["solved"]) for cell in (first, second))
-    seeds = [*first["solved"], *first["failed"]]
-    return paired([(seed in solved, seed in also) for seed in seeds]).to_json()
+            yield f"`{task}`", *names, *rates, _pair(first[key], cell)
 
 
 def pairs() -> Table:
     """Counts of seeds that only one of two cells solves, with McNemar's p."""
-    found = {task: _pairs(matrix) for task, matrix in matrices().items()}
-    asked = {
-        head: pair for head, pair in PAIRS.items() if any(pair in known for known in found.values())
-    }
     rows = (
-        (f"`{task}`", *(_pair(known.get(pair)) for pair in asked.values()))
-        for task, known in found.items()
+        (f"`{task}`", *(_pair(*map(cells_of(task).get, pair)) for pair in PAIRS.values()))
+        for task in matrices()
     )
-    return ("task", *asked), rows
-
-
-def _pairs(matrix: Mapping[str, Any]) -> dict[Pair, Mapping[str, Any]]:
-    return {(tuple(p["first"]), tuple(p["second"])): p for p in matrix["pairs"]}
+    return ("task", *PAIRS), rows
 
 
 def breaking() -> Table:
@@ -159,7 +145,7 @@ def _breaking() -> Iterator[Row]:
                 yield f"`{task}`", f"`{train}`", *map(_named, found)
 
 
-def _named(cell: Mapping[str, Any] | None) -> str:
+def _named(cell: Cell | None) -> str:
     """Attributes at which a policy fails more often."""
     if cell is None:
         return "-"
@@ -167,17 +153,27 @@ def _named(cell: Mapping[str, Any] | None) -> str:
     return ", ".join(map(_effect, found)) or "none"
 
 
-def _rate(cell: Mapping[str, Any] | None) -> str:
+def _rate(cell: Cell | None) -> str:
     if cell is None:
         return "-"
     low, high = (f"{100 * cell[key]:.0f}" for key in ("low", "high"))
     return f"{100 * cell['rate']:.0f} % [{low}, {high}]"
 
 
-def _pair(pair: Mapping[str, Any] | None) -> str:
-    if pair is None:
+def _pair(first: Cell | None, second: Cell | None) -> str:
+    if first is None or second is None:
         return "-"
-    return f"{pair['only_first']}, {pair['only_second']} of {pair['trials']}, p = {pair['p']:.1g}"
+    found = _between(first, second)
+    return f"{found.only_first}, {found.only_second} of {found.trials}, p = {found.p:.1g}"
+
+
+def _between(first: Cell, second: Cell) -> Paired:
+    """McNemar's test of two cells on the seeds that they share."""
+    a, b = (
+        dict.fromkeys(cell["solved"], True) | dict.fromkeys(cell["failed"], False)
+        for cell in (first, second)
+    )
+    return paired([(a[seed], b[seed]) for seed in sorted(a.keys() & b.keys())])
 
 
 def _effect(found: Mapping[str, Any]) -> str:

@@ -121,21 +121,28 @@ def draw_tasks(found: Matrices, out: Path) -> None:
         for place, train in enumerate(training):
             shift = 0.12 * (place - (len(training) - 1) / 2)
             _points(axis, tests, [c for c in cells if c["train"] == train], shift)
-        axis.set_title(task, fontsize=10)
-        axis.set_xticks(range(len(tests)), [NAMES[name] for name in tests], fontsize=7)
-        axis.set_xlim(-0.5, len(tests) - 0.5)
-        axis.set_ylim(-3, 103)
-        axis.grid(axis="y", alpha=0.3)
-        axis.spines[["top", "right"]].set_visible(False)
+        _of_success(axis, task, tests)
     for axis in axes[:, 0]:
         axis.set_ylabel("success [%]")
     marks = [plt.Line2D([], [], color=COLOURS[name], marker="o") for name in training]
-    texts = [
-        "trained on " + NAMES[name].replace("_\n", "_").replace("\n", " ") for name in training
-    ]
+    texts = [_trained_on(name) for name in training]
     figure.legend(marks, texts, loc="lower center", ncols=3, frameon=False, fontsize=9)
     figure.tight_layout(rect=(0, 0.2 / lines, 1, 1))
     _save(figure, out)
+
+
+def _trained_on(name: str) -> str:
+    return "trained on " + NAMES[name].replace("_\n", "_").replace("\n", " ")
+
+
+def _of_success(axis: plt.Axes, title: str, tests: Sequence[str]) -> None:
+    """Title, tests and percentages of a panel."""
+    axis.set_title(title, fontsize=10)
+    axis.set_xticks(range(len(tests)), [NAMES[name] for name in tests], fontsize=7)
+    axis.set_xlim(-0.5, len(tests) - 0.5)
+    axis.set_ylim(-3, 103)
+    axis.grid(axis="y", alpha=0.3)
+    axis.spines[["top", "right"]].set_visible(False)
 
 
 def _points(axis: plt.Axes, tests: Sequence[str], cells: Sequence[dict], shift: float) -> None:
@@ -177,14 +184,7 @@ def draw_amounts(found: Matrices, out: Path) -> None:
         for name, line, fill in ((train, "o-", None), (train + FEW, "o--", "none")):
             mean = [np.mean([rates[name, test, task] for task in both]) for test in GROWING]
             axis.plot(mean, line, color=COLOURS[train], markerfacecolor=fill)
-        axis.set_title(
-            f"trained on {NAMES[train]}".replace("_\n", "_").replace("\n", " "), fontsize=10
-        )
-        axis.set_xticks(range(len(GROWING)), [NAMES[name] for name in GROWING], fontsize=8)
-        axis.set_xlim(-0.3, len(GROWING) - 0.7)
-        axis.set_ylim(-3, 103)
-        axis.grid(axis="y", alpha=0.3)
-        axis.spines[["top", "right"]].set_visible(False)
+        _of_success(axis, _trained_on(train), GROWING)
     marks = [plt.Line2D([], [], color="0.3", linestyle=line) for line in ("-", "--")]
     axes[0, -1].legend(marks, ("all demonstrations", "100 of them"), frameon=False, fontsize=8)
     axes[0, 0].set_ylabel("mean success [%]")
