@@ -19,7 +19,8 @@ LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
 Key = tuple[str, str]  # of a cell: training set and test
-PAIRS: dict[str, tuple[Key, Key]] = {
+Pairs = Mapping[str, tuple[Key, Key]]  # title of a column, and the cells that it compares
+PAIRS: Pairs = {
     "trained on `clean`: `clean`, `phys_random`": (("clean", "clean"), ("clean", "phys_random")),
     "trained on `clean`: `clean`, `phys_random_dynamics`": (
         ("clean", "clean"),
@@ -37,6 +38,19 @@ PAIRS: dict[str, tuple[Key, Key]] = {
         ("phys_random", "phys_random"),
         ("phys_random_labels", "phys_random"),
     ),
+}
+LOOKS_PAIRS: Pairs = {
+    "trained on `official_random`: `official_random`, `phys_random_all`": (
+        ("official_random", "official_random"),
+        ("official_random", "phys_random_all"),
+    ),
+    **{
+        f"tested on `{test}`: trained on `official_random`, `phys_random_all`": (
+            ("official_random", test),
+            ("phys_random_all", test),
+        )
+        for test in ("phys_random_all", "official_random", "clean")
+    },
 }
 
 Row = tuple[str, ...]
@@ -123,12 +137,27 @@ def _trainings() -> Iterator[Row]:
 
 
 def pairs() -> Table:
+    """Cells of physics alone against each other, on the seeds that two of them share."""
+    return _pairs(PAIRS)
+
+
+def looks_pairs() -> Table:
+    """The same where looks vary as well, for the tasks that were learnt so."""
+    return _pairs(LOOKS_PAIRS)
+
+
+def _pairs(compared: Pairs) -> Table:
     """Counts of seeds that only one of two cells solves, with McNemar's p."""
-    rows = (
-        (f"`{task}`", *(_pair(*map(cells_of(task).get, pair)) for pair in PAIRS.values()))
+    found = {
+        task: [tuple(map(cells_of(task).get, pair)) for pair in compared.values()]
         for task in matrices()
+    }
+    rows = (
+        (f"`{task}`", *(_pair(*pair) for pair in cells))
+        for task, cells in found.items()
+        if any(all(pair) for pair in cells)
     )
-    return ("task", *PAIRS), rows
+    return ("task", *compared), rows
 
 
 def breaking() -> Table:

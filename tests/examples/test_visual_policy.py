@@ -3,15 +3,17 @@
 # pyright: reportMissingImports=false
 
 import json
+from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 
+import figure
 import numpy as np
 import pytest
 import sight
 import synthetic
 from demonstrations import CHUNK, Arrays, Demonstrations, digest, kept_frames, load, thinned
-from experiment import TRAINING, Plan, known, matrix
+from experiment import PHYSICS_ALONE, TRAINING, WITH_LOOKS, Plan, known, matrix
 from test_dataset_writer import collect
 
 from rtphys.data.dataset import Dataset
@@ -235,3 +237,28 @@ def test_published_numbers_follow_from_their_seeds(path: Path) -> None:
         assert [pair.pop(end) for end in ends] == [expected.pop(end) for end in ends]
         assert pair == pytest.approx(expected)
     assert {**again, "pairs": 0} == {**published, "pairs": 0}
+
+
+def test_figures_show_the_published_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = []
+    monkeypatch.setattr(figure.plt, "close", drawn.append)  # figures stay open
+    found = figure.read(PUBLISHED)
+    whole = figure.of_all_demonstrations(found)
+    figure.draw_means(whole, tmp_path / "means.png")
+    figure.draw_tasks(whole, tmp_path / "tasks.png")
+    figure.draw_amounts(found, tmp_path / "amounts.png")
+    assert len(list(tmp_path.glob("*.png"))) == len(drawn) == 3
+    fixed, looks = drawn[0].axes
+    looked = {t for t in found if any(c["train"] in figure.LOOKS for c in found[t])}
+    for axis, tasks, tests in ((fixed, set(found), PHYSICS_ALONE), (looks, looked, WITH_LOOKS)):
+        expected = defaultdict(list)
+        for task in tasks:
+            for cell in whole[task]:
+                varied = cell["train"] in figure.LOOKS
+                if cell["test"] in tests and not (varied and axis is fixed):
+                    expected[cell["train"], cell["test"]].append(100 * cell["rate"])
+        shown = sorted(text.get_text() for text in axis.texts)
+        means = [(np.floor(np.mean(rates) + 0.5), len(rates)) for rates in expected.values()]
+        assert shown == sorted(f"{mean:.0f} %\n{tasks} tasks" for mean, tasks in means)
+    lines = {axis.get_title(): len(axis.containers) for axis in drawn[1].axes}
+    assert lines == {task: len({c["train"] for c in cells}) for task, cells in whole.items()}
