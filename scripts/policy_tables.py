@@ -15,6 +15,7 @@ TESTS = ("clean", "phys_random_25", "phys_random_50", "phys_random")
 PARTS = ("clean", "phys_random", "phys_random_fixed_height", "phys_random_dynamics")
 BROKEN = ("phys_random", "phys_random_fixed_height", "phys_random_dynamics")
 LOOKS = ("official_random", "phys_random_all")  # training sets whose looks vary
+LOOKS_BROKEN = ("phys_random", "phys_random_all")
 LOOKS_TESTS = ("clean", "phys_random", "official_random", "phys_random_all")
 SIGNIFICANT = 0.05  # p after Holm's correction, below which an attribute is named
 
@@ -162,14 +163,19 @@ def _pairs(compared: Pairs) -> Table:
 
 def breaking() -> Table:
     """Attributes that matter where physics varies, for each task and training set."""
-    return _head(BROKEN), _breaking()
+    return _head(BROKEN), _breaking(TRAINING, BROKEN)
 
 
-def _breaking() -> Iterator[Row]:
+def looks_breaking() -> Table:
+    """The same for training sets whose looks vary."""
+    return _head(LOOKS_BROKEN), _breaking(LOOKS, LOOKS_BROKEN)
+
+
+def _breaking(training: Sequence[str], tests: Sequence[str]) -> Iterator[Row]:
     for task in matrices():
         cells = cells_of(task)
-        for train in TRAINING:
-            found = [cells.get((train, test)) for test in BROKEN]
+        for train in training:
+            found = [cells.get((train, test)) for test in tests]
             if any(found):
                 yield f"`{task}`", f"`{train}`", *map(_named, found)
 

@@ -251,6 +251,7 @@ TABLES = {
     "policy_parts": lambda: _table(*policy_tables.parts()),
     "policy_looks": lambda: _table(*policy_tables.looks()),
     "policy_looks_pairs": lambda: _table(*policy_tables.looks_pairs()),
+    "policy_looks_breaking": lambda: _table(*policy_tables.looks_breaking()),
     "policy_amounts": lambda: _table(*policy_tables.amounts()),
     "policy_trainings": lambda: _table(*policy_tables.trainings()),
     "policy_pairs": lambda: _table(*policy_tables.pairs()),
