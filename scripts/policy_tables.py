@@ -10,6 +10,7 @@ from rtphys.results.statistics import Paired, paired
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "visual_policy"
 AGAIN = FOLDER / "float32"  # the same training sets, in another precision
+LONGER = FOLDER / "steps_20000"  # the same training sets, in four times as many steps
 TRAINING = ("clean", "phys_random", "phys_random_labels")
 TESTS = ("clean", "phys_random_25", "phys_random_50", "phys_random")
 PARTS = ("clean", "phys_random", "phys_random_fixed_height", "phys_random_dynamics")
@@ -125,14 +126,23 @@ def _growth(few: Cell | None, cell: Cell | None) -> str:
 
 def trainings() -> Table:
     """Trainings that differ in rounding alone, tested on the same instances."""
-    head = ("task", "trained on", "tested on", "bfloat16", "float32", "only the first, the second")
-    return head, _trainings()
+    return _head_of_two("bfloat16", "float32"), _against(AGAIN)
 
 
-def _trainings() -> Iterator[Row]:
-    for task in matrices(AGAIN):
+def steps() -> Table:
+    """Trainings that differ in their number of steps, tested on the same instances."""
+    return _head_of_two("5,000 steps", "20,000 steps"), _against(LONGER)
+
+
+def _head_of_two(first: str, second: str) -> Row:
+    return "task", "trained on", "tested on", first, second, "only the first, the second"
+
+
+def _against(folder: Path) -> Iterator[Row]:
+    """Cells of the experiment, and those of the same names in another folder."""
+    for task in matrices(folder):
         first = cells_of(task)
-        for key, cell in cells_of(task, AGAIN).items():
+        for key, cell in cells_of(task, folder).items():
             rates, names = map(_rate, (first[key], cell)), (f"`{name}`" for name in key)
             yield f"`{task}`", *names, *rates, _pair(first[key], cell)
 

@@ -254,6 +254,7 @@ TABLES = {
     "policy_looks_breaking": lambda: _table(*policy_tables.looks_breaking()),
     "policy_amounts": lambda: _table(*policy_tables.amounts()),
     "policy_trainings": lambda: _table(*policy_tables.trainings()),
+    "policy_steps": lambda: _table(*policy_tables.steps()),
     "policy_pairs": lambda: _table(*policy_tables.pairs()),
     "policy_breaking": lambda: _table(*policy_tables.breaking()),
 }
