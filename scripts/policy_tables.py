@@ -166,7 +166,7 @@ def _pairs(compared: Pairs) -> Table:
     rows = (
         (f"`{task}`", *(_pair(*pair) for pair in cells))
         for task, cells in found.items()
-        if any(all(pair) for pair in cells)
+        if any(map(all, cells))
     )
     return ("task", *compared), rows
 

@@ -191,10 +191,10 @@ def main() -> None:
     for task, train in product(tasks, training):
         path = plan.out / f"matrix{own}" / f"{task}.json"
         path.parent.mkdir(parents=True, exist_ok=True)
-        cells = known(path)
         trained(plan, task, train)
         for test in tests.split(",") if tests else TRAINING[train].tests:
-            cells[train, test] = tested(plan, task, train, test)
+            found = tested(plan, task, train, test)
+            cells = known(path) | {(train, test): found}  # another command may have added some
             path.write_text(json.dumps(matrix(plan, cells), indent=1) + "\n")
 
 

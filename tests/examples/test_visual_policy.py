@@ -7,6 +7,7 @@ from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 
+import experiment
 import figure
 import numpy as np
 import pytest
@@ -237,6 +238,25 @@ def test_published_numbers_follow_from_their_seeds(path: Path) -> None:
         assert [pair.pop(end) for end in ends] == [expected.pop(end) for end in ends]
         assert pair == pytest.approx(expected)
     assert {**again, "pairs": 0} == {**published, "pairs": 0}
+
+
+def test_two_runs_on_one_task_keep_each_others_cells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = {"solved": [1], "failed": [2]}
+    path = tmp_path / "matrix" / "click_bell.json"
+
+    def tested(plan: Plan, *_: str) -> dict[str, list[int]]:
+        if not path.exists():  # another command is faster
+            path.write_text(json.dumps(matrix(plan, {("clean", "phys_random"): found})))
+        return found
+
+    monkeypatch.setattr(experiment, "trained", lambda *_: None)
+    monkeypatch.setattr(experiment, "tested", tested)
+    words = "--task click_bell --train phys_random --test clean --out"
+    monkeypatch.setattr("sys.argv", ["experiment.py", *words.split(), str(tmp_path)])
+    experiment.main()
+    assert known(path).keys() == {("clean", "phys_random"), ("phys_random", "clean")}
 
 
 def test_figures_show_the_published_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
