@@ -154,7 +154,10 @@ def script(robot: Robot) -> None:
     robot.do(holder.lift(LIFT), other.lift(ABOVE))
     if not present(robot, holder, other):
         raise Infeasible("unreachable", "the hands cannot bring pan and bread together")
-    robot.do(other.lift(RETREAT))
+    out = RETREAT if other.side == "right" else -RETREAT
+    ways = (other.lift(RETREAT), other.retreat(RETREAT), other.shift(x=out))
+    if robot.first_feasible(ways, robot.do) is None:
+        raise Infeasible("unreachable", "no way off the pan")
 
 
 task = Task(

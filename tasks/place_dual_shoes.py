@@ -32,7 +32,7 @@ BESIDE, BEHIND = 0.14, -0.03  # [m] |x| and y from which a shoe is clear of the 
 HALF_LENGTH, HALF_WIDTH = 0.12, 0.045  # [m] of the largest shoe
 CENTRE = ((0.0, 0.0), 0.15)  # kept free at the start: a point and a distance [m]
 FLOOR = (-0.01, 0.03)  # [m] of a sole that is on the box's floor, above the box's origin
-INTO = Placing(mode="align", pre=0.12, gap=0.01, along="point")
+INTO = Placing(mode="align", pre=0.12, gap=0.015, along="point")
 LIFT, RETREAT = 0.15, 0.1  # [m] over the box's wall; up from the second shoe
 TURN = 0.17  # [rad] officially 0.07 in each component of the quaternion
 

@@ -34,7 +34,7 @@ from rtphys.task import (
 MAT = (0.0, -0.08)  # [m]
 ROOM = 0.15  # [m] about the mat and the table's centre, where no shoe starts
 TURN = 0.17  # [rad] officially 0.07 in each component of the quaternion
-STAND = Placing(mode="align", pre=0.06, gap=0.005, along="point")
+STAND = Placing(mode="align", pre=0.06, gap=0.012, along="point")
 LIFT, RETREAT = 0.07, 0.08  # [m] to carry the shoe; back from it once it is released
 
 

@@ -5,7 +5,6 @@ pressed its lower half. Upstream does not ask for the hand; an external force al
 loose rocker there within an episode.
 """
 
-from itertools import product
 from math import pi
 
 import numpy as np
@@ -32,9 +31,8 @@ ASKEW = 1.1  # [rad] of the hand from straight in; the expert's is 0.9 at most
 CLOSE = 0.5 * MARGIN  # [rad] at which the hand need not wait any longer
 PUSH = 12.0  # [N] on the rocker that its damping may cost: the servos yield 2 mm per newton
 LEVER = 0.025  # [m] of the push about the rocker's hinge
-MIN_TIME = 0.8  # [s] of the push
-LEAN = 0.03  # [m] commanded past the plate, so that the last of the way is pushed with 15 N
-LEANS = (LEAN, 0.6 * LEAN)  # [m]: less where all of it is out of reach
+LEAN = 0.03  # [m] commanded past the plate at most, where the rocker needs so much
+ADVANCE = 0.003  # [m] a step of the push
 PITCHES = (0.0, 0.2, -0.2, 0.4)  # [rad] of the hand: level where that is in reach
 CLEAR = 0.08  # [m] TCP to switch before the push
 WAITS, WAIT = 30, 0.3  # number at most, and [s] each: a stiff rocker follows the hand late
@@ -57,13 +55,13 @@ def left_to_go(scene: Scene) -> float:
 
 
 def pushing_paths(scene: Scene, arm: Arm) -> list[list[Pose]]:
-    """Hand poses before the plate and in it, the straightest and deepest first."""
+    """Hand poses before the plate and at it, the straightest first."""
     point, hand = scene.contact("switch"), arm.hand
     level = Pose.from_matrix(np.column_stack([-point.R[:, 1], -point.R[:, 2], point.R[:, 0]]))
     paths = []
-    for lean, pitch in product(LEANS, PITCHES):
+    for pitch in PITCHES:
         pitched = Pose(point.p, quat_multiply(level.q, axis_angle((0, 1, 0), pitch)))
-        distances = (CLEAR + hand.tcp, hand.tip - lean)
+        distances = (CLEAR + hand.tcp, hand.tip)
         paths.append([pitched.moved(-distance * pitched.R[:, 0]) for distance in distances])
     return paths
 
@@ -71,9 +69,11 @@ def pushing_paths(scene: Scene, arm: Arm) -> list[list[Pose]]:
 def push(robot: Robot, arm: Arm) -> None:
     """Push the rocker in, no faster than its damping allows."""
     damping = robot.scene.physics.scalar("object_joint_damping", 0.0)
-    seconds = left_to_go(robot.scene) * damping / (PUSH * LEVER)
-    paths = pushing_paths(robot.scene, arm)
-    robot.do(arm.sweep(*paths, seconds=max(seconds, MIN_TIME), prop="switch"))
+    robot.do(arm.sweep(*pushing_paths(robot.scene, arm), prop="switch"))
+    pushed, pause = 0.0, damping * ADVANCE / (PUSH * LEVER**2)
+    while pushed < LEAN and left_to_go(robot.scene) > CLOSE:
+        robot.do(arm.advance(ADVANCE), arm.wait(pause))
+        pushed += ADVANCE
 
 
 def script(robot: Robot) -> None:

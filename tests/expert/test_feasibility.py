@@ -15,6 +15,7 @@ from rtphys.expert.feasibility import Feasibility, Intent
 from rtphys.expert.grasp import STRAIGHT_DOWN, candidates
 from rtphys.expert.hands import Hands
 from rtphys.expert.planner import DualArmPlanner
+from rtphys.plan.collision import Obstacle
 from rtphys.sim.rollout import Rollout
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.arm import Aim, Placing
@@ -67,7 +68,7 @@ def test_the_same_questions_get_the_same_answers_again(rollout: Rollout) -> None
     other = "right" if side_of(rollout, "red") == "left" else "left"
     for ask in (
         lambda: feasibility.grasp(other, "red", grasps_of(rollout, "red", other)[0], None),
-        lambda: feasibility.path(other, [feasibility.commanded_ee(other)] * 2),
+        lambda: feasibility.path(other, [feasibility.commanded_ee(other)] * 2, None),
         lambda: feasibility.clear(other, np.zeros(6), None, "green"),
         lambda: answers(feasibility, rollout),
     ):
@@ -109,6 +110,37 @@ def test_a_hand_may_touch_what_it_will_be_around(rollout: Rollout) -> None:
     assert inside is not None
     assert not feasibility.clear(opposite, home, Intent(inside))
     assert feasibility.clear(opposite, home, Intent(inside, around="red"))
+
+
+def test_on_a_line_fingers_may_touch_and_the_palm_may_not(rollout: Rollout) -> None:
+    feasibility = asked_afresh(rollout)
+    side = side_of(rollout, "red")
+    hand, block = rollout.world.robot.arm(side).limb.hand, rollout.scene.pose("red").p
+    top = block + np.array([0.0, 0.0, 0.025])
+
+    def ee(height: float) -> Pose:
+        """The fingertips of a hand that looks straight down, above the block's top."""
+        return Pose(top + np.array([0.0, 0.0, hand.tip + height]), STRAIGHT_DOWN)
+
+    palm = hand.palm + hand.fingertip  # from the fingertips up
+    assert feasibility.path(side, (ee(0.1), ee(-0.02)), None) is not None
+    assert feasibility.path(side, (ee(0.1), ee(-palm - 0.01)), None) is None
+
+
+def test_nothing_else_is_between_the_fingers_of_a_grasp(rollout: Rollout) -> None:
+    feasibility = asked_afresh(rollout)
+    side = side_of(rollout, "red")
+    found = (
+        (poses, feasibility.grasp(side, "red", poses, None))
+        for poses in grasps_of(rollout, "red", side)
+    )
+    poses, _ = next((poses, path) for poses, path in found if path is not None)
+    at, hand = rollout.world.X_WT @ poses[1], rollout.world.robot.arm(side).limb.hand
+    plate = np.array([0.004, 0.002, 0.004])
+    for aside, free in ((0.033, False), (0.2, True)):
+        place = at @ Pose((hand.tcp, aside, 0.0))
+        feasibility.planner.checker.set_obstacles([Obstacle("plate", plate, place)])
+        assert (feasibility.grasp(side, "red", poses, None) is not None) is free
 
 
 def test_verbs_state_their_intent_and_what_an_aim_asks_is_none(rollout: Rollout) -> None:

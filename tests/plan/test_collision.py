@@ -116,6 +116,28 @@ def test_ignoring_concerns_one_hand_and_one_body_and_ends(checker, reach) -> Non
         assert not checker.clear(ZERO, q)  # the elbow is no part of the hand
 
 
+def test_only_fingers_may_touch_what_is_ignored(checker, reach) -> None:
+    q = reach((0.2, -0.1, 0.80))
+    between, palm = Pose((0.2, -0.1, 0.81)), Pose((0.2, -0.1, 0.80 + TIP - 0.03))
+    for place, clear in ((between, True), (palm, False)):
+        checker.set_obstacles([Obstacle("cube", CUBE, place)])
+        with checker.ignoring(("right", "cube")):
+            assert checker.clear(ZERO, q, (0.045, 0.01)) is clear
+
+
+def test_links_alone_are_asked_where_fingers_and_loads_may_touch(checker, reach) -> None:
+    q, post = reach((0.2, -0.1, 0.80)), np.array([0.008, 0.008, 0.02])
+    checker.attach("right", "load", CUBE + np.array([TIP + 0.02, 0, 0]))
+    checker.set_obstacles([Obstacle("post", post, Pose((0.2, -0.1, 0.77)))])
+    assert not checker.clear(ZERO, q)
+    with checker.links_only():
+        assert checker.clear(ZERO, q)  # the load and the post
+        checker.set_obstacles([Obstacle("post", post, Pose((0.2, -0.1, 0.80 + TIP - 0.03)))])
+        assert not checker.clear(ZERO, q)  # the palm and the post
+        assert all("link6" in pair or "camera" in pair for pair in checker.contacts(ZERO, q))
+    assert not checker.clear(ZERO, q)
+
+
 def test_carried_body_moves_with_the_hand(checker, reach) -> None:
     low, high = reach((0.2, -0.1, 0.745)), reach((0.2, -0.1, 0.80))
     checker.set_obstacles([TABLE, Obstacle("cube", CUBE, Pose((0.2, -0.1, 0.765)))])

@@ -100,6 +100,8 @@ class Limb:
     acceleration: Array  # (n,) largest in a planned motion [rad/s^2]
     drive: Drive  # of the arm's joints
     gripper_drive: Drive  # of the fingers
+    effort: Array  # (n,) largest torque of each motor [N m]
+    finger_effort: float  # largest force of a finger's motor [N]
     gripper_scale: tuple[float, float]  # [m] finger joint target at g = 0 (closed) and g = 1 (open)
     hand: Hand
 

@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -79,8 +80,8 @@ class ArmUrdf:
             raise UnknownName("link", link, self.hosts, self.path)
         return self.hosts[link]
 
-    def limits(self, joint: str, kind: str = "") -> tuple[float, float]:
-        """Lower and upper position; of a continuous joint +-pi [rad or m].
+    def limits(self, joint: str, kind: str = "") -> "JointRange":
+        """What the URDF allows a joint; a continuous one turns by +-pi.
 
         Args:
             kind: the type that it must have; empty: any that moves.
@@ -153,22 +154,39 @@ def parsed_urdf(path: Path) -> Element:
         raise BadFile(path, f"is not XML: {error}") from error
 
 
-def joint_limits(
-    path: Path, joints: dict[str, Element], joint: str, kind: str = ""
-) -> tuple[float, float]:
+class JointRange(NamedTuple):
+    """What a URDF allows a joint."""
+
+    low: float  # [rad or m]
+    high: float  # [rad or m]
+    effort: float  # [N m or N] largest of its motor; infinite where the file states none, or zero
+
+
+def joint_limits(path: Path, joints: dict[str, Element], joint: str, kind: str = "") -> JointRange:
     """See `ArmUrdf.limits`."""
     if joint not in joints:
         raise UnknownName("joint", joint, joints, path)
     element = joints[joint]
     found = element.get("type", "")
     if found == "continuous" and kind != "prismatic":
-        return -np.pi, np.pi
+        return JointRange(-np.pi, np.pi, _effort(path, joint, element.find("limit")))
     if found not in ({kind} if kind else {"revolute", "prismatic"}):
         raise BadFile(path, f"joint {joint!r} is {found}, not {kind or 'one that moves'}")
     low, high = _stated(path, joint, element.find("limit"))
     if not low < high or not np.isfinite([low, high]).all():
         raise BadFile(path, f"joint {joint!r} has no room between its limits {low:g} and {high:g}")
-    return low, high
+    return JointRange(low, high, _effort(path, joint, element.find("limit")))
+
+
+def _effort(path: Path, joint: str, limit: Element | None) -> float:
+    text = "0" if limit is None else limit.get("effort", "0")
+    try:
+        effort = float(text)
+    except ValueError as problem:
+        raise BadFile(path, f"joint {joint!r}: effort {text!r} is no number") from problem
+    if not effort >= 0:
+        raise BadFile(path, f"joint {joint!r}: effort {effort:g} is below zero")
+    return effort or np.inf
 
 
 def _stated(path: Path, joint: str, limit: Element | None) -> tuple[float, float]:

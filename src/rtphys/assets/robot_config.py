@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Drive, Hand, Limb, Mimic, Mount, StaticCamera
 from rtphys.assets.known_robots import KNOWN
+from rtphys.assets.pair_urdf import JointRange
 from rtphys.core.errors import BadFile, MissingAsset
 from rtphys.core.library import read_yaml
 from rtphys.core.poses import Pose
@@ -47,7 +48,7 @@ class ArmNames:
     """Where one arm's joints and frames are."""
 
     prefix: str  # before the names of its joints
-    limits: Mapping[str, tuple[float, float]]  # by the joint's name in the config
+    ranges: Mapping[str, JointRange]  # by the joint's name in the config
     ee: Mount
     camera: Mount
 
@@ -151,7 +152,7 @@ class RobotConfig:
         closed, opened = _numbers(self.keys["gripper_scale"])
         factors = [1.0, *(_number(mimic[1]) for mimic in mimics)]
         # Some official URDFs allow +-10 rad, which invites IK answers wound round by 2 pi.
-        limits = np.clip([names.limits[joint] for joint in joints], -np.pi, np.pi)
+        limits = np.clip([names.ranges[joint][:2] for joint in joints], -np.pi, np.pi)
         home = _per_joint(_list(self.keys["homestate"])[i], (n,), "homestate")
         limits = _per_joint(self.keys.get("joint_limits", limits), (n, 2), "joint_limits")
         postures = self._per_joint(home)
@@ -170,7 +171,11 @@ class RobotConfig:
             drive=drive,
             gripper_drive=gripper_drive,
             gripper_scale=(closed, opened),
-            hand=self._hand(max(abs(end) for finger in fingers for end in names.limits[finger])),
+            effort=np.array([names.ranges[joint].effort for joint in joints]),
+            finger_effort=min(names.ranges[finger].effort for finger in fingers),
+            hand=self._hand(
+                max(abs(end) for finger in fingers for end in names.ranges[finger][:2])
+            ),
             **postures,
         )
 

@@ -193,7 +193,7 @@ class ExpertArm(Arm):
             yaws = _PLACE_YAWS
         for yaw in yaws:
             before, at = goals(load, target, how, yaw)
-            path = self._feasibility.path(self.side, (before, at))
+            path = self._feasibility.path(self.side, (before, at), self._other, how.release)
             if path is None:
                 continue
             if intend:
@@ -208,7 +208,7 @@ class ExpertArm(Arm):
     ) -> Motion:
         self._feasibility.refresh()
         for poses in paths:
-            path = self._feasibility.path(self.side, poses)
+            path = self._feasibility.path(self.side, poses, self._other)
             if path is None:
                 continue
             self._intend(path)

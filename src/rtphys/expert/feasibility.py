@@ -35,6 +35,7 @@ class Path:
     end: Array  # (n,) posture at the last pose [rad]
 
 
+CLOSING = (0.67, 0.33)  # of the stroke: fingers are thicker than a third of it
 _WALL = Obstacle("wall", np.array([3.0, 0.6, 1.5]), Pose((0, 1.0, 1.5)))
 
 
@@ -81,36 +82,79 @@ class Feasibility:
         """A posture (n,) with this ee pose, on the branch nearest to the commanded one, or None."""
         return self.planner.posture(side, self.world.X_WT @ ee, self.commanded(side))
 
-    def path(self, side: str, poses: Sequence[Pose]) -> Path | None:
-        """The path through these poses, if all are reachable without a change of branch."""
+    def path(
+        self, side: str, poses: Sequence[Pose], other: Intent | None, release: bool = False
+    ) -> Path | None:
+        """The path through these poses, if all are reachable without a change of branch and no
+        link but a finger touches anything on the way.
+
+        Args:
+            other: as in `clear`.
+            release: the hand opens at the end, where its fingers need room.
+        """
         q = self.posture(side, poses[0])
-        return None if q is None else self._onward(side, q, poses[1:])
+        path = None if q is None else self._onward(side, q, poses[1:], other)
+        if path is None or not release:
+            return path
+        both = {**self._postures(side, other), side: path.end}
+        with self.planner.opening(side, 1.0):
+            return None if self.planner.touched([both], leaving=False) else path
 
     def grasp(
         self, side: str, prop: str, poses: tuple[Pose, Pose], other: Intent | None
     ) -> Path | None:
-        """The path from before a grasp to the grasp, if nothing is in the way at either end.
+        """The path from before a grasp to the grasp, if nothing is in the way.
 
-        At the second pose, the hand may touch the prop.
+        At the second pose, the fingers may touch the prop.
         """
         q = self.posture(side, poses[0])
         if q is None or not self.clear(side, q, other):
             return None
-        path = self._onward(side, q, poses[1:])
-        return path if path and self.clear(side, path.end, other, prop) else None
+        path = self._onward(side, q, poses[1:], other)
+        if path is None or not self.clear(side, path.end, other, prop):
+            return None
+        for share in CLOSING:  # nothing else may be between the fingers
+            with self.planner.opening(side, share):
+                if not self.clear(side, path.end, other, prop):
+                    return None
+        return path
 
-    def _onward(self, side: str, q: Array, poses: Sequence[Pose]) -> Path | None:
+    def _onward(
+        self, side: str, q: Array, poses: Sequence[Pose], other: Intent | None
+    ) -> Path | None:
         """From a posture through poses by straight lines."""
         line = self.planner.lines(side, q, [self.world.X_WT @ pose for pose in poses])
-        return None if line is None else Path(q, line[-1])
+        if line is None:
+            return None
+        both = self._postures(side, other)
+        touched = self.planner.touched({**both, side: row} for row in line)
+        return None if touched else Path(q, line[-1])
+
+    def follows(self, side: str, pose: Pose, alone: bool) -> bool:
+        """Whether a hand can go straight to a pose; `alone`: and touches nothing on the way with
+        the other arm where it is."""
+        q = self.commanded(side)
+        line = self.planner.lines(side, q, [self.world.X_WT @ pose])
+        if line is None or not alone:
+            return line is not None
+        both = {s: self.commanded(s) for s in SIDES}
+        return not self.planner.touched({**both, side: row} for row in line)
 
     def clear(self, side: str, q: Array, other: Intent | None, prop: str = "") -> bool:
-        """Whether an arm touches nothing at a posture q (n,), but the hand perhaps the prop.
+        """Whether an arm touches nothing at a posture q (n,), but its fingers perhaps the prop.
 
         Args:
             other: of the other arm; None: it stays where it is with its load, and gets out of the
                 way without one.
         """
+        opposite = "right" if side == "left" else "left"
+        postures = {**self._postures(side, other), side: q}
+        around = other.around if other is not None else ""
+        with self.planner.checker.ignoring((side, prop), (opposite, around)):
+            return self.planner.clear(postures)
+
+    def _postures(self, side: str, other: Intent | None) -> dict[str, Array]:
+        """Where both arms are taken to be when one of them moves."""
         opposite = "right" if side == "left" else "left"
         postures = {s: self.commanded(s) for s in SIDES}
         if other is not None:
@@ -118,7 +162,4 @@ class Feasibility:
         elif not self.hands.holding.get(opposite):
             # Whether the other arm is in the way now does not matter: it can move first.
             postures[opposite] = self.world.robot.arm(opposite).limb.home
-        postures[side] = q
-        around = other.around if other is not None else ""
-        with self.planner.checker.ignoring((side, prop), (opposite, around)):
-            return self.planner.clear(postures)
+        return postures

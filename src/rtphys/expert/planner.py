@@ -1,6 +1,7 @@
 """Motions of both arms: inverse kinematics, clear paths, and one time law for both."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -17,6 +18,7 @@ from rtphys.plan.path import retime
 from rtphys.plan.rrt import connect, straight_is_clear
 from rtphys.plan.trajectory import TIME_STEP, JointLimits, Trajectory
 
+LEAVE = 0.2  # [rad] of any joint within which a motion leaves what it touches at its start
 LINE_SPEED = 0.7  # straight lines end in contact: a share of the usual pace
 
 
@@ -49,8 +51,10 @@ class DualArmPlanner:
         )
         self._rng = rng
         # [m] each finger of a hand from closed, for collision checks
-        self.fingers = {limb.side: limb.hand.finger_open for limb in embodiment.limbs}
+        self._open = {limb.side: limb.hand.finger_open for limb in embodiment.limbs}
+        self.fingers = dict(self._open)
         self._tolerated: frozenset[str] = frozenset()
+        self._start: dict[str, Array] = {}
         self.checker.reset()  # it is shared with earlier episodes
 
     def posture(self, side: str, ee: Pose, near: Array) -> Array | None:
@@ -68,11 +72,40 @@ class DualArmPlanner:
         return np.vstack(path)
 
     def clear(self, postures: dict[str, Array]) -> bool:
-        """Nothing touches but what touched when the present motion began."""
+        """Nothing touches, but near the start of the present motion what touched there."""
         fingers = self.fingers["left"], self.fingers["right"]
         if self.checker.clear(postures["left"], postures["right"], fingers):
             return True
-        return bool(self._tolerated) and self._contacts(postures) <= self._tolerated
+        near = self._tolerated and all(
+            np.abs(postures[side] - q).max() <= LEAVE for side, q in self._start.items()
+        )
+        return bool(near) and self._contacts(postures) <= self._tolerated
+
+    @contextmanager
+    def opening(self, side: str, share: float) -> Iterator[None]:
+        """Within: questions are asked with the fingers of one hand this far open, of all."""
+        before = self.fingers[side]
+        self.fingers[side] = share * self._open[side]
+        try:
+            yield
+        finally:
+            self.fingers[side] = before
+
+    def touched(self, way: Iterable[dict[str, Array]], leaving: bool = True) -> frozenset[str]:
+        """What links that are no fingers first meet on a way of postures; empty if it is clear.
+
+        Args:
+            leaving: what touches at the start may, until it has parted; at the end it must have.
+        """
+        parting: frozenset[str] | None = None if leaving else frozenset()
+        with self.checker.links_only():
+            for postures in way:
+                # The first question is the cheaper one.
+                pairs = frozenset() if self.clear(postures) else self._contacts(postures)
+                if parting is not None and pairs - parting:
+                    return pairs - parting
+                parting = pairs
+        return parting or frozenset()
 
     def _contacts(self, postures: dict[str, Array]) -> frozenset[str]:
         fingers = self.fingers["left"], self.fingers["right"]
@@ -93,7 +126,7 @@ class DualArmPlanner:
             Infeasible: "unreachable", "no_path" or "retime_failed".
         """
         # What touches at the start (an object just released, the partner's load) may be left.
-        self._tolerated = frozenset()
+        self._tolerated, self._start = frozenset(), start
         if not self.clear(start):
             self._tolerated = self._contacts(start)
         try:
@@ -121,8 +154,14 @@ class DualArmPlanner:
             paths[side] = path
         waypoints = _joined(paths, start)
 
+        def by_side(q: Array) -> dict[str, Array]:
+            return {side: q[columns] for side, columns in self.columns.items()}
+
         def is_clear(q: Array) -> bool:
-            return self.clear({side: q[columns] for side, columns in self.columns.items()})
+            return self.clear(by_side(q))
+
+        if not free and (pairs := self.touched(map(by_side, waypoints))):
+            raise Infeasible("no_path", f"on a straight line: {', '.join(sorted(pairs))}")
 
         legs = pairwise(waypoints)
         if not free or all(straight_is_clear(a, b, is_clear) for a, b in legs):

@@ -96,7 +96,8 @@ class ExpertRobot(Robot):
     def _together(self, steps: dict[str, Step]) -> None:
         """One step of one or both arms, at the same time."""
         self._feasibility.refresh()
-        goals = {s: g for s, step in steps.items() if (g := self._goal(s, step)) is not None}
+        alone = sum(not isinstance(step, Grip | Wait) for step in steps.values()) == 1
+        goals = {s: g for s, step in steps.items() if (g := self._goal(s, step, alone)) is not None}
         grips = {s: step for s, step in steps.items() if isinstance(step, Grip)}
         if grips:
             self._settle()
@@ -120,8 +121,8 @@ class ExpertRobot(Robot):
         if not grips:
             self.hands.still_held()
 
-    def _goal(self, side: str, step: Step) -> ArmGoal | None:
-        """Where a step takes the arm; None when it keeps still."""
+    def _goal(self, side: str, step: Step, alone: bool) -> ArmGoal | None:
+        """Where a step takes the arm, perhaps alone; None when it keeps still."""
         match step:
             case Home():
                 return ArmGoal(q=self.world.robot.arm(side).limb.home)
@@ -131,7 +132,7 @@ class ExpertRobot(Robot):
                 poses = tuple(self.world.X_WT @ pose for pose in step.poses)
                 return ArmGoal(line=poses, seconds=step.seconds)
             case Shift():
-                return self._shift_goal(side, step)
+                return self._shift_goal(side, step, alone)
             case Reach():
                 if step.posture:
                     return ArmGoal(q=np.array(step.posture), speed=step.speed)
@@ -143,14 +144,13 @@ class ExpertRobot(Robot):
                 raise Infeasible("unreachable", f"no posture of the {side} arm")
         return None
 
-    def _shift_goal(self, side: str, step: Shift) -> ArmGoal:
-        start, ee = self._feasibility.commanded(side), self._feasibility.commanded_ee(side)
+    def _shift_goal(self, side: str, step: Shift, alone: bool) -> ArmGoal:
+        ee = self._feasibility.commanded_ee(side)
         offset = ee.R @ np.asarray(step.offset) if step.tool else np.asarray(step.offset)
         for share in step.shares:
             goal = Pose(ee.p + share * offset, step.turn or ee.q)
-            world = self.world.X_WT @ goal
-            if self.planner.kinematics[side].line(start, world) is not None:
-                return ArmGoal(line=(world,), speed=step.speed)
+            if self._feasibility.follows(side, goal, alone):
+                return ArmGoal(line=(self.world.X_WT @ goal,), speed=step.speed)
             if step.turn:  # a large turn may need another branch: go there freely
                 q = self._feasibility.posture(side, goal)
                 if q is not None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import coal  # pyright: ignore[reportMissingImports]  (lives behind a .pth file)
 import numpy as np
@@ -24,6 +24,7 @@ OBSTACLE = "obstacle"
 # Least distances [m]. A negative one allows that much overlap.
 ARM_MARGIN = 0.005  # arm links and the hand's body to the surroundings and the other arm
 FINGER_MARGIN = 0.0015  # fingers to anything; grasps keep 2 mm to the table, servo error takes some
+LINE_MARGIN = 0.001  # links to what is grasped, and to anything along a straight line
 SELF_MARGIN = 0.0  # links of one arm
 CARRIED_MARGIN = 0.003  # a carried body to the robot and to what the other hand carries
 RESTING_MARGIN = -0.002  # a carried body to obstacles: it starts and ends in contact with them
@@ -38,6 +39,7 @@ class Rules(NamedTuple):
 
     ignored: frozenset[tuple[str, str]] = frozenset()
     carried_margin: float = RESTING_MARGIN  # [m]
+    links_only: bool = False  # fingers and loads may touch all but links that are no fingers
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,13 +103,19 @@ def margins(bodies: Sequence[Shape], own: Array, rules: Rules) -> Array:
     # Two hands on one body: each may touch the body that the other one carries.
     carried_by = {(body.owner, body.name) for body in bodies if body.carried}
     for side, touched in rules.ignored | carried_by:
-        fingers, body = hand & (owner == side), name == touched
-        unchecked |= fingers[:, None] & body[n:] | body[:, None] & fingers[n:]
+        soft, body = (finger | carried) & (owner == side), name == touched
+        unchecked |= soft[:, None] & body[n:] | body[:, None] & soft[n:]
+        hard = hand & ~soft & (owner == side)  # palm and camera come near
+        margin[hard[:, None] & body[n:]] = LINE_MARGIN
     margin[unchecked] = np.nan
 
     table = np.full((len(bodies), len(bodies)), np.nan)
     table[:n, :n], table[:, n:] = own, margin
     table[n:, n:][np.tri(len(bodies) - n, dtype=bool)] = np.nan
+    if rules.links_only:
+        link = ~(still | finger | carried)
+        table[~(link[:, None] | link)] = np.nan
+        table = np.minimum(table, LINE_MARGIN)
     return table
 
 
@@ -132,9 +140,8 @@ class PairModel:
             )
         self._balls = [bounding_sphere(shape.geometry) for shape in self.bodies]
         self._tables: dict[Rules, Array] = {}  # margins under rules seen
-        self._in_force: Rules | None = None
+        self._asked: dict[Rules, tuple[pin.GeometryData, Any]] = {}  # and what finds collisions
         self.geometry.setCollisionPairs(np.isfinite(self._margins(Rules())), True)
-        self.data = pin.GeometryData(self.geometry)
 
     def __len__(self) -> int:
         """How many pairs there are."""
@@ -153,22 +160,23 @@ class PairModel:
             if new.geometry is not old.geometry:
                 geometry_object.geometry = new.geometry
                 self._balls[k] = bounding_sphere(new.geometry)
-                self._in_force = None  # the broad phase keeps shapes
+                self._asked.clear()  # the broad phase keeps shapes
         self._items = items
 
     def enforce(self, rules: Rules) -> None:
         """Ask by these rules from now on."""
-        if rules == self._in_force:
-            return
-        distances = self._margins(rules)
-        self.data.setActiveCollisionPairs(self.geometry, np.isfinite(distances), True)
-        self.data.setSecurityMargins(self.geometry, np.nan_to_num(distances), True, True)
-        # Of the broad phases this one alone agreed with the full loop on every posture tried.
-        # It is made anew because it inflates its boxes by the margins once and for all.
-        self.broad_phase = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
-            self._robot.model, self.geometry, self.data
-        )
-        self._in_force, self._margins_in_force = rules, distances
+        self._margins_in_force = distances = self._margins(rules)
+        if rules not in self._asked:
+            data = pin.GeometryData(self.geometry)
+            data.setActiveCollisionPairs(self.geometry, np.isfinite(distances), True)
+            data.setSecurityMargins(self.geometry, np.nan_to_num(distances), True, True)
+            # Of the broad phases this one alone agreed with the full loop on every posture tried.
+            # It inflates its boxes by the margins once and for all.
+            broad_phase = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
+                self._robot.model, self.geometry, data
+            )
+            self._asked[rules] = data, broad_phase
+        self.data, self.broad_phase = self._asked[rules]
 
     def _margins(self, rules: Rules) -> Array:
         if rules not in self._tables:
@@ -280,7 +288,7 @@ class CollisionChecker:
 
     @contextmanager
     def ignoring(self, *pairs: tuple[str, str]) -> Iterator[None]:
-        """Within: the hand of a pair (last arm link, camera, fingers, load) may touch the body.
+        """Within: the fingers and the load of a pair's hand may touch the body.
 
         Bodies that the checker does not know are passed over: a mark has no collision shape.
         """
@@ -288,6 +296,15 @@ class CollisionChecker:
         before = self._rules
         ignored = before.ignored.union(pair for pair in pairs if pair[1] in known)
         self._rules = before._replace(ignored=ignored)
+        try:
+            yield
+        finally:
+            self._rules = before
+
+    @contextmanager
+    def links_only(self) -> Iterator[None]:
+        """Within: fingers and loads may touch everything but links that are no fingers."""
+        before, self._rules = self._rules, self._rules._replace(links_only=True)
         try:
             yield
         finally:

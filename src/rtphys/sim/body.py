@@ -177,14 +177,19 @@ class SimJoint:
         self.joint.set_friction(friction)
 
 
+UNLIMITED = 3.4e38  # [N m or N] the largest single-precision number, as SAPIEN has it
+
+
 class SimServo:
     """The position servo of one robot joint (`rtphys.physics.handles.Servo`)."""
 
-    def __init__(self, joint: physx.PhysxArticulationJoint, drive: Drive) -> None:
+    def __init__(self, joint: physx.PhysxArticulationJoint, drive: Drive, effort: float) -> None:
+        """`effort`: largest torque or force of the motor [N m or N]."""
         self.name, self.joint = joint.name, joint
         self.nominal_stiffness, self.nominal_damping = drive.stiffness, drive.damping
         joint.set_friction(0.0)
-        joint.set_drive_properties(drive.stiffness, drive.damping)
+        self._effort = min(effort, UNLIMITED)
+        joint.set_drive_properties(drive.stiffness, drive.damping, self._effort)
         joint.set_armature(np.array([[drive.armature]], np.float32))
 
     @property
@@ -192,14 +197,14 @@ class SimServo:
         return float(self.joint.stiffness)
 
     def set_stiffness(self, stiffness: float) -> None:
-        self.joint.set_drive_properties(stiffness, self.joint.damping)
+        self.joint.set_drive_properties(stiffness, self.joint.damping, self._effort)
 
     @property
     def damping(self) -> float:
         return float(self.joint.damping)
 
     def set_damping(self, damping: float) -> None:
-        self.joint.set_drive_properties(self.joint.stiffness, damping)
+        self.joint.set_drive_properties(self.joint.stiffness, damping, self._effort)
 
 
 # ---- mass properties -----------------------------------------------------------------------------

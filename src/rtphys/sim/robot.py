@@ -38,8 +38,11 @@ class SimArm:
         self.joints = [art.active_joints[i] for i in self.index]
         self._fingers = [art.active_joints[i] for i in self.finger_index]
         self._mimics = [(1.0, 0.0), *((m.multiplier, m.offset) for m in limb.mimics)]
-        self.servos = [SimServo(joint, limb.drive) for joint in self.joints]
-        self.finger_servos = [SimServo(joint, limb.gripper_drive) for joint in self._fingers]
+        efforts = zip(self.joints, limb.effort.tolist(), strict=True)
+        self.servos = [SimServo(joint, limb.drive, effort) for joint, effort in efforts]
+        self.finger_servos = [
+            SimServo(joint, limb.gripper_drive, limb.finger_effort) for joint in self._fingers
+        ]
         self.ee_link = art.find_link_by_name(limb.ee.link)
         self.finger_links = [j.child_link for j in self._fingers]
         self.links = [*(j.child_link for j in self.joints), *self.finger_links]

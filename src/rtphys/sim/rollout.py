@@ -9,6 +9,7 @@ from rtphys.core.timing import PhaseTimer
 from rtphys.physics.values import Physics
 from rtphys.sim.engine import RATE
 from rtphys.sim.recorder import FRAME_STEPS, Recorder
+from rtphys.sim.strain import Strain, StrainMonitor
 from rtphys.sim.view import SceneView
 from rtphys.sim.world import World
 from rtphys.task.scene import Scene
@@ -73,6 +74,8 @@ class RolloutOptions:
     # "rows": a row a frame. "hash": only their hash, for whoever shows and stores nothing.
     # "nothing": only the verdict is wanted. The first row is kept in any case.
     keep: Keep = "rows"
+    # A motion that no real robot should make ends it ("collision", "overloaded").
+    gentle: bool = False
     touch: bool = False  # record what touches the fingers, too
     timer: PhaseTimer | None = None  # takes the time of all steps, as the phase "simulate"
 
@@ -89,16 +92,22 @@ class Rollout:
         friction = physics["friction"] if options.touch else None
         assert friction is None or isinstance(friction, float | int)
         self.recorder = Recorder(world, self.scene.contacts, friction, options.keep == "rows")
+        self._monitor = StrainMonitor(world)
         self.steps = 0  # of the policy stage
         self.first_success: float | None = None  # [s] first instant at which the condition held
         self._counts_success = True
         world.policy_stage = True
 
+    @property
+    def strain(self) -> Strain:
+        """The largest loads on the robot so far."""
+        return self._monitor.strain
+
     def tick(self) -> bool:
         """One physics step; True when the success condition holds after it.
 
         Raises:
-            Infeasible: "too_slow", past the limit.
+            Infeasible: "too_slow", past the limit; "collision" or "overloaded" (`Strain`).
         """
         options = self.options
         with options.timer.phase("simulate") if options.timer else nullcontext():
@@ -113,6 +122,9 @@ class Rollout:
                 self.first_success = self.scene.time
             if options.keep != "nothing":
                 self.recorder.tick(self.steps)
+            self._monitor.tick(self.steps)
+        if options.gentle and (problem := self.strain.problem):
+            raise Infeasible(*problem)
         if options.frame_limit is not None and self.steps > options.frame_limit * FRAME_STEPS:
             seconds = options.frame_limit * FRAME_STEPS / RATE
             raise Infeasible("too_slow", f"not done after {seconds:.1f} s")

@@ -30,6 +30,7 @@ FINGER_JOINTS = (
     ((0.08457, -0.024496, -0.00010354), (0, -1, 0)),
 )
 FINGER_STROKE = 0.04765  # [m]
+FINGER_EFFORT = 50.0  # [N] largest of the AgileX gripper, data sheet; the official URDF says 100
 WRIST_CAMERA = ((0.07, 0.032, 0.065), (0, 0.4, 0))
 
 # side: its wrist camera, base xyz on the footprint, yaw. The small yaws are the machine's own.
@@ -151,6 +152,7 @@ def _finger_joints(side: str) -> list[Joint]:
             placed(origin),
             axis,
             (0.0, FINGER_STROKE),
+            effort=FINGER_EFFORT,
             speed=1.0,
         )
         for key, (origin, axis) in zip("78", FINGER_JOINTS, strict=True)

@@ -36,6 +36,8 @@ LINKS = tuple(f"panda_link{i}" for i in range(8))
 HAND = placed((0, 0, 0.107), (0, 0, -np.pi / 4))  # in link 7
 FINGER_ROOT = placed((0, 0, 0.0584))  # in the hand
 STROKE = 0.04  # [m]
+EFFORT = (87, 87, 87, 87, 12, 12, 12)  # [N m] data sheet of the Panda
+FINGER_EFFORT = 70.0  # [N] continuous, data sheet of the Franka Hand; its URDF says 20
 CAMERA = placed((0.062, 0.019, 0.020), (0.0, -1.35, 3.14159265))  # in the hand
 
 FIGURES = {
@@ -113,14 +115,25 @@ def franka_panda() -> ArticulatedModel:
     links: dict[str, Body] = by_name(tuple(shapes), shapes, FIGURES)
     links["camera"] = Body(*aloha_arm.camera())
     names = [f"panda_joint{i}" for i in range(1, 8)]
-    joints = turning(names, LINKS, [placed(*frame) for frame in FRAMES], LIMITS)
+    frames = [placed(*frame) for frame in FRAMES]
+    joints = turning(names, LINKS, frames, LIMITS, EFFORT)
     joints.append(Joint("panda_hand_joint", "fixed", "panda_link7", "panda_hand", HAND))
     joints.append(Joint("camera_joint", "fixed", "panda_hand", "camera", CAMERA))
     for i, (side, y) in enumerate((("left", 1.0), ("right", -1.0)), 1):
         name, child = f"panda_finger_joint{i}", f"panda_{side}finger"
         span = (0.0, STROKE)
         joints.append(
-            Joint(name, "prismatic", "panda_hand", child, FINGER_ROOT, (0, y, 0), span, speed=0.2)
+            Joint(
+                name,
+                "prismatic",
+                "panda_hand",
+                child,
+                FINGER_ROOT,
+                (0, y, 0),
+                span,
+                effort=FINGER_EFFORT,
+                speed=0.2,
+            )
         )
     return ArticulatedModel(links, tuple(joints), "aluminium", ("arm of seven joints",))
 

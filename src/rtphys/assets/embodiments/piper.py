@@ -38,6 +38,8 @@ FINGERS = {
     "8": placed((0, 0, 0.13503), (-TURN, 0, HALF)),
 }
 STROKE = 0.04  # [m]
+EFFORT = (100,) * 6  # [N m] its official URDF
+FINGER_EFFORT = 50.0  # [N] largest of the Piper's gripper, data sheet; its URDF says 10
 # The camera in link 6: RoboTwin's mount, and what hangs on it.
 CAMERA = placed((0, 0, -0.077), (0, 0, TURN)) @ placed((0.032, 0.055, 0.115), (0, -1.11169, -TURN))
 LINKS = ("base_link", "link1", "link2", "link3", "link4", "link5", "link6")
@@ -104,9 +106,19 @@ def piper() -> ArticulatedModel:
     links: dict[str, Body] = by_name((*LINKS, "link7", "link8"), shapes, FIGURES)
     links["camera"] = Body(*aloha_arm.camera())
     frames = [placed(*frame) for frame in FRAMES]
-    joints = turning([f"joint{i}" for i in range(1, 7)], LINKS, frames, LIMITS)
+    joints = turning([f"joint{i}" for i in range(1, 7)], LINKS, frames, LIMITS, EFFORT)
     joints += [
-        Joint(f"joint{k}", "prismatic", "link6", f"link{k}", X, (0, 0, -1), (0.0, STROKE), speed=1)
+        Joint(
+            f"joint{k}",
+            "prismatic",
+            "link6",
+            f"link{k}",
+            X,
+            (0, 0, -1),
+            (0.0, STROKE),
+            effort=FINGER_EFFORT,
+            speed=1,
+        )
         for k, X in FINGERS.items()
     ]
     joints.append(Joint("camera_joint", "fixed", "link6", "camera", CAMERA))

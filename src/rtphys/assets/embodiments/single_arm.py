@@ -39,12 +39,13 @@ def turning(
     links: Sequence[str],
     frames: Sequence[Array],
     limits: Sequence[tuple[float, float]],
+    effort: Sequence[float],
 ) -> list[Joint]:
     """A chain of joints, each about z of its frame (4, 4) in the link before it."""
-    rows = zip(names, links[:-1], links[1:], frames, limits, strict=True)
+    rows = zip(names, links[:-1], links[1:], frames, limits, effort, strict=True)
     return [
-        Joint(name, "revolute", parent, child, X, (0.0, 0.0, 1.0), span, speed=3.0)
-        for name, parent, child, X, span in rows
+        Joint(name, "revolute", parent, child, X, (0.0, 0.0, 1.0), span, torque, speed=3.0)
+        for name, parent, child, X, span, torque in rows
     ]
 
 
