@@ -1,13 +1,14 @@
 """Small episodes without a simulator: everything is a function of (seed, frames)."""
 
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 
 import numpy as np
 
 from rtphys.core.seeds import stream
 from rtphys.data.episode import CameraFrames, Episode, Frames, Images
 from rtphys.physics import acting, after, attributes, load_domain
+from rtphys.sim.strain import Strain
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
@@ -100,7 +101,13 @@ def phys_meta(seed: int) -> dict[str, object]:
         "draws": {key: physics[key] for key in physics if key not in attributes()},
         "readback": {"bodies": {"bell": {"mass": np.float32(0.25), "inertia": [1e-4] * 3}}},
         "cameras": {"head_camera": {"position": [0, 0.5, 1.2], "quaternion_wxyz": [1, 0, 0, 0]}},
-        "verdict": {"accepted": True, "first_success_time": 2.5, "held": True, "stages": ["press"]},
+        "verdict": {
+            "accepted": True,
+            "first_success_time": 2.5,
+            "held": True,
+            "strain": asdict(Strain()),
+            "stages": ["press"],
+        },
         "versions": {"rtphys": "0.1.0"},
         "state_hash": f"{seed:064x}",
     }

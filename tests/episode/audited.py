@@ -1,5 +1,6 @@
 """Labels of instances as a dataset would hold them, for the tests of the audit."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 from rtphys.assets.pack import Pack
@@ -7,6 +8,7 @@ from rtphys.data.schema import PhysMeta
 from rtphys.episode.assemble import label
 from rtphys.episode.audit import Audit, audit_episode
 from rtphys.episode.generate import Instance
+from rtphys.sim.strain import Strain
 from rtphys.spec.stored import stored as as_stored
 
 PATH = Path("phys_meta/episode_0.json")
@@ -20,7 +22,7 @@ def stored(instance: Instance, **changed: object) -> PhysMeta:
         **label(instance),
         "episode": 0,
         "cameras": {"head_camera": where},
-        "verdict": {"accepted": True},
+        "verdict": {"accepted": True, "strain": asdict(Strain())},
         "recipe": as_stored(instance.recipe),
         "versions": {},
         "state_hash": "",

@@ -9,6 +9,7 @@ from rtphys.cli.derived import AsJson, takes
 from rtphys.cli.progress import campaign
 from rtphys.cli.tables import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
+from rtphys.core.errors import counted
 from rtphys.results.evaluation import EvaluationSpec
 from rtphys.studies.requests import EvaluationRun
 
@@ -76,6 +77,11 @@ def _show(summary: "Summary") -> None:
     for row in summary.tasks:
         if row.language:
             say(f"{row.protocol}, {row.task}: {row.language}")
+        if row.rough:
+            many = counted(row.rough, "successful episodes")
+            say(
+                f"{row.protocol}, {row.task}: {many} rough, by force on a link or a motor at its limit"
+            )
     if summary.pairs:
         print_table(pairs_table(summary))
     if any(summary.breaks.values()):

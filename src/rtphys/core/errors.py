@@ -123,6 +123,8 @@ REASONS: dict[str, str] = {
     "ungraspable": "no contact point fits the gripper",
     "grasp_missed": "the fingers closed on nothing",
     "slipped": "the object left the hand",
+    "collision": "a link that is no finger was pressed with over 30 N for over 0.1 s",
+    "overloaded": "a motor gave its largest torque for over 0.1 s",
     "too_slow": "the motion cannot finish within the task's step limit",
     "stalled": "an articulated part did not follow the hand",
     "failed_check": "the script ran to its end and the success condition did not hold",

@@ -70,6 +70,17 @@ class VisualLabel(Model):
     clutter: list[dict[str, JsonValue]] = Field(description="name, category, model")
 
 
+class StrainLabel(Model):
+    """The largest loads on the robot during the episode."""
+
+    force: FiniteFloat = Field(description="N, on one link that is no finger")
+    pair: str = Field(description="that link and what it met; empty: nothing")
+    force_seconds: FiniteFloat = Field(description="s, longest time above 30 N")
+    torque: FiniteFloat = Field(description="share of its motor's largest, in an arm joint")
+    joint: str = Field(description="that joint")
+    torque_seconds: FiniteFloat = Field(description="s, longest time at the motor's limit")
+
+
 class Verdict(Model):
     """Why the episode counts."""
 
@@ -82,6 +93,7 @@ class Verdict(Model):
     first_success_time: FiniteFloat | None = Field(default=None, description="s")
     held: bool | None = Field(default=None, description="success still held at the end")
     recovered: bool = Field(default=False, description="a load was lost and taken again")
+    strain: StrainLabel
     stages: list[JsonValue] = Field(default=[])
 
 

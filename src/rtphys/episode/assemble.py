@@ -57,6 +57,7 @@ def assemble(attempt: Attempt, rendered: RenderedFrames, pack: Pack) -> Episode:
         # Unknown where it ended before it could be judged.
         "first_success_time": outcome.first_success if outcome else None,
         "held": outcome.held if outcome else None,
+        "strain": asdict(recording.strain),
         "stages": [{"name": recording.stages[i], "time": time} for i, time in first.items()],
     }
     if scenery:

@@ -54,6 +54,9 @@ class EpisodeRecord:
     steps: int = 0  # number of actions
     time: FiniteFloat = 0.0  # [s] simulated, until the policy stopped
     unreachable: int = 0  # number of end-effector targets that no joint posture reaches
+    force: FiniteFloat = 0.0  # [N] largest on one link that is no finger
+    torque: FiniteFloat = 0.0  # largest in an arm joint, as a share of its motor's largest
+    rough: bool = False  # the expert would have been rejected for it: "collision", "overloaded"
     # In how many actions a joint or opening was beyond its limits, and put to them, by its name.
     clipped: Mapping[str, int] = field(default_factory=dict[str, int])
     language: str = ""  # of a failure: what the actions' numbers usually mean, such as degrees

@@ -74,6 +74,7 @@ class TaskSummary:
     reasons: Mapping[str, int]  # number of failures by reason
     clipped: Mapping[str, int] = field(default_factory=dict)  # actions, by number of an action
     language: str = ""  # the most frequent of its records, and in how many it stands
+    rough: int = 0  # number of successes in which a robot would have suffered
 
 
 @dataclass(frozen=True)
@@ -169,4 +170,5 @@ def _task(key: Key, records: Sequence[EpisodeRecord], instances: InstanceList) -
         dict(sorted(reasons.items())),
         dict(clipped),
         language,
+        sum(record.success and record.rough for record in records),
     )

@@ -9,6 +9,7 @@ from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.poses import Array
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
+from rtphys.sim.strain import Strain
 from rtphys.sim.touch import TouchRecorder, TouchTrack
 from rtphys.sim.world import World
 
@@ -41,6 +42,7 @@ class Recording:
     rows: list[Row] = field(default_factory=list)
     stages: list[str] = field(default_factory=list)
     hash: str = ""  # SHA-256 over the state vectors of all rows
+    strain: Strain = field(default_factory=Strain)
     touch: TouchTrack | None = None  # a row each, if it was asked for
 
     @property

@@ -93,6 +93,7 @@ class Rollout:
         assert friction is None or isinstance(friction, float | int)
         self.recorder = Recorder(world, self.scene.contacts, friction, options.keep == "rows")
         self._monitor = StrainMonitor(world)
+        self.recorder.recording.strain = self._monitor.strain
         self.steps = 0  # of the policy stage
         self.first_success: float | None = None  # [s] first instant at which the condition held
         self._counts_success = True

@@ -331,6 +331,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
 def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
     time = episode.rollout.scene.time
     outcome, physics = episode.finish(), episode.instance.physics
+    strain = episode.rollout.strain
     success, acts = episode.success and not trace, acting(physics, parts(episode.instance.props))
     return EpisodeRecord(
         task=episode.task,
@@ -343,6 +344,9 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
         steps=episode.taken,
         time=time,
         unreachable=episode.unreachable,
+        force=strain.force,
+        torque=strain.torque,
+        rough=strain.problem is not None,
         clipped=episode.log.clipped,
         language="" if success else episode.log.usual_cause(),
         physics={key: plain(value, key) for key, value in physics.items()},
