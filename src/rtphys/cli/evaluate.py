@@ -79,9 +79,8 @@ def _show(summary: "Summary") -> None:
             say(f"{row.protocol}, {row.task}: {row.language}")
         if row.rough:
             many = counted(row.rough, "successful episodes")
-            say(
-                f"{row.protocol}, {row.task}: {many} rough, by force on a link or a motor at its limit"
-            )
+            why = "force on a link, or a motor at its limit"
+            say(f"{row.protocol}, {row.task}: {many} rough ({why})")
     if summary.pairs:
         print_table(pairs_table(summary))
     if any(summary.breaks.values()):
