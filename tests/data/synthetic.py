@@ -95,6 +95,7 @@ def phys_meta(seed: int) -> dict[str, object]:
                 "source": rules.source(key, physics),
                 "acts": key in acts,
                 "tolerance": known.deviation(physics[key]),
+                "scope": known.scope,
             }
             for key, known in attributes().items()
         },

@@ -10,7 +10,8 @@ from rtphys.assets.pack import builtin_pack
 from rtphys.core.poses import Pose
 from rtphys.laws.lab import Lab, pose_of
 from rtphys.sim.body import SINGLE, body_points, own_shapes
-from rtphys.sim.feet import INSET, PROUD, footing, has_feet
+from rtphys.sim.engine import to_sapien
+from rtphys.sim.feet import INSET, PROUD, RINGS, footing, has_feet, off_feet
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
 
 UPRIGHT = Pose((0, 0, 0), (0.5**0.5, 0.5**0.5, 0, 0))
@@ -118,3 +119,29 @@ def test_light_bodies_slide_beside_others(lab: Lab) -> None:
 def test_every_shape_with_the_friction_label_is_solved_alone(lab: Lab) -> None:
     shapes = [s for surface in lab.world([block()], {}).surfaces for s in surface.shapes]
     assert {round(shape.patch_radius, 9) for shape in shapes} == {SINGLE}
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("prop", "off"), [(block(), False), (can(), False), (can(rolls_about=1), True)]
+)
+def test_what_bears_an_object_is_told(lab: Lab, prop: Prop, off: bool) -> None:
+    world = lab.world([prop], {})
+    for _ in range(150):
+        world.step()
+    assert off_feet(world.bodies[0].component, world.solver.get_contacts()) is off
+
+
+@pytest.mark.sim
+def test_what_stands_beyond_the_edge_of_another_object_stands_on_feet(lab: Lab) -> None:
+    lower = block(name="lower", pose=Pose((0.1, -0.15, 0)))
+    world = lab.world([lower, block(name="upper")], {})
+    below, body = (world.object(name).root for name in ("lower", "upper"))
+    assert len(body.collision_shapes) == 1 + 4 * len(RINGS)
+    on_top = world.object("lower").pose.moved((0.012, 0, 2 * 0.025 + 1e-4))
+    body.entity.set_pose(to_sapien(on_top))
+    for _ in range(100):
+        world.step()
+    contacts = world.solver.get_contacts()
+    assert any({below, body} == set(contact.bodies) for contact in contacts)
+    assert not off_feet(body, contacts)

@@ -84,6 +84,7 @@ class DrawCheck:
                 problem = "is no attribute that is known here; is its library loaded?"
                 found.append(f"attributes.{key} {problem}")
             else:
+                scope = known[key].scope.partition(";")[0]
                 tolerance = None if label.tolerance is None else known[key].deviation(drawn[key])
                 pairs = {
                     "": (_value(label.value), drawn[key]),
@@ -91,6 +92,8 @@ class DrawCheck:
                     ".varied": (label.varied, key in drawn.varied),
                     ".source": (label.source, rules.source(key, drawn)),
                     ".tolerance": (label.tolerance, tolerance),
+                    # What lies or leans at the end is named behind it: no world is built here.
+                    ".scope": (label.scope.partition(";")[0], label.scope and scope),
                     ".acts": (label.acts, label.acts if has is None else key in acts),
                 }
                 found += _clauses(f"attributes.{key}", pairs)

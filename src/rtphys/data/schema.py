@@ -38,6 +38,7 @@ class AttributeLabel(Model):
     tolerance: FiniteFloat | None = Field(
         default=None, description="how far the world may differ, in `unit`; null: not stated"
     )
+    scope: str = Field(default="", description="what the tolerance is true of; empty: everything")
 
 
 class Readback(Model):

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import asdict
+from typing import cast
 
 import numpy as np
 
@@ -15,7 +16,9 @@ from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, Instance
 from rtphys.episode.render import RenderedFrames
 from rtphys.physics import Physics, acting, attributes, disagreements, readback
+from rtphys.sim.feet import off_feet
 from rtphys.sim.recorder import Recording
+from rtphys.sim.world import World
 from rtphys.spec.stored import stored
 from rtphys.task.instructions import instructions, scene_info
 from rtphys.task.props import Articulated, Mesh, Prop, parts
@@ -68,11 +71,15 @@ def assemble(attempt: Attempt, rendered: RenderedFrames, pack: Pack) -> Episode:
         instant = went_wrong(frames, attempt.reason, attempt.detail, scenery)
         why = {"reason": attempt.reason, "detail": attempt.detail}
         failure["failure"] = {**why, **asdict(instant), "time": rows[instant.frame].time}
+    known = label(instance)
+    if leaning := _off_feet(instance.world):
+        friction = cast(dict[str, dict[str, object]], known["attributes"])["friction"]
+        friction["scope"] = f"{friction['scope']}; not at the end: {', '.join(leaning)}"
     return Episode(
         recipe=stored(recipe),
         frames=frames,
         phys_meta={
-            **label(instance),
+            **known,
             "cameras": {
                 name: {"position": X.p.tolist(), "quaternion_wxyz": X.q.tolist()}
                 for name, X in rendered.first_poses.items()
@@ -120,6 +127,7 @@ def label(instance: Instance) -> dict[str, object]:
                 "source": rules.source(key, physics),
                 "acts": key in acts,
                 "tolerance": attribute.deviation(physics[key]),
+                "scope": attribute.scope,
             }
             for key, attribute in known.items()
         },
@@ -127,6 +135,14 @@ def label(instance: Instance) -> dict[str, object]:
         "readback": readback(instance.world),
         **({} if rules.visual is None else {"visual": instance.look.to_json()}),
     }
+
+
+def _off_feet(world: World) -> list[str]:
+    """Task objects that something bears at the end, and not by their feet: they lie or lean."""
+    robot = set(world.robot.articulation.links)
+    contacts = [c for c in world.solver.get_contacts() if robot.isdisjoint(c.bodies)]
+    rigid = [o for o in world.objects.values() if o.articulation is None and o.bodies]
+    return [thing.name for thing in rigid if off_feet(thing.root, contacts)]
 
 
 def _frames(recording: Recording, rendered: RenderedFrames) -> Frames:

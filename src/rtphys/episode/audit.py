@@ -69,6 +69,7 @@ def audit_episode(
     pack: Pack,
     path: Path,
     cameras: Mapping[str, Pose] | None = None,
+    ends: Mapping[str, Pose] | None = None,
 ) -> Audit:
     """Rebuild and measure one episode.
 
@@ -77,6 +78,7 @@ def audit_episode(
         pack: the assets with which it was collected.
         path: of its label, for reports.
         cameras: where other files say that the head camera was.
+        ends: object -> its last pose, as other files say.
     """
     try:
         world, problems = rebuild(meta, physics, pack)
@@ -92,7 +94,7 @@ def audit_episode(
     if head := meta.cameras.get(HEAD):
         stored["label"] = Pose(head.position, head.quaternion_wxyz)
     acting = {key for key, label in meta.attributes.items() if label.acts}
-    findings = measure(Specimen(world, pack, dict(physics)), acting, stored)
+    findings = measure(Specimen(world, pack, dict(physics)), acting, stored, ends)
     return Audit(path, tuple(problems), findings=tuple(findings))
 
 
@@ -115,7 +117,9 @@ def audited(dataset: Dataset) -> Iterator[Audit]:
         try:
             camera = episode.frames.cameras.get(HEAD)
             where = {} if camera is None else {"pictures": from_opencv(camera.extrinsic_cv[0])}
-            audit = audit_episode(episode.meta, episode.physics, pack, path, where)
+            tracks = episode.frames.object_poses
+            ends = {name: Pose(p[-1, :3], p[-1, 3:]) for name, p in tracks.items()}
+            audit = audit_episode(episode.meta, episode.physics, pack, path, where, ends)
         except RtphysError as error:
             audit = Audit(path, (str(error),))
         if digest != pack.digest:

@@ -1,20 +1,23 @@
-"""Coulomb friction on the table, of the pads, and of a load in the hand.
+"""Coulomb friction on the table, on objects, of the pads, and of a load in the hand.
 
-A plate stops after v² / 2 mu g and starts when pushed by more than mu m g; a block pulled through
+A plate stops after v² / 2 mu g and starts when pushed by more than mu m g, as does a block that
+stands across the edge of another; a block pulled through
 the fingers is slowed by 2 mu N, and a load slips out of the robot's hand at 2 mu N.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from rtphys.core.poses import Array
+from rtphys.core.poses import Array, Pose
 from rtphys.laws.lab import NONE, Lab, floating, launch, pose_of, puck, record, slope, wait
 from rtphys.laws.law import LawTest, Trial, Values, number
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.sim.body import SimBody
-from rtphys.sim.engine import RATE, TIME_STEP
+from rtphys.sim.engine import RATE, TIME_STEP, to_sapien
 from rtphys.sim.world import World
-from rtphys.task.props import Box
+from rtphys.task.props import Ball, Box, Prop
 
 # ---- the fingers -----------------------------------------------------------------------------
 
@@ -111,10 +114,29 @@ def lost_at(lab: Lab, values: Values, mu: float) -> float:
     return float("nan")
 
 
-def creep(lab: Lab, values: Values, mu: float) -> float:
-    """Speed [mm/s] of a block in the hand under half of 2 mu N, once the hand has yielded."""
-    world, body, normal = _gripped(lab, values, mu)
-    load, start = mu * normal, np.zeros(3)
+@dataclass(frozen=True)
+class Grip:
+    """How a thing is held."""
+
+    aside: float = 0.0  # [m] of its centre of mass from the line through the pads
+    out: float = 0.0  # [m] of the thing from the pads' middle towards their tips
+    mass: float | None = None  # [kg]; None: what 2 mu N would carry
+    ball: bool = False  # it is round
+
+
+CENTRED = Grip()
+GRIPS = {
+    "a light block that is pulled": Grip(mass=0.085),
+    "a block with its mass 25 mm aside": Grip(aside=0.025),
+    "a ball": Grip(ball=True),
+    "a block at the tips": Grip(out=0.03),
+}
+
+
+def creep(lab: Lab, values: Values, mu: float, share: float, grip: Grip = CENTRED) -> float:
+    """Speed [mm/s] of a thing in the hand under a share of 2 mu N, once the hand has yielded."""
+    world, body, normal = _gripped(lab, values, mu, grip)
+    load, start = 2 * share * mu * normal, np.zeros(3)
     for step in range(2 * RATE):
         _pull(world, body, load * min(1.0, 2 * step / RATE))
         if step == RATE - 1:
@@ -122,16 +144,41 @@ def creep(lab: Lab, values: Values, mu: float) -> float:
     return float(np.linalg.norm(_in_hand(world, body) - start)) * 1000
 
 
-def _gripped(lab: Lab, values: Values, mu: float) -> tuple[World, SimBody, float]:
-    """A block in the closed left hand, without gravity, and the force [N] of one finger."""
-    world, body = _between_fingers(lab, values, HALF, mass=2 * mu * PRESS / GRAVITY)
+def _gripped(
+    lab: Lab, values: Values, mu: float, grip: Grip = CENTRED
+) -> tuple[World, SimBody, float]:
+    """A thing in the left hand, without gravity, and the force [N] of one finger."""
+    empty = lab.world([], values)  # a name keeps it alive: its robot dies with it
+    arm = empty.robot.left
+    along, up = arm.ee().R[:, 0], arm.ee().R[:, 2]
+    at = arm.tcp().moved(grip.out * along)
+    mass = grip.mass or 2 * mu * PRESS / GRAVITY
+    block: Prop
+    if grip.ball:
+        block = Ball(
+            name="block", pose=at, radius=HALF, mass_kg=mass, resting=False, on_table=False
+        )
+    else:
+        half = (min(HALF, arm.limb.hand.palm - FREE), HALF, HALF)
+        block = Box(
+            name="block", pose=at, half_size=half, mass_kg=mass, resting=False, on_table=False
+        )
+    world = lab.world([block], values)
+    body = floating(world, "block")
+    if grip.aside:
+        body.set_com(body.nominal_com + pose_of(body).R.T @ (grip.aside * up))
     for locked, steps in ((True, HOLD), (False, TENTH)):
-        axes = [locked] * 6
-        body.component.set_locked_motion_axes(axes)  # pyright: ignore[reportAttributeAccessIssue]
+        _hold(body, locked)
         world.robot.left.grip(0.0)
         wait(world, steps)
     _, pressed = record(world, TENTH, lambda: squeeze(world))
     return world, body, float(pressed.mean())
+
+
+def _hold(body: SimBody, still: bool) -> None:
+    """Fix a body where it is, or let it go."""
+    axes = [still] * 6
+    body.component.set_locked_motion_axes(axes)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def _pull(world: World, body: SimBody, force: float) -> None:
@@ -153,8 +200,10 @@ def _in_hand(world: World, body: SimBody) -> Array:
 RUNWAY = 0.25  # [m] stopping distance for which the plate is launched
 ROUGH = 0.1  # ten times the slope of the table in COMPANY
 HELD = 0.05  # of 2 mu N: the hand yields while the load grows
-CREPT = 0.05  # [mm/s]
+CREPT, SLOW = 0.05, 1.0  # [mm/s] of a centred block; of whatever else
+HALF_LOAD, QUARTER = 0.5, 0.25  # of 2 mu N: what a centred block bears without creep; what all do
 FALL = 50  # [steps] until the plate, dropped from 1 mm, lies still
+ONSET = 100  # [steps] of a push
 
 
 def stopping(lab: Lab, values: Values, mu: float) -> float:
@@ -187,6 +236,52 @@ def _slips(lab: Lab, values: Values, push: float) -> bool:
     return bool(speed > 2e-3 * push * GRAVITY * 0.4)
 
 
+BELOW, ABOVE = (0.03, 0.03, 0.03), (0.03, 0.03, 0.006)  # [m] half sizes of a block, and of a plate
+OVER = 0.01  # [m] by which the plate stands beyond the block: two of its corners bear nothing
+
+
+def breakaway_on_object(lab: Lab, values: Values, mu: float) -> float:
+    """Smallest push [m g] that moves a plate on a block, by bisection within ±10 % of `mu`."""
+    apart = Pose((0.15, -0.15, 0)), Pose((0.15, 0.05, 0))
+    props = [
+        Box(name=name, pose=pose, half_size=half)
+        for name, pose, half in zip(("block", "plate"), apart, (BELOW, ABOVE), strict=True)
+    ]
+    world = lab.world(props, values)
+    block, plate = world.bodies
+    for _ in range(FALL):
+        world.step()
+    up = number(values.get("object_scale", 1.0)) * (BELOW[2] + ABOVE[2]) + 1e-4
+    offset = world.X_WT.R @ (OVER, 0.0, up)
+    home = to_sapien(Pose(pose_of(block).p + offset, pose_of(plate).q))
+    _hold(block, True)
+    lean = np.sin(np.radians(number(values.get("table_tilt", 0.0))))
+
+    def slides(push: float) -> bool:
+        plate.component.entity.set_pose(home)
+        launch(plate, (0, 0, 0))
+        still = [0.0, 0.0, 0.0]
+        plate.component.set_angular_velocity(still)  # pyright: ignore[reportAttributeAccessIssue]
+        for _ in range(FALL):
+            world.step()
+        start = pose_of(plate) @ plate.com
+        # Weight pulls it down the slope, too.
+        force = plate.mass * GRAVITY * np.sqrt(max(0.0, push**2 * (1 - lean**2) - lean**2))
+        for _ in range(ONSET):
+            plate.component.add_force_torque([force, 0.0, 0.0], [0.0, 0.0, 0.0])
+            world.step()
+        way = float((pose_of(plate) @ plate.com - start)[0])
+        return way > 0.003 * push * GRAVITY * (ONSET * TIME_STEP) ** 2
+
+    low, high = 0.9 * mu, 1.1 * mu
+    if slides(low) or not slides(high):
+        return float("nan")
+    for _ in range(4):
+        middle = (low + high) / 2
+        low, high = (low, middle) if slides(middle) else (middle, high)
+    return (low + high) / 2
+
+
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     values, mu = {**others, "friction": value}, number(value)
     # On a tilted table a plate that is nearly without friction slides by itself.
@@ -195,18 +290,22 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     trials = [
         Trial("stopping distance v²/2μg on the table", RUNWAY, distance, "m"),
         Trial("breakaway push on the table", mu, breakaway(lab, table, mu), "m·g"),
+        Trial("breakaway push on an object", mu, breakaway_on_object(lab, table, mu), "m·g"),
         Trial("coefficient between finger and object", mu, finger_friction(lab, values, mu), "1"),
     ]
     if mu < ROUGH:  # the fingers lean by more than the angle of friction, as hands do
         return trials
     # A load aside of the pads turns between them before it slips.
     held = {**values, "center_of_mass": (0.0, 0.0, 0.0)}
-    dropped, crept = lost_at(lab, held, mu), creep(lab, held, mu)
-    return [
-        *trials,
+    dropped, crept = lost_at(lab, held, mu), creep(lab, held, mu, HALF_LOAD)
+    trials += [
         Trial("load that is lost from the hand", 1.0, dropped, "2μN", tolerance=HELD),
         Trial("creep under half that load", 0.0, crept, "mm/s", 1.0, CREPT),
     ]
+    for name, grip in GRIPS.items():
+        crept = creep(lab, held, mu, QUARTER, grip)
+        trials.append(Trial(f"creep of {name}, a quarter", 0.0, crept, "mm/s", 1.0, SLOW))
+    return trials
 
 
 LAW = LawTest(

@@ -1,34 +1,57 @@
-"""A ball that drops from height h bounces to e² h."""
+"""A ball that drops from height h bounces to e² h; objects of tasks leave slow impacts at e v."""
 
 import numpy as np
 
 from rtphys.core.poses import Pose
+from rtphys.laws.fall import SPEEDS, rebounds
 from rtphys.laws.lab import Lab, pose_of, record
 from rtphys.laws.law import LawTest, Trial, Values, number
+from rtphys.physics.attributes.restitution import deviation_at
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
-from rtphys.task.props import TABLE_TOP, Ball
+from rtphys.task.props import TABLE_TOP, UP_Y, Ball, Box, Mesh, Prop
 
 RADIUS, DROP = 0.025, 0.4  # [m] the drop is a free fall of the ball's lowest point
 FULL = 0.25 * DROP  # [m] the bounce at the domain's end, e = 0.5
 TOLERANCE = 0.06  # 250 Hz: an impact falls up to one step too early or late
 
 
-def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
-    radius = RADIUS * number(others.get("object_scale", 1.0))
+def bounce(lab: Lab, values: Values) -> float:
+    """Height [m] to which a ball bounces."""
+    radius = RADIUS * number(values.get("object_scale", 1.0))
     start = TABLE_TOP + radius + DROP
     ball = Ball(name="ball", pose=Pose((0.15, 0, start)), radius=RADIUS, resting=False)
-    world = lab.world([ball], {**others, "restitution": value})
+    world = lab.world([ball], values)
     body = world.bodies[0]
     t, z = record(world, 250, lambda: world.to_task(pose_of(body)).p[2] - TABLE_TOP - radius)
     first = int(np.argmax(t > np.sqrt(2 * DROP / GRAVITY) + 0.02))
-    height = float(z[first:].max())
-    return [Trial("bounce height e² h", number(value) ** 2 * DROP, height, "m", FULL, TOLERANCE)]
+    return float(z[first:].max())
+
+
+PLACE = Pose((0.15, 0, 0), UP_Y)
+THINGS: tuple[Prop, ...] = (
+    Box(name="block", pose=Pose(PLACE.p), half_size=(0.025, 0.025, 0.025)),
+    Mesh(name="can", pose=PLACE, category="071_can", model=0),
+    Mesh(name="cup", pose=PLACE, category="021_cup", model=0),
+)
+
+
+def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
+    e, values = number(value), {**others, "restitution": value}
+    trials = [Trial("bounce height e² h", e**2 * DROP, bounce(lab, values), "m", FULL, TOLERANCE)]
+    for thing in THINGS:
+        world = lab.world([thing], values)
+        for speed in SPEEDS:
+            found = rebounds(world, world.bodies[0], speed, e)
+            worst = max(found, key=lambda measured: abs(measured - e))
+            what = f"{thing.name} leaves an impact at {speed:g} m/s"
+            trials.append(Trial(what, e, worst, "1", 1.0, deviation_at(speed)))
+    return trials
 
 
 LAW = LawTest(
     "restitution",
-    "bounce height = e² h",
+    "bounce height = e² h;  speed after an impact = e v",
     (0.0, 0.25, 0.5),
     run,
     ({"friction": 1.25}, {"object_mass": 4.0, "friction": 0.01}),

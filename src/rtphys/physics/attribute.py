@@ -43,6 +43,7 @@ class Attribute(ABC, Generic[Target, Label]):
     resolution: ClassVar[float] = 0.0  # absolute error of `read` in single precision
     # [1] Share of the value by which the world may differ: what `physics audit` resolves.
     tolerance: ClassVar[float] = 1e-3
+    scope: ClassVar[str] = ""  # what that share, or `deviation`, is true of; empty: of everything
     auxiliary: ClassVar[tuple[str, ...]] = ()  # keys of further draws that it needs
     acts_on: ClassVar[Part | None] = None  # a world without any leaves it without effect
     what: ClassVar[str] = ""  # a phrase that describes it in tables

@@ -66,11 +66,13 @@ def shape_size(shape: physx.PhysxCollisionShape) -> float:
 
 def own_shapes(component: AnyBody) -> list[physx.PhysxCollisionShape]:
     """A body's collision shapes without its feet, which lie within them but for micrometres."""
-    return [
-        shape
-        for shape in component.collision_shapes
-        if not isinstance(shape, physx.PhysxCollisionShapeSphere) or shape.radius >= 2 * FOOT_RADIUS
-    ]
+    return [shape for shape in component.collision_shapes if not is_foot(shape)]
+
+
+def is_foot(shape: physx.PhysxCollisionShape) -> bool:
+    """Whether it is one of the spheres of `feet.py`."""
+    sphere = isinstance(shape, physx.PhysxCollisionShapeSphere)
+    return sphere and shape.radius < 2 * FOOT_RADIUS
 
 
 def body_points(component: AnyBody) -> Array:

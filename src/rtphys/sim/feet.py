@@ -6,30 +6,35 @@ which bears friction by its own load, so a body that stands on spheres slips as 
 """
 
 from collections.abc import Iterable
+from itertools import product
 
 import numpy as np
 import scipy  # whose parts are loaded when they are first used
 from sapien import physx
 
 from rtphys.core.poses import Array, Pose
-from rtphys.sim.body import FOOT_RADIUS, body_points, own_shapes
+from rtphys.sim.body import FOOT_RADIUS, body_points, is_foot, own_shapes
 from rtphys.sim.engine import AnyBody, from_sapien, to_sapien
 
 PROUD = 5e-6  # [m] that a foot stands out of the face: it bears all, and nobody sees it
 INSET = FOOT_RADIUS + 2e-4  # [m] from the face's edges: nothing touches a foot from aside
+# Of the way from the face's middle: what stands on less than its own size has feet there, too.
+RINGS = (1.0, 0.8, 0.5)
 FLAT = 1e-4  # [m] a vertex so near to the lowest one belongs to the face on which the body stands
 MIN_WIDTH = 0.01  # [m] of that face: what stands on less rocks or rolls
 
 # Bits of SAPIEN's collision groups: feet meet what feels them, and nothing else. At the edge of a
 # thin part a foot would be in too deep within one step, and be shot out on any side.
 _FOOT = [2, 2, 0, 0]
+_INNER = [4, 4, 0, 0]
 _FLOOR = [3, 3, 0, 0]
+_OBJECT = [7, 7, 0, 0]
 
 
-def feel_feet(floor: Iterable[physx.PhysxCollisionShape]) -> None:
-    """Let shapes bear feet, besides all else: the table's."""
-    for shape in floor:
-        shape.set_collision_groups(_FLOOR)
+def feel_feet(shapes: Iterable[physx.PhysxCollisionShape], table: bool = False) -> None:
+    """Let shapes bear feet, besides all else; the table needs no inner ones, and is faster so."""
+    for shape in shapes:
+        shape.set_collision_groups(_FLOOR if table else _OBJECT)
 
 
 def add_feet(body: AnyBody, up: Array) -> None:
@@ -44,18 +49,43 @@ def add_feet(body: AnyBody, up: Array) -> None:
     points = body_points(body)
     depth = points @ down
     lowest = depth.max()
-    for spot in footing(points[depth > lowest - FLAT] @ across.T):
+    outer = footing(points[depth > lowest - FLAT] @ across.T)
+    middle = outer.mean(axis=0) if len(outer) else np.zeros(2)
+    for share, spot in product(RINGS, outer):
+        at = middle + share * (spot - middle)
         shape = physx.PhysxCollisionShapeSphere(FOOT_RADIUS, physx.get_default_material())
-        centre = spot @ across + (lowest + PROUD - FOOT_RADIUS) * down
+        centre = at @ across + (lowest + PROUD - FOOT_RADIUS) * down
         shape.set_local_pose(to_sapien(Pose(centre, (1, 0, 0, 0))))
         shape.set_density(0.0)
-        shape.set_collision_groups(_FOOT)
+        shape.set_collision_groups(_FOOT if share == 1 else _INNER)
         body.attach(shape)
 
 
 def has_feet(body: AnyBody) -> bool:
     """Whether `add_feet` found a face to put feet under."""
     return len(own_shapes(body)) < len(body.collision_shapes)
+
+
+BORNE = 0.05  # of what bears an object, by shapes other than its feet: it does not stand on feet
+
+
+def off_feet(body: AnyBody, contacts: Iterable[physx.PhysxContact]) -> bool:
+    """Whether something bears a body, and not by its feet.
+
+    Args:
+        contacts: of the last step; those of whatever holds it left out.
+    """
+    on_feet = beside = 0.0
+    for contact in contacts:
+        if body not in contact.bodies:
+            continue
+        i = contact.bodies.index(body)  # impulses act on the first of the two
+        up = (1 - 2 * i) * sum(float(point.impulse[2]) for point in contact.points)
+        if up > 0 and is_foot(contact.shapes[i]):
+            on_feet += up
+        elif up > 0:
+            beside += up
+    return beside > BORNE * (on_feet + beside)
 
 
 def footing(face: Array) -> Array:

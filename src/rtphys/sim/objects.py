@@ -23,7 +23,7 @@ from rtphys.sim.body import (
     shape_size,
 )
 from rtphys.sim.engine import AnyBody, from_sapien, renders, to_sapien
-from rtphys.sim.feet import add_feet
+from rtphys.sim.feet import add_feet, feel_feet
 from rtphys.sim.urdf import build_articulation, nominal_shape_size
 from rtphys.task.props import TABLE_TOP, Articulated, Ball, Box, Mesh, Prop
 
@@ -156,6 +156,9 @@ class ObjectFactory:
             MissingAsset, UnknownName, BadFile: from the pack.
         """
         built = self._articulated(prop) if isinstance(prop, Articulated) else self._rigid(prop)
+        if prop.on_table:  # nothing stands in a bin on the ground
+            for link in built.links.values():
+                feel_feet(link.collision_shapes)
         solid = {name: c for name, c in built.links.items() if c.collision_shapes}
         up = self.X_WT.R[:, 2]
         may_roll = isinstance(prop, Ball) or prop.rolling_axis is not None

@@ -79,7 +79,7 @@ class Room:
             assert isinstance(body, physx.PhysxRigidStaticComponent)
             surfaces.append(SimSurface(entity.name, body.collision_shapes))
         self.table_surface, *self.scenery = surfaces
-        feel_feet(self.table_surface.shapes)
+        feel_feet(self.table_surface.shapes, table=True)
 
     def measured(self) -> tuple[float, float]:
         """Tilt [rad] and height above nominal [m] of the simulator's table."""

@@ -9,12 +9,13 @@ from rtphys.laws.audit.bodies import weigh_bodies
 from rtphys.laws.audit.joints import weigh_articulated
 from rtphys.laws.audit.robot import drag, locate
 from rtphys.laws.audit.specimen import Finding, Measurement, Specimen, lift
+from rtphys.laws.audit.stands import drop_objects, push_stands
 from rtphys.laws.audit.surfaces import hit_surfaces, survey
 from rtphys.laws.lab import Lab, block
 from rtphys.physics.values import Value
 from rtphys.sim.engine import to_sapien
 from rtphys.sim.world import World
-from rtphys.task.props import Articulated, Prop
+from rtphys.task.props import Articulated, Box, Prop
 
 pytestmark = pytest.mark.sim
 PACK = builtin_pack()
@@ -157,3 +158,35 @@ def test_the_camera_is_found_where_it_is(mode: str, distance: float, angle: floa
     assert not wrong(locate(one, {"label": there}))
     turned = there @ Pose((0.001, 0, 0), axis_angle((1, 0, 0), 0.01))
     assert {p.split(", ")[1] for p in wrong(locate(one, {"label": turned}))} == {"label"}
+
+
+def standing(name: str, x: float, half: tuple[float, float, float]) -> Box:
+    return Box(name=name, pose=Pose((x, 0, 0)), half_size=half)
+
+
+def test_an_object_that_bounces_otherwise_is_found() -> None:
+    can = standing("can", 0.1, (0.03, 0.03, 0.04))
+    found = drop_objects(specimen([can], {"restitution": 0.3}))
+    assert len(found) == 4
+    assert not wrong(found)
+    one = specimen([can], {"restitution": 0.3})
+    one.world.surfaces[0].set_material(0.5, 0.5, 0.6)  # the mean of two surfaces acts
+    assert wrong(drop_objects(one)).keys() >= {"can, impact at 2 m/s"}
+
+
+@pytest.mark.parametrize("feels", [True, False])
+def test_what_slides_early_on_another_object_is_found(feels: bool) -> None:
+    """Without feet a plate with its mass aside slides at 0.9 of the law."""
+    props: list[Prop] = [
+        standing("block", -0.1, (0.03, 0.03, 0.03)),
+        standing("plate", 0.1, (0.03, 0.03, 0.006)),
+    ]
+    one = specimen(props, {"friction": 0.5, "center_of_mass": (0.01, 0.01, 0.0)})
+    block, plate = (one.world.object(name) for name in ("block", "plate"))
+    if not feels:
+        for shape in block.root.collision_shapes:
+            shape.set_collision_groups([1, 1, 0, 0])
+    on_top = Pose(block.pose.p + np.array([0.01, 0, 0.0361]), plate.pose.q)
+    found = push_stands(one, {"block": block.pose, "plate": on_top})
+    assert {f.place for f in found} == {"plate on block"}
+    assert bool(wrong(found)) != feels

@@ -12,12 +12,16 @@ from rtphys.laws.audit.bodies import size_up, weigh_bodies
 from rtphys.laws.audit.joints import weigh_articulated
 from rtphys.laws.audit.robot import drag, locate
 from rtphys.laws.audit.specimen import TOLERANCES, Finding, Specimen, Unmeasured, lift
+from rtphys.laws.audit.stands import drop_objects, push_stands
 from rtphys.laws.audit.surfaces import hit_surfaces, survey
 from rtphys.physics.attribute import attributes
 
 
 def measure(
-    specimen: Specimen, acting: Collection[str], cameras: Mapping[str, Pose]
+    specimen: Specimen,
+    acting: Collection[str],
+    cameras: Mapping[str, Pose],
+    ends: Mapping[str, Pose] | None = None,
 ) -> list[Finding]:
     """What experiments find of every attribute of the label; the world is used up.
 
@@ -25,9 +29,11 @@ def measure(
         acting: attributes that act in this episode, as its label says. Others are measured all
             the same where there is something to measure: the label may be wrong in this, too.
         cameras: other statements of where the head camera was (`locate`).
+        ends: where objects were at the end; None where nobody knows (`push_stands`).
     """
+    loose = [*push_stands(specimen, ends or {}), *drop_objects(specimen)]
     lift(specimen.world)
-    found = [*size_up(specimen), *locate(specimen, cameras)]
+    found = [*loose, *size_up(specimen), *locate(specimen, cameras)]
     found += [*weigh_bodies(specimen), *weigh_articulated(specimen)]
     lift(specimen.world)  # again at rest
     found += [*survey(specimen), *hit_surfaces(specimen), *drag(specimen)]

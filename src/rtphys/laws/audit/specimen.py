@@ -43,6 +43,7 @@ class Measurement:
     place: str  # "can", "table", "laptop/lid"
     label: Number
     measured: Number
+    allowed: float | None = None  # None: what the attribute's experiment resolves
 
     @property
     def deviation(self) -> float:
@@ -53,6 +54,8 @@ class Measurement:
     @property
     def tolerance(self) -> float:
         """The deviation that is allowed."""
+        if self.allowed is not None:
+            return self.allowed
         relative, absolute = TOLERANCES[self.key]
         return max(absolute, relative * float(np.max(np.abs(self.label))))
 

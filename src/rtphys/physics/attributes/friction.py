@@ -17,7 +17,8 @@ class Friction(Attribute[World, float]):
     nominal = 0.5
     valid = Interval(0, 4)
     resolution = 1e-9
-    tolerance = 0.03  # for what stands on feet; docs/physics.md has the rest and the hand
+    tolerance = 0.03
+    scope = "what stands on a face, on the table or an object"
     what = "Coulomb coefficient of object, table top and finger pads"
 
     def apply(self, target: World, value: float) -> None:
