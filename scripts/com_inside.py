@@ -48,7 +48,7 @@ class Survival:
     """What rejection leaves of the drawn centres of mass.
 
     An episode draws again until the centre lies inside every body, that is inside its convex hull
-    shrunk by a tenth. So its label is a draw that survives.
+    shrunk by a tenth, at the smallest size of the domain. So its label is a draw that survives.
     """
 
     share: float  # of the seeds whose first draw survives
@@ -66,7 +66,7 @@ def survival(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) ->
             continue
         physics = domain.sample(seed, task=task)
         drawn.append(physics.vector("center_of_mass"))
-        kept.append(inside(solids, physics.scalar("object_scale"))(drawn[-1]))
+        kept.append(inside(solids, domain.smallest_scale)(drawn[-1]))
     points, survive = np.array(drawn), np.array(kept)
     left = points[survive].std(axis=0) if survive.any() else np.zeros(3)
     return Survival(float(survive.mean()), points.std(axis=0), left)

@@ -7,7 +7,7 @@ from rtphys.core import arithmetic
 from rtphys.core.errors import Infeasible
 from rtphys.core.timing import PhaseTimer
 from rtphys.expert.robot import ExpertRobot
-from rtphys.physics.domain import Domain
+from rtphys.physics.domain import CENTER_OF_MASS, Domain
 from rtphys.physics.enforce import enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.hull import Solid, inside
@@ -65,9 +65,18 @@ def prepare(
     world = World(plan)
     # The centre of mass may only be drawn once the bodies it must lie in are known.
     solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
-    physics = rules.draw(seed, inside(solids))
+    smallest = rules.domain.smallest_scale / blueprint.object_scale
+    physics = rules.draw(seed, inside(solids, smallest))
+    _check_inside(physics, solids)
     enforce(world, physics)
     return Instance(recipe, task, rules.domain, props, physics, world, drawn)
+
+
+def _check_inside(physics: Physics, solids: list[Solid]) -> None:
+    """A held centre of mass may lie outside a body, or a drawn one outside of a held size."""
+    offset = physics[CENTER_OF_MASS]
+    if isinstance(offset, tuple) and not inside(solids)(offset):
+        raise Infeasible("invalid_physics", f"center_of_mass {offset} lies outside a body")
 
 
 def under_look(own: VisualRandomization | None, look: str) -> VisualRandomization | None:

@@ -80,8 +80,8 @@ class Domain:
             only: attributes to vary; the others are nominal. None: all that have a rule.
             overrides: fixed values instead of draws; they may leave the domain, but not `valid`.
             inside: whether a centre of mass (3,) [m] lies inside every dynamic body; it is drawn
-                again from its own stream until it does. The test may depend on `object_scale`:
-                sample without it, read the scale, then sample again (see `hull.inside`).
+                again from its own stream until it does. The test must depend on no drawn value,
+                or holding that one would move the centre: see `smallest_scale`.
             task: whose streams; empty for those that all tasks share.
 
         Raises:
@@ -105,18 +105,18 @@ class Domain:
                     rule = Choice(tuple(self._compatible(key, rule, active, held)))
                 values[key] = rule.draw(chance.stream("physics", key), 1)
         for key in active:
-            source = key
-            if key not in held and isinstance(same := self.rules[key], SameAs):
-                source = same.source  # from its stream, so that the value is the same
-            if source in held:
-                values[key] = held[source]
+            if key in held:
+                values[key] = held[key]
                 continue
-            rule = self.rules[source]
+            source, rule = key, self.rules[key]
+            if isinstance(rule, SameAs):
+                source = rule.source  # from its stream: the same value, unless that one is held
+                rule = self.rules[source]
             if isinstance(rule, By):
                 rule = rule.branches[str(values[rule.selector])]
             values[key] = rule.draw(chance.stream("physics", source), known[key].size)
-        if CENTER_OF_MASS in active and inside is not None:
-            values |= self._center_of_mass(inside, held.get(CENTER_OF_MASS), chance)
+        if CENTER_OF_MASS in active and CENTER_OF_MASS not in held and inside is not None:
+            values |= self._center_of_mass(inside, chance)
         return Physics(values, active)
 
     def _active(self, only: Collection[str] | None, held: Mapping[str, Value]) -> list[str]:
@@ -167,13 +167,9 @@ class Domain:
         return [o for o in options if any(moves(key, o) for key in branches)] or options
 
     def _center_of_mass(
-        self, inside: Callable[[Vector], bool], held: Value, chance: Chance
+        self, inside: Callable[[Vector], bool], chance: Chance
     ) -> dict[str, Value]:
-        """The first draw that lies inside every body; a held one must lie inside as it is."""
-        if isinstance(held, tuple):
-            if inside(held):
-                return {}
-            raise Infeasible("invalid_physics", f"center_of_mass {held} lies outside a body")
+        """The first draw that lies inside every body."""
         rng = chance.stream("physics", CENTER_OF_MASS)
         for redraws in range(MAX_REDRAWS):
             value = self.rules[CENTER_OF_MASS].draw(rng, 3)
@@ -181,6 +177,15 @@ class Domain:
                 return {CENTER_OF_MASS: value, REDRAWS: redraws}
         none = f"no center_of_mass of {MAX_REDRAWS} lies inside every dynamic body"
         raise Infeasible("invalid_physics", none)
+
+    @property
+    def smallest_scale(self) -> float:
+        """The least `object_scale` that it draws: a centre of mass must lie inside even then.
+
+        Tested at the episode's own scale, the draw of one would depend on the draw of the other.
+        """
+        rule = self.rules.get("object_scale")
+        return min([1.0] if rule is None else [x for x in extremes(rule) if isinstance(x, float)])
 
     def of(self, keys: Collection[str]) -> "Domain":
         """The part of it that varies these attributes; each keeps its stream, so its draws.

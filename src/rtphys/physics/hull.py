@@ -48,7 +48,6 @@ def centroid(vertices: Array) -> Array:
 def inside(solids: Sequence[Solid], scale: float = 1.0) -> Callable[[Vector], bool]:
     """The test that `Domain.sample` takes: whether an offset [m] lies inside every solid.
 
-    The solids have their nominal size; `scale` is the episode's `object_scale`, and does not scale
-    the offset.
+    The offset is in metres and does not scale; the solids are taken `scale` times as large.
     """
     return lambda offset: all(solid.holds(offset, scale) for solid in solids)
