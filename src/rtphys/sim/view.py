@@ -12,6 +12,7 @@ from rtphys.core.poses import Array, Pose
 from rtphys.physics.values import Physics
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP, AnyBody
+from rtphys.sim.motion import rows_of
 from rtphys.sim.world import World
 
 T = TypeVar("T")
@@ -67,6 +68,7 @@ class SceneView:
         # Looked up once for each prop: they are asked at every step.
         self._pose_of, self._point_of = cache(self._follow_pose), cache(self._follow_point)
         self._lowest_of, self._limits_of = cache(self._follow_lowest), cache(self._limits)
+        self._rows_of = cache(lambda prop: rows_of(world.object(prop).bodies, world.rows))
         self._start = {name: self.pose(name) for name in world.objects}
 
     @property
@@ -109,10 +111,8 @@ class SceneView:
         return self._packed.follow([point.component], lambda: self._X_TW @ point.pose)
 
     def speed(self, prop: str) -> float:
-        bodies = self.world.object(prop).bodies
-        return max(
-            (float(np.linalg.norm(b.component.linear_velocity)) for b in bodies), default=0.0
-        )
+        speeds = self.world.speeds(self._rows_of(prop))
+        return max((speed for speed, _ in speeds), default=0.0)
 
     def lowest(self, prop: str) -> float:
         return self._lowest_of(prop)()

@@ -13,8 +13,9 @@ from rtphys.assets.pack import Pack
 from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.core.poses import Pose
 from rtphys.physics.handles import GRAVITY, Blueprint, Hook
-from rtphys.sim.body import SimBody, SimJoint, SimServo, SimSurface
+from rtphys.sim.body import SimJoint, SimServo, SimSurface
 from rtphys.sim.engine import RATE, PackedRows, new_scene
+from rtphys.sim.motion import STRIDE, Past, Row, rows_of, speeds
 from rtphys.sim.objects import ObjectFactory, SceneObject
 from rtphys.sim.robot import SimRobot
 from rtphys.sim.room import TOP, Room, TablePlan
@@ -92,6 +93,7 @@ class World:
         # Single precision, as SAPIEN wants it: lists cost twice as much, at every step.
         self._force = np.zeros(3, np.float32)  # [N]
         self.steps = 0  # since the world was built
+        self._past = Past()
         self.policy_stage = False  # the external force acts only when true
         self.step_hooks: dict[str, tuple[Hook | None, Hook | None]] = {}  # before, after
 
@@ -148,6 +150,19 @@ class World:
             if after is not None:
                 after()
         self.steps += 1
+        if self.steps % STRIDE == 0:
+            self._past.keep(self.steps, self.scene.pack_poses())
+
+    def speeds(self, rows: Sequence[Row]) -> list[tuple[float, float]]:
+        """How fast bodies (`rows_of`) have moved [m/s] and turned [rad/s] in the last 20 ms.
+
+        Between two looks it is more, up to 36 ms. All are at rest before the first step.
+        """
+        before = self._past.before(self.steps)
+        if before is None:
+            return [(0.0, 0.0)] * len(rows)
+        now = self.steps, self.scene.pack_poses()
+        return [speeds(row, before, now) for row in rows]
 
     def settle(self) -> None:
         """Step until every task body, and all clutter, is at rest.
@@ -155,16 +170,22 @@ class World:
         Raises:
             Infeasible: "unsettled", when one still moves after 5 s.
         """
-        loose = [(b, o.prop) for o in self.scene_objects.values() for b in o.bodies]
+        loose = [(b, _rest(o.prop)) for o in self.scene_objects.values() for b in o.bodies]
         if not loose:
             return
-        quiet = 0
-        for _ in range(SETTLE_LIMIT):
-            self.step()
-            quiet = quiet + 1 if all(_rests(*each) for each in loose) else 0
+        rows, quiet, moving = rows_of([body for body, _ in loose], self.rows), 0, list[str]()
+        self._past.keep(self.steps, self.scene.pack_poses())
+        for _ in range(SETTLE_LIMIT // STRIDE):
+            for _ in range(STRIDE):
+                self.step()
+            moving = [
+                body.name
+                for (body, rest), (speed, spin) in zip(loose, self.speeds(rows), strict=True)
+                if speed >= rest[0] or spin >= rest[1]
+            ]
+            quiet = 0 if moving else quiet + STRIDE
             if quiet >= REST_STEPS:
                 return
-        moving = [body.name for body, prop in loose if not _rests(body, prop)]
         raise Infeasible("unsettled", f"{', '.join(moving)} still moved after 5 s")
 
     def object(self, name: str) -> SceneObject:
@@ -189,13 +210,10 @@ class World:
         return np.concatenate([art.qpos, art.qvel, poses[self._floats]])
 
 
-def _rests(body: SimBody, prop: Prop) -> bool:
-    speed, spin = REST_SPEED, REST_SPIN
-    if isinstance(prop, Ball):
-        # A small ball that touches a wall turns on the spot without end, by PhysX's account: it
-        # has 6 to 8 mm/s and 1.4 rad/s, and gets nowhere in ten seconds.
-        speed, spin = BALL_REST_SPEED, BALL_REST_SPEED / prop.radius
-    c = body.component
-    vx, vy, vz = c.linear_velocity
-    wx, wy, wz = c.angular_velocity
-    return vx * vx + vy * vy + vz * vz < speed**2 and wx * wx + wy * wy + wz * wz < spin**2
+def _rest(prop: Prop) -> tuple[float, float]:
+    """Speeds [m/s], [rad/s] below which it counts as resting."""
+    if not isinstance(prop, Ball):
+        return REST_SPEED, REST_SPIN
+    # A small ball that touches a wall turns on the spot without end, by PhysX's account: it has
+    # 6 to 8 mm/s and 1.4 rad/s, and gets nowhere in ten seconds.
+    return BALL_REST_SPEED, BALL_REST_SPEED / prop.radius

@@ -41,7 +41,7 @@ class Scene(Protocol):
         ...
 
     def speed(self, prop: str) -> float:
-        """Linear speed of the prop's centre of mass [m/s]."""
+        """Speed of the prop's centre of mass over the last 20 ms or a little more [m/s]."""
         ...
 
     def lowest(self, prop: str) -> float:
