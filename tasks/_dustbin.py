@@ -4,13 +4,17 @@ from collections.abc import Sequence
 
 from rtphys.task import UP_Y, Mesh, Pose, Robot, Scene
 
+BESIDE = 0.22  # [m] from its middle to the edge of the table's slab: half its rim, and 1.5 mm
+EDGE = -0.3  # [m] x of that edge, in both tasks
 DUSTBIN = Mesh(
     name="dustbin",
     category="011_dustbin",
     model=0,
-    pose=Pose((-0.45, 0.0, 0.0), UP_Y),  # a world pose, whatever the table does
+    pose=Pose((EDGE - BESIDE, 0.0, 0.0), UP_Y),  # a world pose, whatever the table does
     fixed=True,
     on_table=False,
+    anchor=(0.0, 0.0, BESIDE),  # however large it is, it stands beside the slab
+    catches=True,
 )
 HALF_LENGTH, HALF_WIDTH, RIM = 0.325, 0.221, 0.74  # [m] between its walls; height above its foot
 PAUSES = 6  # at most, until what fell into it lies still

@@ -23,7 +23,6 @@ from rtphys.task import (
     Pose,
     Robot,
     Scene,
-    Spot,
     Task,
     at_rest,
     axis_angle,
@@ -38,7 +37,6 @@ from ._dustbin import DUSTBIN, in_dustbin, wait_for_rest
 
 BALLS = tuple(f"ball{i}" for i in range(5))
 RADIUS = 0.008  # [m]
-CLEAR = -0.13  # [m] of the small bin in x, at least: further out, the big bin's wall is under it
 YAW = 0.7973  # [rad] of the small bin, on average
 ON_FLOOR = (0.13, 0.25)  # [m] heights of a ball in the big bin
 MIDDLES = [
@@ -62,11 +60,7 @@ STAND = Placing(mode="free", pre=0.06, gap=0.005, along="point")
 def layout(draw: Draw):
     yield DUSTBIN
     turn = (YAW - 0.3696, YAW + 0.3696)
-
-    def room(spot: Spot) -> bool:
-        return off_centre(0.05)(spot) and spot.x > CLEAR
-
-    spot = draw.spot("bin", x=(-0.2, 0.2), y=(-0.2, -0.05), yaw=turn, where=room)
+    spot = draw.spot("bin", x=(-0.2, 0.2), y=(-0.2, -0.05), yaw=turn, where=off_centre(0.05))
     model = draw.choice("model", 0, 3, 7, 8, 9, 10)
     yield Mesh(name="bin", category="063_tabletrashbin", model=model, pose=spot.pose(UP_Z))
     for i, name in enumerate(BALLS):

@@ -36,7 +36,7 @@ APART = 0.13  # [m] between two bottles, at least: room for open fingers
 FOOT = TABLE_TOP + 0.001  # [m] height of the foot of a bottle that is set down
 # Where the right hand may set a bottle down for the left one.
 HALFWAY = [Pose((x, y, FOOT), DOWN) for x in (-0.05, -0.1, 0.0) for y in (0.07, 0.12, 0.02, -0.06)]
-OVER_BIN = ((-0.4, -0.1), (-0.36, -0.1), (-0.4, 0.0), (-0.36, -0.05))  # [m] x and y
+OVER_BIN = ((-0.5, -0.1), (-0.47, -0.1), (-0.5, 0.0), (-0.46, -0.05))  # [m] x and y
 GAPS = (0.06, 0.03)  # [m] from the rim, or the table where it is higher, up to a bottle's foot
 IN_BIN = (0.2, 0.7)  # [m] heights of a bottle's origin above the ground; the floor is at 21.5 cm
 LIFT = 0.1  # [m] of a bottle on its way to the bin

@@ -45,7 +45,7 @@ def test_what_moves_has_the_speed_of_its_centre_of_mass() -> None:
     cup.entity.set_pose(pose)
     cup.set_linear_velocity([0.0, 0.3, 0.0])  # pyright: ignore[reportArgumentType]
     cup.set_angular_velocity([3.0, 0.0, 0.0])  # pyright: ignore[reportArgumentType]
-    rows = scene._bodies  # noqa: SLF001 - filled by the first question
+    rows = scene._bodies
     for step in range(1, 3 * STRIDE + 1):
         world.step()
         if step < 2 * STRIDE:

@@ -53,6 +53,8 @@ class Prop:
     fixed: bool = False  # static (or, articulated: fixed root)
     resting: bool = True  # the world sets z so that the lowest point is 1 mm above the table
     on_table: bool = True  # false: it stands on the ground, and `pose` is a world pose
+    anchor: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] own point that no scale moves
+    catches: bool = False  # things fall into it, faster than 1 m/s
     mass_kg: float | None = None  # None: what the asset says
     # Own axis (0 x, 1 y, 2 z, or any direction) of a round thing that lies: it starts rolled so
     # that its centre of mass is underneath, as a real one would come to lie.
