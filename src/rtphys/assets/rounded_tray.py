@@ -45,6 +45,14 @@ class RoundedTray:
         inner = [_moved(top, y, -self.wall) for y in (low - 0.01, high + 0.01)]
         return hull(np.vstack(ring)) - hull(np.vstack(inner))
 
+    def rim_parts(self, over: float = 0.004, height: float = 0.006) -> tuple[Solid, ...]:
+        """Convex parts of the bead, one per side and corner facet."""
+        top = self.outline(self.y)
+        rings = [_moved(top, y, by) for by in (over, -self.wall) for y in (self.y - height, self.y)]
+        n = len(top)
+        sides = [[r[k] for r in rings for k in (i, (i + 1) % n)] for i in range(n)]
+        return tuple(hull(np.array(side)) for side in sides)
+
     def liner(self, depth: float = 0.0012) -> Solid:
         """A plate on the floor, `depth` [m] thick, for a mat or a sheet of paper."""
         low, high = (self.outline(y, self.wall) for y in (self.floor, self.floor + depth))

@@ -54,7 +54,8 @@ class Vessel:
         top = (self.inner[-1][0] - LINER, self.inner[-1][1] - 0.001)
         skin = [(0, self.floor + LINER), (skin[0][0], self.floor + LINER), *skin[1:], top]
         back = [(r + 0.002, y) for r, y in (top, *self.inner[-2:0:-1])]
-        return lathe([*skin, *back, (self.inner[0][0], 0.5 * self.floor), (0, 0.5 * self.floor)][
+        under = max(0.5 * self.floor, self.floor - 0.002)  # within the floor, not below a foot
+        return lathe([*skin, *back, (self.inner[0][0], under), (0, under)][
             ::-1
         ], self.sides)  # fmt: skip
 

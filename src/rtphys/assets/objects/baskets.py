@@ -38,7 +38,7 @@ def bread_basket(
     """A shallow basket with a cloth in it."""
     weave, cloth = colours
     return AssetModel(
-        body=Body(_woven(size, weave, cloth), size.parts(), mass),
+        body=Body(_woven(size, weave, cloth), (*size.parts(), *size.rim_parts()), mass),
         material="wicker",
         description=phrases(*words, "basket"),
         functional_points=(functional((0, drop, 0), (0, 1, 0), (1, 0, 0)),),
@@ -57,7 +57,7 @@ def carried_basket(
         Part(together(*strip), matt(dark), "wicker"),
     )
     return AssetModel(
-        body=Body(looks, (*size.parts(), *strip), mass),
+        body=Body(looks, (*size.parts(), *size.rim_parts(), *strip), mass),
         material="wicker",
         description=phrases(*words, "carrying basket"),
         contact_points=tuple(contact((0, arch.grip, 0), (0, 1, 0), (0, 0, s)) for s in (-1, 1)),

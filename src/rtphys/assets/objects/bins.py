@@ -16,6 +16,9 @@ from rtphys.assets.vessel import Vessel, band
 from rtphys.assets.weaves import slats
 from rtphys.assets.words import Words, phrases
 
+# [m] by which a desk bin's rim stands out. It is paint: fingers close on the wall itself.
+BEAD = 0.0005
+
 
 def dustbin(size: RoundedTray, mass: float) -> AssetModel:
     """A big bin with a rim and two wheels."""
@@ -26,7 +29,7 @@ def dustbin(size: RoundedTray, mass: float) -> AssetModel:
         Part(together(size.rim(0.0035, 0.03), *wheels), dark),
     )
     return AssetModel(
-        body=Body(looks, size.parts(), mass),
+        body=Body(looks, (*size.parts(), *size.rim_parts(0.0035, 0.03), *wheels), mass),
         material="plastic",
         description=phrases("dustbin", "green", "a black rim", "waste bin"),
         categories=("dustbin", "household"),
@@ -57,7 +60,7 @@ def square_bin(
     finish = plastic(shell, 0.4)
     if picture is not None:
         finish = plastic((1, 1, 1), 0.4).with_picture(picture, "cylinder")
-    looks = (Part(size.shell(), finish), Part(size.rim(0.002), plastic(rim, 0.4)))
+    looks = (Part(size.shell(), finish), Part(size.rim(BEAD), plastic(rim, 0.4)))
     x, z = size.outline(grip, 0.5 * size.wall).max(0)[[0, 2]]
     return _bin(Body(looks, size.parts(), mass), (float(x), float(z)), grip, words)
 

@@ -24,7 +24,7 @@ def plastic_box(
     shell = plastic(colour, 0.5)
     looks = (Part(size.shell() + size.rim(0.003), shell),)
     return AssetModel(
-        body=Body(looks, size.parts(), mass),
+        body=Body(looks, (*size.parts(), *size.rim_parts(0.003)), mass),
         material="plastic",
         description=phrases(*words, "storage box"),
         contact_points=_walls(size),
@@ -77,7 +77,7 @@ def tray(
         Part(size.liner(), sheet, "paper"),
     )
     return AssetModel(
-        body=Body(looks, size.parts(), mass),
+        body=Body(looks, (*size.parts(), *size.rim_parts(0.003, 0.004)), mass),
         material=stuff,
         description=phrases(*words, "serving tray"),
         functional_points=tuple(functional(p, (0, -1, 0), (1, 0, 0)) for p in spots),

@@ -47,7 +47,7 @@ def potted(
         Part(foliage, matt(green), "food", 10),
     )
     return AssetModel(
-        body=Body(looks, (*filled.parts(), crown), mass),
+        body=Body(looks, (*filled.parts(), *filled.rim_parts(0.002, 0.010), crown), mass),
         material="ceramic",
         description=phrases(*words, "potted plant"),
         categories=("plant pot", "household"),
@@ -94,7 +94,8 @@ def cactus(pot: RoundedTray, mass: float, height: float, words: Words) -> AssetM
         Part(filled.liner(0.002), matt((0.70, 0.60, 0.42)), "food"),
         Part(together(trunk, *arms, *links), green, "food", 20),
     )
-    hulls = (*filled.parts(), *(hull(s.vertices) for s in (trunk, *arms, *links)))
+    pot_parts = (*filled.parts(), *filled.rim_parts(0.003, 0.012))
+    hulls = (*pot_parts, *(hull(s.vertices) for s in (trunk, *arms, *links)))
     return AssetModel(
         body=Body(looks, hulls, mass),
         material="ceramic",

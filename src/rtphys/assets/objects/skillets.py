@@ -43,9 +43,9 @@ def skillet(size: Skillet, pan: Colour, coat: Colour, grip: Colour, word: str) -
     sleeve = sleeve.at(GRIP[0], GRIP[1], END + 0.43 * length)
     block = box(size.handle, 0.022, 0.86 * length).at(GRIP[0], GRIP[1], END + 0.43 * length)
     neck = box(0.6 * size.handle, 0.008, length - 0.01).at(*bar).at(z=0.005)
-    rivets = [
-        cylinder(0.004, 0.003, 8).at(x, size.height - 0.007, start + 0.008) for x in (-0.01, 0.01)
-    ]
+    high = size.height - 0.007
+    inside = size.centre - vessel.radius(high) + vessel.wall
+    rivets = [cylinder(0.004, 0.002, 8).turned("x", 90).at(x, high, inside) for x in (-0.01, 0.01)]
     looks = (
         Part(vessel.shell().at(z=size.centre) + neck, metal(pan, 0.4), "aluminium", 50),
         Part(vessel.liner().at(z=size.centre), plastic(coat, 0.4), "aluminium", 50),
