@@ -14,6 +14,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.core.poses import Pose
 from rtphys.episode.generate import prepare
 from rtphys.laws.lab import Lab
+from rtphys.physics import readback
 from rtphys.physics.handles import GRAVITY
 from rtphys.sim.body import of_shapes
 from rtphys.sim.engine import from_sapien, new_scene
@@ -170,3 +171,14 @@ def sampled(shape) -> np.ndarray:
         inside = u[np.linalg.norm(u[:, 1:], axis=1) < 1]
         points = inside * [shape.half_length, shape.radius, shape.radius]
     return from_sapien(shape.local_pose) @ points
+
+
+def test_a_label_names_the_decay_of_a_balls_spin() -> None:
+    instance = prepare(
+        EpisodeSpec("dump_bin_bigbin", "clean").at(1), load_task("dump_bin_bigbin"), default_pack()
+    )
+    bodies = readback(instance.world)["bodies"]
+    assert {name: body["spin_decay"] for name, body in bodies.items()} == {
+        "bin": 0.0,
+        **{f"ball{i}": 40.0 for i in range(5)},
+    }

@@ -44,7 +44,9 @@ class AttributeLabel(Model):
 class Readback(Model):
     """What the simulator said after everything was applied. Keys are names of the scene."""
 
-    bodies: dict[str, dict[str, JsonValue]] = Field(default={}, description="mass, inertia, com")
+    bodies: dict[str, dict[str, JsonValue]] = Field(
+        default={}, description="mass, inertia, com, spin_decay"
+    )
     surfaces: dict[str, dict[str, JsonValue]] = Field(default={}, description="friction, ...")
     joints: dict[str, dict[str, JsonValue]] = Field(default={}, description="damping, friction")
     servos: dict[str, dict[str, JsonValue]] = Field(default={}, description="stiffness, damping")

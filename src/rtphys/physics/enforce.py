@@ -68,7 +68,8 @@ Group = dict[str, dict[str, Plain]]
 def readback(world: World) -> dict[str, Group | dict[str, Plain]]:
     """The `readback` part of a label file, as plain JSON; names are those of the scene.
 
-    Units are SI (kg, kg m², m, N; joint damping N m s/rad or N s/m), but the tilt is in degrees.
+    Units are SI (kg, kg m², m, N, 1/s; joint damping N m s/rad or N s/m), but the tilt is in
+    degrees.
     """
     tilt, height = world.measured_table()
     servos = (*world.arm_servos, *world.gripper_servos)
@@ -78,6 +79,7 @@ def readback(world: World) -> dict[str, Group | dict[str, Plain]]:
                 "mass": float(b.mass),
                 "inertia": [float(x) for x in b.inertia],
                 "com": [float(x) for x in b.com],
+                "spin_decay": b.spin_decay,
             }
             for b in world.bodies
         },

@@ -47,6 +47,8 @@ class Body(Protocol):
     @property
     def nominal_com(self) -> Array: ...
     @property
+    def spin_decay(self) -> float: ...  # without contact [1/s]: 0 but for soft balls
+    @property
     def hull(self) -> Array: ...  # (n, 3) collision vertices in the body's frame [m]
     @property
     def mass(self) -> float: ...

@@ -92,6 +92,10 @@ class SimBody:
             array.setflags(write=False)
 
     @property
+    def spin_decay(self) -> float:
+        return float(self.component.angular_damping)
+
+    @property
     def hull(self) -> Array:
         return body_points(self.component)
 
