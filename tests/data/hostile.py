@@ -67,7 +67,7 @@ OF_HEADER: tuple[Place, ...] = (
     *(("resolved", "domain", "rules"), ("resolved", "assets"), ("resolved",), ("spec",)),
 )
 OF_ENTRY: tuple[Place, ...] = (
-    *(("episodes",), ("attempts",), ("failures",), ("rejections",), ("acting",), ("listed",)),
+    *(("episodes",), ("attempts",), ("failures",), ("rejections",), ("could_act",), ("listed",)),
     *(("ledger", "lines"), ("ledger", "bytes"), ("ledger", "check"), ("ledger",)),
 )
 MANIFEST_PLACES: tuple[Place, ...] = (

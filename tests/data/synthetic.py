@@ -7,7 +7,7 @@ import numpy as np
 
 from rtphys.core.seeds import stream
 from rtphys.data.episode import CameraFrames, Episode, Frames, Images
-from rtphys.physics import acting, after, attributes, load_domain
+from rtphys.physics import after, attributes, could_act, load_domain
 from rtphys.sim.strain import Strain
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec
@@ -81,7 +81,7 @@ def pictures(seed: int, frames: int = 8) -> Iterator[Images]:
 def phys_meta(seed: int) -> dict[str, object]:
     rules = EpisodeSpec("click_bell", "phys_random").rules
     physics = rules.draw(seed, inside=after(seed % 3))
-    acts = acting(physics, ("bodies", "joints"))
+    acts = could_act(physics, ("bodies", "joints"))
     return {
         "seed": seed,
         "task": "click_bell",
@@ -93,7 +93,8 @@ def phys_meta(seed: int) -> dict[str, object]:
                 "unit": known.unit,
                 "varied": key in physics.varied,
                 "source": rules.source(key, physics),
-                "acts": key in acts,
+                "could_act": key in acts,
+                "acted": None if key in acts else False,
                 "tolerance": known.deviation(physics[key]),
                 "scope": known.scope,
             }

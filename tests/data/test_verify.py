@@ -303,7 +303,7 @@ def test_a_dataset_without_its_ledger(copy: Path) -> None:
         (put("episodes", value=2), "differs from what the ledgers say"),
         (put("frames", value=99), "differs from what the ledgers say"),
         (put("rejections", value={"unlucky": 1}), "differs from what the ledgers say"),
-        (put("acting", value=[]), "differs from what the ledgers say"),
+        (put("could_act", value=[]), "differs from what the ledgers say"),
         (put("ledger", "check", value="0" * 64), "does not agree with the ledger of"),
         (put("ledger", "bytes", value=9), "differs from what the ledgers say"),
         (put("ledger", "lines", value=99), "has fewer lines than the manifest counted"),

@@ -6,8 +6,8 @@ from rtphys.assets.pack import default_pack
 from rtphys.core import library
 from rtphys.core.errors import Infeasible
 from rtphys.episode.assemble import label as label_of
-from rtphys.episode.generate import Instance, prepare
-from rtphys.physics import acting, attributes
+from rtphys.episode.generate import Instance, attempt, prepare
+from rtphys.physics import attributes, could_act
 from rtphys.physics.attribute import Part
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.props import parts
@@ -35,7 +35,7 @@ def test_the_props_tell_what_the_world_has(name: str) -> None:
     has: dict[Part, bool] = {"bodies": bool(world.bodies), "joints": bool(world.joints)}
     assert parts(instance.props) == {part for part, there in has.items() if there}
     readings = {key: bool(a.read(world)) for key, a in attributes().items() if key not in CAMERA}
-    acts = acting(instance.physics, parts(instance.props))
+    acts = could_act(instance.physics, parts(instance.props))
     assert {key for key, read in readings.items() if read} == acts - CAMERA
 
 
@@ -51,18 +51,75 @@ def test_the_props_tell_what_the_world_has(name: str) -> None:
 def test_a_label_says_what_acts(name: str, inert: set[str]) -> None:
     label = label_of(instance_of(name))["attributes"]
     assert isinstance(label, dict)
-    assert {key for key, one in label.items() if not one["acts"]} - CAMERA == inert
+    assert {key for key, one in label.items() if not one["could_act"]} - CAMERA == inert
 
 
 def test_a_camera_attribute_acts_in_its_own_modes() -> None:
     spec = EpisodeSpec("click_bell", "phys_random")
     for seed in range(30):
         physics = spec.draw(seed)
-        acts = acting(physics, ()) & CAMERA
+        acts = could_act(physics, ()) & CAMERA
         turns = physics["camera_mode"] == "rotate"
         assert acts == ({"camera_angle"} if turns else {"camera_distance"})
     held = {"camera_mode": "orbit", "camera_angle": 3.0}
-    assert acting(EpisodeSpec("click_bell", "phys_random", overrides=held).draw(1), ()) >= CAMERA
-    assert acting(EpisodeSpec("click_bell", "clean").draw(0), ()) >= CAMERA, (
+    assert could_act(EpisodeSpec("click_bell", "phys_random", overrides=held).draw(1), ()) >= CAMERA
+    assert could_act(EpisodeSpec("click_bell", "clean").draw(0), ()) >= CAMERA, (
         "nominal, and they could be set"
     )
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(
+    ("task", "ever"),
+    [
+        ("turn_switch", False),
+        ("open_microwave", False),
+        ("lift_pot", False),
+        ("dump_bin_bigbin", True),
+        ("place_mouse_pad", True),
+        ("beat_block_hammer", True),
+    ],
+)
+def test_restitution_has_acted_unless_the_states_are_the_same_without_it(
+    task: str, ever: bool
+) -> None:
+    """`acted` is measured in one episode, and tested by another value in the same one."""
+    acted = set[bool]()
+    for seed in (1, 2):
+        tried = [
+            attempt(
+                EpisodeSpec(task, "phys_random", overrides={"restitution": e}).at(seed),
+                load_task(task),
+                default_pack(),
+            )
+            for e in (0.0, 0.5)
+        ]
+        told, states = [], []
+        for one in tried:
+            assert one.instance is not None
+            assert one.recording is not None
+            attributes_of = label_of(one.instance, one.recording.happened)["attributes"]
+            told.append(attributes_of["restitution"]["acted"])  # pyright: ignore[reportIndexIssue]
+            states.append(one.recording.hash)
+        if not all(told):
+            assert told[0] == told[1]
+            assert states[0] == states[1]
+        acted |= set(told)
+    assert acted == {ever}
+
+
+@pytest.mark.sim
+def test_what_moves_in_an_episode_has_acted() -> None:
+    one = attempt(
+        EpisodeSpec("open_laptop", "phys_random").at(1), load_task("open_laptop"), default_pack()
+    )
+    assert one.instance is not None
+    assert one.recording is not None
+    label = label_of(one.instance, one.recording.happened)["attributes"]
+    assert isinstance(label, dict)
+    for key in ("object_joint_damping", "arm_joint_damping", "gripper_joint_damping"):
+        assert label[key]["acted"] is True
+    assert label["friction"]["acted"] is None  # not measured
+    before = label_of(one.instance)["attributes"]
+    assert isinstance(before, dict)
+    assert before["restitution"]["acted"] is None

@@ -269,7 +269,7 @@ class TaskSensitivity:
         self.bisections = [
             Bisection(axis, self.search.steps)
             for key in self.search.only or tuple(domain.keys)
-            if key in domain.keys and attribute(key).acts(has, attribute(key).valid.high)
+            if key in domain.keys and attribute(key).could_act(has, attribute(key).valid.high)
             for axis in axes(domain, key)
         ]
 

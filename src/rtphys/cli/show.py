@@ -119,8 +119,10 @@ def _show_facts(episode: "Episode", moved: dict[str, float]) -> None:
     table = fitting_table(["attribute"], ["value", "unit"], "\nPhysics")
     for key, label in episode.meta.attributes.items():
         numbers = [] if label.value is None else [f"{v:.4g}" for v in np.ravel(label.value)]
-        value = (", ".join(numbers) or "asset's own") + ("" if label.acts else ", acts on nothing")
-        style = "" if label.varied and label.acts else "dim"
+        note = "" if label.could_act else ", acts on nothing"
+        note = ", did not act" if label.could_act and label.acted is False else note
+        value = (", ".join(numbers) or "asset's own") + note
+        style = "" if label.varied and not note else "dim"
         table.add_row(key, value, label.unit, style=style)
     print_table(table)
     table = fitting_table(["stage"], ["from", "to", "touched"], "\nStages")

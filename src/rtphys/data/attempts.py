@@ -37,7 +37,7 @@ class Accepted(OnDisk):
     seed: Seed
     verdict: Literal["accepted"] = "accepted"
     episode: Number
-    physics: dict[str, JsonValue] = Field(description="value of every attribute that acts")
+    physics: dict[str, JsonValue] = Field(description="value of every attribute that could act")
     recovered: bool = Field(default=False, description="a load was lost and taken again")
 
     @property
@@ -95,7 +95,7 @@ class Totals:
     failures: int = 0  # failed attempts whose files are kept
     recovered: int = 0  # episodes in which a load was lost and taken again
     rejections: Counter[str] = field(default_factory=Counter[str])  # by reason
-    acting: set[str] = field(default_factory=set[str])  # attributes that acted in some attempt
+    could_act: set[str] = field(default_factory=set[str])  # attributes that could in some attempt
     since_accepted: int = 0  # attempts since the last episode
     last_seed: int = -1
 
@@ -109,7 +109,7 @@ class Totals:
             raise ValueError(f"seed {row.seed} follows seed {self.last_seed}")
         self.attempts += 1
         self.last_seed = row.seed
-        self.acting.update(row.physics)
+        self.could_act.update(row.physics)
         if accepted:
             self.episodes += 1
             self.frames += row.frames

@@ -11,7 +11,7 @@ from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.core.untrusted import JSON
 from rtphys.data.manifest import TaskEntry
 from rtphys.data.schema import PhysMeta
-from rtphys.physics import acting, after, attributes
+from rtphys.physics import after, attributes, could_act
 from rtphys.physics.domain import AUXILIARY
 from rtphys.physics.values import REDRAWS, Value, plain_value
 from rtphys.spec.rules import Rules
@@ -75,7 +75,7 @@ class DrawCheck:
         except Infeasible:
             has = None
         found: list[str] = []
-        known, acts = attributes(), acting(drawn, has or ())
+        known, able = attributes(), could_act(drawn, has or ())
         for key in sorted(known.keys() | meta.attributes.keys()):
             label = meta.attributes.get(key)
             if label is None:
@@ -94,7 +94,8 @@ class DrawCheck:
                     ".tolerance": (label.tolerance, tolerance),
                     # What lies or leans at the end is named behind it: no world is built here.
                     ".scope": (label.scope.partition(";")[0], label.scope and scope),
-                    ".acts": (label.acts, label.acts if has is None else key in acts),
+                    ".could_act": (label.could_act, label.could_act if has is None else key in able),
+                    ".acted": (label.acted, label.acted if label.could_act else False),
                 }
                 found += _clauses(f"attributes.{key}", pairs)
         draws = {key: (_value(meta.draws.get(key)), drawn[key]) for key in AUXILIARY}

@@ -133,7 +133,7 @@ def _check_meta(meta: PhysMeta, header: TaskHeader, row: Accepted | Rejected) ->
     }
     if isinstance(row, Accepted):
         pairs["verdict.recovered"] = (verdict.recovered, row.recovered and spec.episode.recovery)
-        acting = {key: label.value for key, label in meta.attributes.items() if label.acts}
+        acting = {key: label.value for key, label in meta.attributes.items() if label.could_act}
         for key in sorted({*acting, *row.physics}):
             pairs[f"attributes.{key}"] = (acting.get(key), row.physics.get(key))
     elif isinstance(meta, FailureMeta) and row.kept is not None:

@@ -42,7 +42,7 @@ class TaskEntry:
     failures: Count  # failed attempts whose files are kept
     recovered: Count  # episodes in which a load was lost and taken again
     rejections: Mapping[str, Count]  # by reason
-    acting: tuple[str, ...]  # attributes that acted in some attempt
+    could_act: tuple[str, ...]  # attributes that could in some attempt
     listed: Count  # attempts that the side files cover; all, once it is done
     ledger: LedgerState
 
@@ -75,7 +75,7 @@ def task_entry(header: TaskHeader, totals: Totals, listed: int, ledger: LedgerSt
         failures=totals.failures,
         recovered=totals.recovered,
         rejections=dict(sorted(totals.rejections.items())),
-        acting=tuple(sorted(totals.acting)),
+        could_act=tuple(sorted(totals.could_act)),
         listed=listed,
         ledger=ledger,
     )

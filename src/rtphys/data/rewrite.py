@@ -210,7 +210,7 @@ def _copied(paths: EpisodePaths, held: Held, seed: int, folder: Path) -> StagedE
     # What the ledger will say of it must be there.
     attributes = meta.get("attributes")
     labels = attributes.values() if isinstance(attributes, Mapping) else [None]
-    complete = [isinstance(one, Mapping) and {"value", "acts"} <= one.keys() for one in labels]
+    complete = [isinstance(one, Mapping) and {"value", "could_act"} <= one.keys() for one in labels]
     if not ("episode" in meta and isinstance(meta.get("verdict"), Mapping) and all(complete)):
         raise BadFile(paths.phys_meta, "episode, verdict or attributes are missing")
     del meta["episode"]  # its number changes

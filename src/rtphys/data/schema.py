@@ -34,7 +34,11 @@ class AttributeLabel(Model):
     unit: str
     varied: bool = Field(description="false: nominal in this episode")
     source: Literal["nominal", "domain", "set", "look"] = Field(description="who chose the value")
-    acts: bool = Field(description="false: there is nothing in this episode that it changes")
+    could_act: bool = Field(description="false: its world has nothing that it changes")
+    acted: bool | None = Field(
+        default=None,
+        description="whether another value had changed the episode; null: not measured",
+    )
     tolerance: FiniteFloat | None = Field(
         default=None, description="how far the world may differ, in `unit`; null: not stated"
     )

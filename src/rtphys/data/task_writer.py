@@ -30,7 +30,9 @@ class Rejection:
     seed: int
     reason: str
     detail: str = ""  # deterministic text: it enters the ledger
-    physics: Mapping[str, object] = field(default_factory=dict)  # value of what acts, for reports
+    physics: Mapping[str, object] = field(
+        default_factory=dict
+    )  # value of what could act, for reports
     kept: StagedEpisode | None = None  # its files, which lie with the failures if there is room
 
     def row(self) -> Rejected:
@@ -171,7 +173,7 @@ class TaskWriter:
             episode=number,
             frames=staged.frames,
             scene_info=cast(dict[str, JsonValue], staged.scene_info),
-            physics={key: label["value"] for key, label in labels if label["acts"]},
+            physics={key: label["value"] for key, label in labels if label["could_act"]},
             recovered=bool(meta["verdict"].get("recovered")),
             files=self._place(staged, self.task_dataset.episode(number), number),
         )

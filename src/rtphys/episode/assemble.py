@@ -15,7 +15,8 @@ from rtphys.episode.failure import went_wrong
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, Instance
 from rtphys.episode.render import RenderedFrames
-from rtphys.physics import Physics, acting, attributes, disagreements, readback
+from rtphys.physics import Physics, attributes, could_act, disagreements, readback
+from rtphys.physics.handles import Happened
 from rtphys.sim.feet import off_feet
 from rtphys.sim.recorder import Recording
 from rtphys.sim.world import World
@@ -71,7 +72,7 @@ def assemble(attempt: Attempt, rendered: RenderedFrames, pack: Pack) -> Episode:
         instant = went_wrong(frames, attempt.reason, attempt.detail, scenery)
         why = {"reason": attempt.reason, "detail": attempt.detail}
         failure["failure"] = {**why, **asdict(instant), "time": rows[instant.frame].time}
-    known = label(instance)
+    known = label(instance, recording.happened)
     if leaning := _off_feet(instance.world):
         friction = cast(dict[str, dict[str, object]], known["attributes"])["friction"]
         friction["scope"] = f"{friction['scope']}; not at the end: {', '.join(leaning)}"
@@ -110,10 +111,10 @@ def rejection(tried: Attempt) -> Rejection:
     return Rejection(recipe.seed, tried.reason, tried.detail, known)
 
 
-def label(instance: Instance) -> dict[str, object]:
-    """The part of a label file that is known before anyone acts."""
+def label(instance: Instance, happened: Happened | None = None) -> dict[str, object]:
+    """The part of a label file that is known before anyone acts, and which attributes did act."""
     recipe, physics = instance.recipe, instance.physics
-    known, rules, acts = attributes(), recipe.spec.rules, acting(physics, parts(instance.props))
+    known, rules, able = attributes(), recipe.spec.rules, could_act(physics, parts(instance.props))
     return {
         "seed": recipe.seed,
         "task": recipe.task,
@@ -125,7 +126,8 @@ def label(instance: Instance) -> dict[str, object]:
                 "unit": attribute.unit,
                 "varied": key in physics.varied,
                 "source": rules.source(key, physics),
-                "acts": key in acts,
+                "could_act": key in able,
+                "acted": (happened and attribute.acted(happened)) if key in able else False,
                 "tolerance": attribute.deviation(physics[key]),
                 "scope": attribute.scope,
             }
@@ -182,5 +184,5 @@ def describer(pack: Pack):
 
 
 def values(physics: Physics, props: Iterable[Prop]) -> dict[str, object]:
-    """Attribute -> value of those that act, for the record of a rejection."""
-    return {key: physics[key] for key in sorted(acting(physics, parts(props)))}
+    """Attribute -> value of those that could act, for the record of a rejection."""
+    return {key: physics[key] for key in sorted(could_act(physics, parts(props)))}

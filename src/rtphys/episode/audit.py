@@ -93,7 +93,7 @@ def audit_episode(
     stored = dict(cameras or {})
     if head := meta.cameras.get(HEAD):
         stored["label"] = Pose(head.position, head.quaternion_wxyz)
-    acting = {key for key, label in meta.attributes.items() if label.acts}
+    acting = {key for key, label in meta.attributes.items() if label.could_act}
     findings = measure(Specimen(world, pack, dict(physics)), acting, stored, ends)
     return Audit(path, tuple(problems), findings=tuple(findings))
 

@@ -134,7 +134,7 @@ def attempt(
 ) -> Attempt:
     """Let the scripted expert try one episode. Never renders.
 
-    Infeasibility is a result, not an error: this is the only place that catches it.
+    Infeasibility is a result here, not an error.
 
     Args:
         timer: takes the time of the phases build, settle, plan and simulate.
@@ -149,7 +149,7 @@ def attempt(
             settle(instance)
         with phases.phase("plan"):
             # The rollout times every step, which is too often for those who do not ask.
-            options = RolloutOptions(task.step_limit, POLL, gentle=True, touch=touch, timer=timer)
+            options = RolloutOptions(task.step_limit, POLL, demonstration=True, touch=touch, timer=timer)
             rollout = start(instance, options)
             task.script(ExpertRobot(rollout, recipe.stream("expert"), recipe.spec.recovery))
         with phases.phase("simulate"):

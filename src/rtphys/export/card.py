@@ -155,7 +155,7 @@ def _physics_table(dataset: Dataset) -> str:
     rows = ["| attribute | unit | varied in | smallest | largest |", "|---|---|---:|---:|---:|"]
     labels = [episode.meta.attributes for episode in dataset]
     for key, known in attributes().items():
-        given = [label[key] for label in labels if key in label and label[key].acts]
+        given = [label[key] for label in labels if key in label and label[key].could_act]
         numbers = [np.ravel(label.value) for label in given if label.value is not None]
         values = np.concatenate(numbers) if numbers else np.array([])
         low, high = (f"{values.min():.4g}", f"{values.max():.4g}") if len(values) else ("", "")

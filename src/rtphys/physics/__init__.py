@@ -2,7 +2,7 @@
 
 from rtphys.physics.attribute import Attribute, attributes
 from rtphys.physics.domain import Domain, after
-from rtphys.physics.enforce import acting, disagreements, enforce, readback
+from rtphys.physics.enforce import could_act, disagreements, enforce, readback
 from rtphys.physics.handles import Blueprint, World
 from rtphys.physics.load import domain_for_task, load_domain, parse_overrides
 from rtphys.physics.values import Interval, Physics, Value, Vector
@@ -16,9 +16,9 @@ __all__ = [
     "Value",
     "Vector",
     "World",
-    "acting",
     "after",
     "attributes",
+    "could_act",
     "disagreements",
     "domain_for_task",
     "enforce",

@@ -16,7 +16,7 @@ import numpy as np
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.library import load_file
-from rtphys.physics.handles import Blueprint, World
+from rtphys.physics.handles import Blueprint, Happened, World
 from rtphys.physics.values import Interval, Physics, Value, Vector
 
 Target = TypeVar("Target", Blueprint, World)
@@ -52,9 +52,13 @@ class Attribute(ABC, Generic[Target, Label]):
         """This attribute with the auxiliary draws of one episode filled in; most need none."""
         return self
 
-    def acts(self, parts: Collection[Part], value: Value) -> bool:
-        """Whether it changes anything in a world with these parts; if not, it is no factor."""
+    def could_act(self, parts: Collection[Part], value: Value) -> bool:
+        """Whether it may change anything in a world with these parts; if not, it is no factor."""
         return self.acts_on is None or self.acts_on in parts
+
+    def acted(self, happened: Happened) -> bool | None:
+        """Whether another value would have changed an episode; None: it is not measured."""
+        return None
 
     @abstractmethod
     def apply(self, target: Target, value: Label) -> None:

@@ -28,9 +28,9 @@ def enforce(target: Blueprint | World, physics: Physics) -> None:
                 attribute.apply(target, value)
 
 
-def acting(physics: Physics, parts: Collection[Part]) -> frozenset[str]:
-    """Keys of the attributes that change anything in an episode whose world has these parts."""
-    return frozenset(a.key for a in _for_episode(physics) if a.acts(parts, physics[a.key]))
+def could_act(physics: Physics, parts: Collection[Part]) -> frozenset[str]:
+    """Keys of the attributes that may change anything in an episode with these parts."""
+    return frozenset(a.key for a in _for_episode(physics) if a.could_act(parts, physics[a.key]))
 
 
 def disagreements(world: World, physics: Physics) -> list[str]:

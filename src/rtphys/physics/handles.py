@@ -20,6 +20,16 @@ Material = tuple[float, float, float]  # static friction, dynamic friction, rest
 
 
 @dataclass
+class Happened:
+    """What has happened in an episode that an attribute needs to change anything."""
+
+    impact: bool = False  # two bodies met so fast that they bounce
+    object_joints: bool = False  # a joint of an object moved
+    arms: bool = False  # a joint of an arm moved
+    fingers: bool = False  # a finger moved
+
+
+@dataclass
 class Blueprint:
     """Physics that must be known before the world is built; `before_build` attributes write it."""
 

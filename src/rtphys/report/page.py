@@ -183,7 +183,7 @@ def _failure(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
 
 def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
     frames, meta = episode.frames, episode.meta
-    acting = {key: label for key, label in meta.attributes.items() if label.acts}
+    acting = {key: label for key, label in meta.attributes.items() if label.could_act}
     labels: dict[str, JSON] = {key: label.value for key, label in acting.items()}
     if len(frames) < 2:
         raise BadFile(episode.paths.hdf5, "holds fewer than two frames")
@@ -197,7 +197,7 @@ def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
         "says": episode.instructions.seen[0] if episode.instructions.seen else "",
         "success": meta.verdict.first_success_time,
         "values": [axis.of(labels) for axis in shown],
-        "acts": [a.key in acting for a in shown],
+        "could_act": [a.key in acting for a in shown],
         "varied": [a.key in acting and acting[a.key].varied for a in shown],
         "low": rounded[0].tolist(),
         "high": rounded[1].tolist(),

@@ -62,7 +62,7 @@ class EpisodeRecord:
     language: str = ""  # of a failure: what the actions' numbers usually mean, such as degrees
     # Value by attribute or other draw.
     physics: Mapping[str, Any] = field(default_factory=dict[str, Any])
-    inert: tuple[str, ...] = ()  # attributes that act on nothing in this episode
+    inert: tuple[str, ...] = ()  # attributes that could not act in this episode
     state: str = ""  # SHA-256 over the states of the episode
     detail: str = ""  # a traceback, or what is missing for success
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rtphys.assets.action_layout import ActionLayout
+from rtphys.physics.handles import Happened
 from rtphys.core.poses import Array
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
@@ -43,6 +44,7 @@ class Recording:
     stages: list[str] = field(default_factory=list)
     hash: str = ""  # SHA-256 over the state vectors of all rows
     strain: Strain = field(default_factory=Strain)
+    happened: Happened | None = None  # of a demonstration
     touch: TouchTrack | None = None  # a row each, if it was asked for
 
     @property

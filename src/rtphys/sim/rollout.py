@@ -8,6 +8,7 @@ from rtphys.core.errors import Infeasible
 from rtphys.core.timing import PhaseTimer
 from rtphys.physics.values import Physics
 from rtphys.sim.engine import RATE
+from rtphys.sim.happened import HappenedMonitor
 from rtphys.sim.recorder import FRAME_STEPS, Recorder
 from rtphys.sim.strain import Strain, StrainMonitor
 from rtphys.sim.view import SceneView
@@ -74,8 +75,9 @@ class RolloutOptions:
     # "rows": a row a frame. "hash": only their hash, for whoever shows and stores nothing.
     # "nothing": only the verdict is wanted. The first row is kept in any case.
     keep: Keep = "rows"
-    # A motion that no real robot should make ends it ("collision", "overloaded").
-    gentle: bool = False
+    # A motion that no real robot should make ends it ("collision", "overloaded"), and what happened
+    # is found out (`Happened`).
+    demonstration: bool = False
     touch: bool = False  # record what touches the fingers, too
     timer: PhaseTimer | None = None  # takes the time of all steps, as the phase "simulate"
 
@@ -94,6 +96,8 @@ class Rollout:
         self.recorder = Recorder(world, self.scene.contacts, friction, options.keep == "rows")
         self._monitor = StrainMonitor(world)
         self.recorder.recording.strain = self._monitor.strain
+        self._happened = HappenedMonitor(world) if options.demonstration else None
+        self.recorder.recording.happened = self._happened and self._happened.happened
         self.steps = 0  # of the policy stage
         self.first_success: float | None = None  # [s] first instant at which the condition held
         self._counts_success = True
@@ -124,7 +128,9 @@ class Rollout:
             if options.keep != "nothing":
                 self.recorder.tick(self.steps)
             self._monitor.tick(self.steps)
-        if options.gentle and (problem := self.strain.problem):
+            if self._happened is not None:
+                self._happened.tick(self.steps % FRAME_STEPS == 0)
+        if options.demonstration and (problem := self.strain.problem):
             raise Infeasible(*problem)
         if options.frame_limit is not None and self.steps > options.frame_limit * FRAME_STEPS:
             seconds = options.frame_limit * FRAME_STEPS / RATE

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.world import World
 
@@ -11,6 +12,7 @@ STRIDE = 5  # [steps] between two looks: 20 ms
 MAX_FORCE = 30.0  # [N] on a link that is no finger
 MAX_SECONDS = 0.1  # [s] for which a link may be pressed harder, or a motor be at its limit
 AT_LIMIT = 0.99  # share of a motor's largest torque
+NONE = np.zeros(3)  # [N s]
 
 
 @dataclass
@@ -70,7 +72,7 @@ class StrainMonitor:
 
     def _pairs(self) -> list[tuple[float, str]]:
         """Forces [N] that act on links now, and between what."""
-        impulses: dict[tuple[str, str], np.ndarray] = {}
+        impulses = dict[tuple[str, str], Array]()
         for contact in self._world.solver.get_contacts():
             first, second = contact.bodies
             link, other = (first, second) if first in self._links else (second, first)
@@ -79,7 +81,7 @@ class StrainMonitor:
             for point in contact.points:
                 if any(point.impulse.tolist()):
                     key = self._links[link], self._links.get(other) or other.entity.name
-                    impulses[key] = impulses.get(key, 0.0) + point.impulse
+                    impulses[key] = impulses.get(key, NONE) + point.impulse
         return [
             (float(np.linalg.norm(impulse)) / TIME_STEP, f"{link} and {other}")
             for (link, other), impulse in impulses.items()

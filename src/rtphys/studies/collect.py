@@ -205,8 +205,8 @@ def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
             has = parts(load_task(episode.task).props(spec.first_seed))
         for key in sorted({*(episode.only or ()), *episode.overrides} & known.keys()):
             asked[key].add(episode.task)
-            acts = known[key].acts(has, episode.overrides.get(key))
-            if not acts and episode.task not in idle[key]:
+            able = known[key].could_act(has, episode.overrides.get(key))
+            if not able and episode.task not in idle[key]:
                 idle[key].append(episode.task)
     sentences: list[str] = []
     for key, tasks in idle.items():

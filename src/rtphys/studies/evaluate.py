@@ -31,7 +31,7 @@ from rtphys.episode.assemble import rejection
 from rtphys.episode.fingerprint import fingerprint_of, packages
 from rtphys.episode.generate import Attempt
 from rtphys.episode.render import write_video
-from rtphys.physics import acting, attributes
+from rtphys.physics import attributes, could_act
 from rtphys.plan.kinematics import check_robot
 from rtphys.policies import (
     PolicyBroken,
@@ -332,7 +332,7 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
     time = episode.rollout.scene.time
     outcome, physics = episode.finish(), episode.instance.physics
     strain = episode.rollout.strain
-    success, acts = episode.success and not trace, acting(physics, parts(episode.instance.props))
+    success, able = episode.success and not trace, could_act(physics, parts(episode.instance.props))
     return EpisodeRecord(
         task=episode.task,
         protocol=episode.protocol,
@@ -350,7 +350,7 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
         clipped=episode.log.clipped,
         language="" if success else episode.log.usual_cause(),
         physics={key: plain(value, key) for key, value in physics.items()},
-        inert=tuple(sorted(attributes().keys() - acts)),
+        inert=tuple(sorted(attributes().keys() - able)),
         state=episode.rollout.recorder.recording.hash,
         detail=trace or "; ".join(outcome.missing),
     )

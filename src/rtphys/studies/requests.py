@@ -92,7 +92,7 @@ def _acts(task: str, protocol: str) -> bool:
     if not alone:
         return True
     has = parts(load_task(task).props(FIRST_SEED))
-    return any(attribute(key).acts(has, attribute(key).valid.high) for key in alone)
+    return any(attribute(key).could_act(has, attribute(key).valid.high) for key in alone)
 
 
 @checked_dataclass(frozen=True)

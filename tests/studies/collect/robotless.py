@@ -110,7 +110,7 @@ def _staged(recipe: Recipe, folder: Path, more: Mapping[str, JSON]) -> StagedEpi
     folder.mkdir(parents=True)
     names = (HDF5, VIDEO, INSTRUCTION)
     facts = {name: files.write_synced(folder / name, chance.bytes(99)) for name in names}
-    attributes = {"friction": {"value": chance.random(), "acts": True}}
+    attributes = {"friction": {"value": chance.random(), "could_act": True}}
     meta = {"seed": seed, "verdict": {}, "attributes": attributes, **more}
     return StagedEpisode(seed, folder, 7, facts, meta, {"info": {"{b}": 1, "{a}": "left"}})
 

@@ -1,7 +1,7 @@
 """Damping gain of the arm servos: how fast arm joints follow their targets."""
 
 from rtphys.physics.attribute import Attribute, Reading
-from rtphys.physics.handles import World
+from rtphys.physics.handles import Happened, World
 from rtphys.physics.values import Interval
 
 
@@ -14,6 +14,9 @@ class ArmJointDamping(Attribute[World, float]):
     valid = Interval(0.05, 20)
     tolerance = 0.06
     what = "damping gain of the arm servos"
+
+    def acted(self, happened: Happened) -> bool:
+        return happened.arms
 
     def apply(self, target: World, value: float) -> None:
         for servo in target.arm_servos:

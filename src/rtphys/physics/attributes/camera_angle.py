@@ -34,7 +34,7 @@ class CameraAngle(Attribute[World, float]):
             return self
         return CameraAngle(cast(str, physics["camera_mode"]), physics.vector("camera_direction"))
 
-    def acts(self, parts: Collection[Part], value: Value) -> bool:
+    def could_act(self, parts: Collection[Part], value: Value) -> bool:
         """Not where the mode of this episode is another one and leaves it at zero."""
         return value != 0 or self.mode == "rotate"
 

@@ -35,7 +35,7 @@ class CameraDistance(Attribute[World, float]):
             return self
         return CameraDistance(cast(str, physics["camera_mode"]), physics.vector("camera_direction"))
 
-    def acts(self, parts: Collection[Part], value: Value) -> bool:
+    def could_act(self, parts: Collection[Part], value: Value) -> bool:
         """Not where the camera only turns in this episode."""
         return value != 0 or self.mode != "rotate"
 

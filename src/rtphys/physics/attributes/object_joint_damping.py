@@ -1,7 +1,7 @@
 """Viscous damping of the joints of articulated task objects."""
 
 from rtphys.physics.attribute import Attribute, Reading
-from rtphys.physics.handles import World
+from rtphys.physics.handles import Happened, World
 from rtphys.physics.values import Interval
 
 
@@ -20,6 +20,9 @@ class ObjectJointDamping(Attribute[World, float]):
     acts_on = "joints"
     tolerance = 0.05
     what = "viscous damping of articulated task objects"
+
+    def acted(self, happened: Happened) -> bool:
+        return happened.object_joints
 
     def apply(self, target: World, value: float) -> None:
         for joint in target.joints:

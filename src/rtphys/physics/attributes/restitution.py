@@ -1,7 +1,7 @@
 """Coefficient of restitution of task objects, table top and finger pads."""
 
 from rtphys.physics.attribute import Attribute, Reading
-from rtphys.physics.handles import World
+from rtphys.physics.handles import Happened, World
 from rtphys.physics.values import Interval, Value
 
 STATED = 1.0  # [m/s] at which a label states its tolerance: a fall from 5 cm
@@ -33,6 +33,9 @@ class Restitution(Attribute[World, float]):
 
     def deviation(self, value: Value) -> float:
         return deviation_at(STATED)
+
+    def acted(self, happened: Happened) -> bool:
+        return happened.impact
 
     def apply(self, target: World, value: float) -> None:
         for surface in target.surfaces:
