@@ -74,7 +74,7 @@ def test_a_camera_attribute_acts_in_its_own_modes() -> None:
     [
         ("turn_switch", False),
         ("open_microwave", False),
-        ("lift_pot", False),
+        ("grab_roller", False),
         ("dump_bin_bigbin", True),
         ("place_mouse_pad", True),
         ("beat_block_hammer", True),

@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 from rtphys.core.poses import Array, quat_to_matrix
 from rtphys.physics.handles import Happened
-from rtphys.sim.contacts import presses
+from rtphys.sim.contacts import Body, presses
 from rtphys.sim.engine import FLOATS, TIME_STEP
 from rtphys.sim.world import World
 
 # [m/s] Things bounce from BOUNCE_THRESHOLD on. Here speeds are estimated from poses, and gravity
-# adds 0.04 in the step of the impact: a hammer bounced at 0.138. So what is found softer than this
-# did not bounce; what is harder need not have (a finger on a bell at 0.16).
-HARD = 0.13
+# adds 0.04 in the step of the impact: a hammer bounced at 0.138, a finger on a block at 0.128. So
+# what is found softer than this did not bounce; what is harder need not have (a bell at 0.16).
+HARD = 0.11
 # [m/s] What is hit at HARD changes its speed by more than this in a step, what falls by 0.04.
-JOLT = 0.045
+JOLT = 0.041
 # Weights of a quaternion's and a position's changes: a turn counts by what it moves at 10 cm.
 WEIGHTS = np.array([0.2, 0.2, 0.2, 0.2, 1.0, 1.0, 1.0], np.float32)
 STILL = 1e-4  # [rad or m] by which a joint may be off its start that has not moved
@@ -31,7 +31,9 @@ class HappenedMonitor:
         things = [c for o in world.scene_objects.values() for c in o.links.values()]
         # Keyed by the component itself: held here, it is the same object in every contact.
         bodies = (*things, *world.robot.articulation.links)
-        self._rows = {body: rows.get(body.entity.per_scene_id, -1) for body in bodies}
+        self._rows: dict[Body, int] = {
+            body: rows.get(body.entity.per_scene_id, -1) for body in bodies
+        }
         self._arms = np.concatenate([arm.index for arm in world.robot.arms])
         self._fingers = np.concatenate([arm.finger_index for arm in world.robot.arms])
         self._objects = [o.articulation for o in world.objects.values() if o.articulation]
@@ -63,7 +65,8 @@ class HappenedMonitor:
 
     def _joints(self) -> Sequence[Array]:
         qpos = self._world.robot.articulation.qpos
-        return [qpos[self._arms], qpos[self._fingers], *(art.qpos for art in self._objects)]
+        found = qpos[self._arms], qpos[self._fingers], *(art.qpos for art in self._objects)
+        return [np.asarray(q, float) for q in found]
 
     def _impact(self) -> bool:
         """Whether two bodies that press on each other met at more than HARD.
@@ -71,7 +74,7 @@ class HappenedMonitor:
         The solver judged them by the velocities with which the step began.
         """
         now = self._poses.astype(float)
-        before = now - self._change
+        before = now - self._change.astype(float)
         for contact in self._world.solver.get_contacts():
             rows = [self._rows.get(body, -1) for body in contact.bodies]
             for point in filter(presses, contact.points):
