@@ -94,7 +94,10 @@ class DrawCheck:
                     ".tolerance": (label.tolerance, tolerance),
                     # What lies or leans at the end is named behind it: no world is built here.
                     ".scope": (label.scope.partition(";")[0], label.scope and scope),
-                    ".could_act": (label.could_act, label.could_act if has is None else key in able),
+                    ".could_act": (
+                        label.could_act,
+                        label.could_act if has is None else key in able,
+                    ),
                     ".acted": (label.acted, label.acted if label.could_act else False),
                 }
                 found += _clauses(f"attributes.{key}", pairs)

@@ -149,7 +149,9 @@ def attempt(
             settle(instance)
         with phases.phase("plan"):
             # The rollout times every step, which is too often for those who do not ask.
-            options = RolloutOptions(task.step_limit, POLL, demonstration=True, touch=touch, timer=timer)
+            options = RolloutOptions(
+                task.step_limit, POLL, demonstration=True, touch=touch, timer=timer
+            )
             rollout = start(instance, options)
             task.script(ExpertRobot(rollout, recipe.stream("expert"), recipe.spec.recovery))
         with phases.phase("simulate"):

@@ -166,9 +166,7 @@ class Domain:
 
         return [o for o in options if any(moves(key, o) for key in branches)] or options
 
-    def _center_of_mass(
-        self, inside: Callable[[Vector], bool], chance: Chance
-    ) -> dict[str, Value]:
+    def _center_of_mass(self, inside: Callable[[Vector], bool], chance: Chance) -> dict[str, Value]:
         """The first draw that lies inside every body."""
         rng = chance.stream("physics", CENTER_OF_MASS)
         for redraws in range(MAX_REDRAWS):

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rtphys.assets.action_layout import ActionLayout
-from rtphys.physics.handles import Happened
 from rtphys.core.poses import Array
+from rtphys.physics.handles import Happened
 from rtphys.sim.contacts import Contacts
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.strain import Strain

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rtphys.core.poses import Array
-from rtphys.sim.engine import TIME_STEP
+from rtphys.sim.engine import TIME_STEP, AnyBody
 from rtphys.sim.world import World
 
 STRIDE = 5  # [steps] between two looks: 20 ms
@@ -45,7 +45,8 @@ class StrainMonitor:
         robot = self._robot = world.robot
         fingers = {link for arm in robot.arms for link in arm.finger_links}
         # Keyed by the component itself: held here, it is the same object in every contact.
-        self._links = {k: k.name for k in robot.articulation.links if k not in fingers}
+        links = [link for link in robot.articulation.links if link not in fingers]
+        self._links: dict[AnyBody, str] = {link: link.name for link in links}
         self._index = np.concatenate([arm.index for arm in robot.arms])
         self._limits = np.concatenate([arm.limb.effort for arm in robot.arms])
         self._world = world
