@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rtphys.core.poses import Array
-from rtphys.sim.engine import TIME_STEP, AnyBody
+from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.world import World
 
 STRIDE = 5  # [steps] between two looks: 20 ms
@@ -46,7 +46,7 @@ class StrainMonitor:
         fingers = {link for arm in robot.arms for link in arm.finger_links}
         # Keyed by the component itself: held here, it is the same object in every contact.
         links = [link for link in robot.articulation.links if link not in fingers]
-        self._links: dict[AnyBody, str] = {link: link.name for link in links}
+        self._links: dict[object, str] = {link: link.name for link in links}
         self._index = np.concatenate([arm.index for arm in robot.arms])
         self._limits = np.concatenate([arm.limb.effort for arm in robot.arms])
         self._world = world
