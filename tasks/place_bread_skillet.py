@@ -37,7 +37,7 @@ SLOWLY = 0.5  # share of the usual speed: shaken less, the pan turns less in the
 APPROACH, LIFT = 0.07, 0.1  # [m] straight on to pan and bread; up with the pan, to hold it out
 FREE = 0.04  # [m] lift that frees the pan from the table
 ABOVE = 0.2  # [m] lift of the bread: from lower down, its way to the pan grazes the rim
-RETREAT = 0.06  # [m] up from the bread that was laid
+RETREATS = (0.06, 0.04, 0.025)  # [m] up from the bread that was laid, or back
 HEIGHT = 0.86  # [m] of the pan's floor
 # [m] where the pan is held out, on the holder's side, and [rad] how it is turned there
 PLACES = ((-0.05, -0.13), (0.0, -0.15), (-0.1, -0.13))
@@ -154,8 +154,7 @@ def script(robot: Robot) -> None:
     robot.do(holder.lift(LIFT), other.lift(ABOVE))
     if not present(robot, holder, other):
         raise Infeasible("unreachable", "the hands cannot bring pan and bread together")
-    out = RETREAT if other.side == "right" else -RETREAT
-    ways = (other.lift(RETREAT), other.retreat(RETREAT), other.shift(x=out))
+    ways = [way(distance) for distance in RETREATS for way in (other.lift, other.retreat)]
     if robot.first_feasible(ways, robot.do) is None:
         raise Infeasible("unreachable", "no way off the pan")
 

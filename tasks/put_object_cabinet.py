@@ -4,6 +4,8 @@ Success: the drawer is well open and the object rests in it, released. Upstream 
 places only, so an object in front of the drawer's point would do.
 """
 
+from itertools import product
+
 import numpy as np
 
 from rtphys.task import (
@@ -16,6 +18,7 @@ from rtphys.task import (
     Draw,
     Infeasible,
     Mesh,
+    Motion,
     Placing,
     Pose,
     Robot,
@@ -44,6 +47,10 @@ TILTS = (0.3, 0.4, 0.5, 0.6)  # [rad] of the hand over the drawer, forward
 INTO = Placing(pre=0.11, gap=0.0, along="point")
 BEHIND, DROP = 0.015, 0.06  # [m] from the drawer's point: the hand stays over the drawer's front
 APPROACH, LIFT = 0.05, 0.15  # [m] before the handle; of the object over the drawer's front
+# What is held from the side: [m] of its middle above that drop and behind the drawer's point, and
+# of the last line down; [wxyz] of a hand straight down whose camera is towards the robot.
+HEIGHTS, BEHINDS, LOWERED = (0.02, 0.05, 0.08), (0.0, -0.02, -0.04), 0.05
+CAMERA_NEAR = Pose.from_matrix(np.column_stack([(0, 0, -1), (1, 0, 0), (0, -1, 0)])).q
 RETREAT, DROPPED = 0.1, 0.08  # [m] up from the handle; up from the object in the drawer
 # [m] from the drawer's point to its side walls; to its front and back; to its floor and edge
 WALLS, ENDS, HEIGHT = 0.095, (-0.065, 0.11), (-0.005, 0.11)
@@ -117,6 +124,19 @@ def put_in(robot: Robot, arm: Arm, tilt: float) -> None:
     robot.do(arm.place("object", inside(robot.scene, 0.0, tilt), how=INTO))
 
 
+def turned_down(robot: Robot, arm: Arm) -> Motion:
+    """Let the object down with a hand from above, so that what was held from the side lies down."""
+    held = Pose((0, 0, 0), arm.ee().inverse().q) @ Pose((0, 0, 0), robot.scene.pose("object").q)
+
+    def path(height: float, tilt: float, behind: float) -> list[Pose]:
+        hand = quat_multiply(axis_angle((1, 0, 0), tilt), CAMERA_NEAR)
+        spot = inside(robot.scene, 0.0, tilt).p + np.array([0, behind, height])
+        q = (Pose((0, 0, 0), hand) @ held).q
+        return [Pose(spot + np.array([0, 0, up]), q) for up in (LOWERED, 0.0)]
+
+    return arm.carry("object", *(path(*way) for way in product(HEIGHTS, TILTS, BEHINDS)))
+
+
 def script(robot: Robot) -> None:
     arm = robot.nearest("object")
     puller = robot.other(arm)
@@ -127,7 +147,9 @@ def script(robot: Robot) -> None:
     robot.do(puller.lift(RETREAT), arm.lift(LIFT))
     robot.do(puller.home())
     if robot.first_feasible(TILTS, lambda tilt: put_in(robot, arm, tilt)) is None:
-        raise Infeasible("unreachable", "no way over the drawer's front")
+        if not robot.tried(lambda: robot.do(turned_down(robot, arm))):
+            raise Infeasible("unreachable", "no way over the drawer's front")
+        robot.do(arm.open())
     robot.do(arm.lift(DROPPED))
 
 
