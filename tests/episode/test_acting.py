@@ -91,6 +91,7 @@ def test_restitution_has_acted_unless_the_states_are_the_same_without_it(
                 EpisodeSpec(task, "phys_random", overrides={"restitution": e}).at(seed),
                 load_task(task),
                 default_pack(),
+                happened=True,
             )
             for e in (0.0, 0.5)
         ]
@@ -111,7 +112,10 @@ def test_restitution_has_acted_unless_the_states_are_the_same_without_it(
 @pytest.mark.sim
 def test_what_moves_in_an_episode_has_acted() -> None:
     one = attempt(
-        EpisodeSpec("open_laptop", "phys_random").at(1), load_task("open_laptop"), default_pack()
+        EpisodeSpec("open_laptop", "phys_random").at(1),
+        load_task("open_laptop"),
+        default_pack(),
+        happened=True,
     )
     assert one.instance is not None
     assert one.recording is not None

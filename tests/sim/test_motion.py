@@ -8,7 +8,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.episode.generate import prepare
 from rtphys.physics import Physics
 from rtphys.sim.engine import TIME_STEP
-from rtphys.sim.motion import STRIDE
+from rtphys.sim.motion import STRIDE, rows_of
 from rtphys.sim.view import SceneView
 from rtphys.sim.world import World
 from rtphys.spec.episode import EpisodeSpec
@@ -45,7 +45,7 @@ def test_what_moves_has_the_speed_of_its_centre_of_mass() -> None:
     cup.entity.set_pose(pose)
     cup.set_linear_velocity([0.0, 0.3, 0.0])  # pyright: ignore[reportArgumentType]
     cup.set_angular_velocity([3.0, 0.0, 0.0])  # pyright: ignore[reportArgumentType]
-    rows = scene._bodies
+    rows = rows_of(world.object("cup").bodies, world.rows)
     for step in range(1, 3 * STRIDE + 1):
         world.step()
         if step < 2 * STRIDE:
@@ -53,7 +53,7 @@ def test_what_moves_has_the_speed_of_its_centre_of_mass() -> None:
         age = (STRIDE + world.steps % STRIDE) * TIME_STEP  # of the poses that are compared
         fallen = -9.81 * (step * TIME_STEP - age / 2)
         assert scene.speed("cup") == pytest.approx(np.hypot(0.3, fallen), rel=0.05)
-        (_, spin), *_ = world.speeds(rows["cup"])
+        (_, spin), *_ = world.speeds(rows)
         assert spin == pytest.approx(3.0, rel=0.02)
 
 

@@ -18,12 +18,12 @@ from rtphys.task.spec import load_task
 pytestmark = pytest.mark.sim
 
 
-def rollout(demonstration: bool) -> Rollout:
+def rollout(gentle: bool) -> Rollout:
     instance = prepare(
         EpisodeSpec("click_bell", "clean").at(1), load_task("click_bell"), default_pack()
     )
     settle(instance)
-    return start(instance, RolloutOptions(demonstration=demonstration))
+    return start(instance, RolloutOptions(gentle=gentle))
 
 
 def lower(run: Rollout, height: float) -> None:
@@ -47,14 +47,14 @@ WRIST_DOWN = np.array([-0.14, 2.7, 0.76, 0.0, -0.82, 0.0])  # [rad] 0.8 rad into
 
 
 def test_an_arm_that_moves_freely_feels_nothing() -> None:
-    run = rollout(demonstration=True)
+    run = rollout(gentle=True)
     lower(run, 0.93)
     assert run.strain.force == 0.0
     assert run.strain.problem is None
 
 
 def test_a_wrist_on_the_table_is_a_collision_and_names_the_pair() -> None:
-    run = rollout(demonstration=False)
+    run = rollout(gentle=False)
     drive(run, WRIST_DOWN)
     strain = run.strain
     assert strain.force > MAX_FORCE
@@ -65,12 +65,12 @@ def test_a_wrist_on_the_table_is_a_collision_and_names_the_pair() -> None:
     pressing = np.abs(run.world.robot.effort()[arm.index])
     assert pressing.max() == pytest.approx(arm.limb.effort[1], rel=0.01)  # all its motor has
     with pytest.raises(Infeasible) as ended:
-        drive(rollout(demonstration=True), WRIST_DOWN)
+        drive(rollout(gentle=True), WRIST_DOWN)
     assert ended.value.reason in ("collision", "overloaded")
 
 
 def test_fingers_may_press() -> None:
-    run = rollout(demonstration=True)
+    run = rollout(gentle=True)
     tip = run.world.robot.left.limb.hand.tip
     lower(run, 0.74 + tip - 0.01)
     assert run.strain.force == 0.0

@@ -130,7 +130,12 @@ class Attempt:
 
 
 def attempt(
-    recipe: Recipe, task: Task, pack: Pack, timer: PhaseTimer | None = None, touch: bool = False
+    recipe: Recipe,
+    task: Task,
+    pack: Pack,
+    timer: PhaseTimer | None = None,
+    touch: bool = False,
+    happened: bool = False,
 ) -> Attempt:
     """Let the scripted expert try one episode. Never renders.
 
@@ -139,6 +144,7 @@ def attempt(
     Args:
         timer: takes the time of the phases build, settle, plan and simulate.
         touch: record what the fingers feel, too; it moves nothing.
+        happened: find out what happened, too, as labels say it; it moves nothing.
     """
     instance = rollout = None
     phases = timer or PhaseTimer()
@@ -150,7 +156,7 @@ def attempt(
         with phases.phase("plan"):
             # The rollout times every step, which is too often for those who do not ask.
             options = RolloutOptions(
-                task.step_limit, POLL, demonstration=True, touch=touch, timer=timer
+                task.step_limit, POLL, gentle=True, touch=touch, happened=happened, timer=timer
             )
             rollout = start(instance, options)
             task.script(ExpertRobot(rollout, recipe.stream("expert"), recipe.spec.recovery))

@@ -94,7 +94,7 @@ class Scene:
     def attempt(self) -> Attempt:
         """The attempt, made again."""
         touch = self.recorded.header.spec.recording.touch
-        return attempt(self.recipe, self.task, self.pack, touch=touch)
+        return attempt(self.recipe, self.task, self.pack, touch=touch, happened=True)
 
 
 def reproduce(recorded: RecordedAttempt, folder: Path) -> Comparison:

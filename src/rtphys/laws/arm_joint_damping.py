@@ -1,4 +1,4 @@
-"""An arm joint whose target moves by 0.1 rad follows with the lag tau = k d / stiffness."""
+"""An arm joint whose target moves a little follows with the lag tau = k d / stiffness."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -12,7 +12,8 @@ from rtphys.physics.values import Value
 from rtphys.sim.engine import RATE
 from rtphys.sim.world import World
 
-STEP = 0.1  # [rad]
+STEP = 0.1  # [rad]; less where that would take more than
+EFFORT = 0.5  # of the largest torque of its motor
 TOLERANCE = 0.05
 LONG = 3.0  # time constants for which the motion is watched
 
@@ -46,7 +47,8 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
             name = f"tau of {arm.side} joint {joint + 1}"
             laws[name] = number(value) * drive.damping / drive.stiffness
             # Towards the middle of the joint's range, so that no limit stops it.
-            steps.append(STEP if target[joint] <= arm.limb.limits[joint].mean() else -STEP)
+            step = min(STEP, EFFORT * float(arm.limb.effort[joint]) / drive.stiffness)
+            steps.append(step if target[joint] <= arm.limb.limits[joint].mean() else -step)
             target[joint] += steps[-1]
             arm.drive(target.tolist(), [0.0] * len(target))
         index = [int(arm.index[joint]) for arm in arms]

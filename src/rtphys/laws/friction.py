@@ -122,13 +122,14 @@ class Grip:
     out: float = 0.0  # [m] of the thing from the pads' middle towards their tips
     mass: float | None = None  # [kg]; None: what 2 mu N would carry
     ball: bool = False  # it is round
+    creeps: float = 1.0  # [mm/s] at most
 
 
 CENTRED = Grip()
 GRIPS = {
     "a light block that is pulled": Grip(mass=0.085),
     "a block with its mass 25 mm aside": Grip(aside=0.025),
-    "a ball": Grip(ball=True),
+    "a ball": Grip(ball=True, creeps=2.5),
     "a block at the tips": Grip(out=0.03),
 }
 
@@ -200,7 +201,7 @@ def _in_hand(world: World, body: SimBody) -> Array:
 RUNWAY = 0.25  # [m] stopping distance for which the plate is launched
 ROUGH = 0.1  # ten times the slope of the table in COMPANY
 HELD = 0.05  # of 2 mu N: the hand yields while the load grows
-CREPT, SLOW = 0.05, 1.0  # [mm/s] of a centred block; of whatever else
+CREPT = 0.05  # [mm/s] of a centred block
 HALF_LOAD, QUARTER = 0.5, 0.25  # of 2 mu N: what a centred block bears without creep; what all do
 FALL = 50  # [steps] until the plate, dropped from 1 mm, lies still
 ONSET = 100  # [steps] of a push
@@ -304,7 +305,7 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     ]
     for name, grip in GRIPS.items():
         crept = creep(lab, held, mu, QUARTER, grip)
-        trials.append(Trial(f"creep of {name}, a quarter", 0.0, crept, "mm/s", 1.0, SLOW))
+        trials.append(Trial(f"creep of {name}, a quarter", 0.0, crept, "mm/s", 1.0, grip.creeps))
     return trials
 
 

@@ -140,7 +140,8 @@ class PairModel:
             )
         self._balls = [bounding_sphere(shape.geometry) for shape in self.bodies]
         self._tables: dict[Rules, Array] = {}  # margins under rules seen
-        self._asked: dict[Rules, tuple[pin.GeometryData, Any]] = {}  # and what finds collisions
+        self._data: dict[Rules, pin.GeometryData] = {}  # and which pairs are asked
+        self._broad: dict[Rules, Any] = {}  # and what finds collisions
         self.geometry.setCollisionPairs(np.isfinite(self._margins(Rules())), True)
 
     def __len__(self) -> int:
@@ -160,23 +161,26 @@ class PairModel:
             if new.geometry is not old.geometry:
                 geometry_object.geometry = new.geometry
                 self._balls[k] = bounding_sphere(new.geometry)
-                self._asked.clear()  # the broad phase keeps shapes
+                self._broad.clear()  # it keeps shapes
         self._items = items
 
     def enforce(self, rules: Rules) -> None:
         """Ask by these rules from now on."""
+        if rules.links_only:  # the others are about fingers and loads: one model for all
+            rules = Rules(links_only=True)
         self._margins_in_force = distances = self._margins(rules)
-        if rules not in self._asked:
-            data = pin.GeometryData(self.geometry)
+        if rules not in self._data:
+            data = self._data[rules] = pin.GeometryData(self.geometry)
             data.setActiveCollisionPairs(self.geometry, np.isfinite(distances), True)
             data.setSecurityMargins(self.geometry, np.nan_to_num(distances), True, True)
+        self.data = self._data[rules]
+        if rules not in self._broad:
             # Of the broad phases this one alone agreed with the full loop on every posture tried.
             # It inflates its boxes by the margins once and for all.
-            broad_phase = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
-                self._robot.model, self.geometry, data
+            self._broad[rules] = pin.BroadPhaseManager_DynamicAABBTreeCollisionManager(
+                self._robot.model, self.geometry, self.data
             )
-            self._asked[rules] = data, broad_phase
-        self.data, self.broad_phase = self._asked[rules]
+        self.broad_phase = self._broad[rules]
 
     def _margins(self, rules: Rules) -> Array:
         if rules not in self._tables:
@@ -227,6 +231,7 @@ class CollisionChecker:
         left, right = embodiment.limbs
         self._open = left.hand.finger_open, right.hand.finger_open
         self._q = pin.neutral(robot.model)
+        self._fingers: tuple[float, float] | None = None  # as they are in it
         self._data = robot.model.createData()
         self._hulls: dict[tuple, coal.CollisionGeometry] = {}
         self._models: dict[tuple, PairModel] = {}  # by the kinds of items, latest last
@@ -347,11 +352,13 @@ class CollisionChecker:
         """The model of the bodies that there are, under the rules in force, at these postures."""
         robot, q = self._robot, self._q
         fingers = fingers or self._open
-        for side, angles, finger in zip(SIDES, (q_left, q_right), fingers, strict=True):
-            q[robot.arm_index[side]] = angles
-            low, high = robot.finger_limits[side]
-            opened = finger * robot.finger_signs[side]
-            q[robot.finger_index[side]] = np.minimum(np.maximum(opened, low), high)
+        q[robot.arm_index["left"]], q[robot.arm_index["right"]] = q_left, q_right
+        if fingers != self._fingers:
+            self._fingers = fingers
+            for side, finger in zip(SIDES, fingers, strict=True):
+                low, high = robot.finger_limits[side]
+                opened = finger * robot.finger_signs[side]
+                q[robot.finger_index[side]] = np.minimum(np.maximum(opened, low), high)
         if self._model is None:
             items = [*self._obstacles, *self._carried]
             # Two items of one kind differ by their placement and dimensions alone. A body that was

@@ -54,7 +54,10 @@ def add_feet(body: AnyBody, up: Array) -> None:
     outer = footing(points[depth > lowest - FLAT] @ across.T)
     middle = outer.mean(axis=0) if len(outer) else np.zeros(2)
     on_objects = [middle + share * (spot - middle) for share, spot in product(RINGS, outer)]
-    for at, groups in [*((at, _ON_TABLE) for at in outer), *((at, _ON_OBJECTS) for at in on_objects)]:
+    for at, groups in [
+        *((at, _ON_TABLE) for at in outer),
+        *((at, _ON_OBJECTS) for at in on_objects),
+    ]:
         shape = physx.PhysxCollisionShapeSphere(FOOT_RADIUS, physx.get_default_material())
         centre = at @ across + (lowest + PROUD - FOOT_RADIUS) * down
         shape.set_local_pose(to_sapien(Pose(centre, (1, 0, 0, 0))))

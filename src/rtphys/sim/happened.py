@@ -15,8 +15,8 @@ from rtphys.sim.world import World
 # adds 0.04 in the step of the impact: a hammer bounced at 0.138, a finger on a block at 0.128. So
 # what is found softer than this did not bounce; what is harder need not have (a bell at 0.16).
 HARD = 0.11
-# [m/s] What is hit at HARD changes its speed by more than this in a step, what falls by 0.04.
-JOLT = 0.041
+# [m] What is hit at HARD changes its speed by more than 0.041 m/s in a step, what falls by 0.04.
+LIMIT = 0.041 * TIME_STEP
 # Weights of a quaternion's and a position's changes: a turn counts by what it moves at 10 cm.
 WEIGHTS = np.array([0.2, 0.2, 0.2, 0.2, 1.0, 1.0, 1.0], np.float32)
 STILL = 1e-4  # [rad or m] by which a joint may be off its start that has not moved
@@ -55,7 +55,9 @@ class HappenedMonitor:
             return
         poses = self._packed()
         change = poses - self._poses
-        if np.abs((change - self._change) * WEIGHTS).max() > JOLT * TIME_STEP:
+        jolt = (change - self._change).ravel()
+        # The sum of squares is the cheaper question: none is larger than its root.
+        if jolt @ jolt > LIMIT**2 and np.abs(jolt.reshape(-1, FLOATS) * WEIGHTS).max() > LIMIT:
             so_far.impact = self._impact()
         self._poses, self._change = poses, change
 

@@ -44,7 +44,7 @@ class Recording:
     stages: list[str] = field(default_factory=list)
     hash: str = ""  # SHA-256 over the state vectors of all rows
     strain: Strain = field(default_factory=Strain)
-    happened: Happened | None = None  # of a demonstration
+    happened: Happened | None = None  # if somebody asked
     touch: TouchTrack | None = None  # a row each, if it was asked for
 
     @property

@@ -75,10 +75,10 @@ class RolloutOptions:
     # "rows": a row a frame. "hash": only their hash, for whoever shows and stores nothing.
     # "nothing": only the verdict is wanted. The first row is kept in any case.
     keep: Keep = "rows"
-    # A motion that no real robot should make ends it ("collision", "overloaded"), and what happened
-    # is found out (`Happened`).
-    demonstration: bool = False
+    # A motion that no real robot should make ends it ("collision", "overloaded").
+    gentle: bool = False
     touch: bool = False  # record what touches the fingers, too
+    happened: bool = False  # find out what happened, too; it costs a tenth of a step
     timer: PhaseTimer | None = None  # takes the time of all steps, as the phase "simulate"
 
 
@@ -96,7 +96,7 @@ class Rollout:
         self.recorder = Recorder(world, self.scene.contacts, friction, options.keep == "rows")
         self._monitor = StrainMonitor(world)
         self.recorder.recording.strain = self._monitor.strain
-        self._happened = HappenedMonitor(world) if options.demonstration else None
+        self._happened = HappenedMonitor(world) if options.happened else None
         self.recorder.recording.happened = self._happened and self._happened.happened
         self.steps = 0  # of the policy stage
         self.first_success: float | None = None  # [s] first instant at which the condition held
@@ -130,7 +130,7 @@ class Rollout:
             self._monitor.tick(self.steps)
             if self._happened is not None:
                 self._happened.tick(self.steps % FRAME_STEPS == 0)
-        if options.demonstration and (problem := self.strain.problem):
+        if options.gentle and (problem := self.strain.problem):
             raise Infeasible(*problem)
         if options.frame_limit is not None and self.steps > options.frame_limit * FRAME_STEPS:
             seconds = options.frame_limit * FRAME_STEPS / RATE

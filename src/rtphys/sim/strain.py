@@ -8,7 +8,7 @@ from rtphys.core.poses import Array
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.world import World
 
-STRIDE = 5  # [steps] between two looks: 20 ms
+STRIDE = 10  # [steps] between two looks: 40 ms
 MAX_FORCE = 30.0  # [N] on a link that is no finger
 MAX_SECONDS = 0.1  # [s] for which a link may be pressed harder, or a motor be at its limit
 AT_LIMIT = 0.99  # share of a motor's largest torque

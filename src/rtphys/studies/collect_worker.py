@@ -55,7 +55,9 @@ class CollectWorker(StudyWorker[CollectionTask, Results]):
 
     def do(self, job: CollectionTask) -> Results:
         """Simulates all recipes; draws and stages if all succeed: half a pair is no episode."""
-        attempts = [self.demonstrate(recipe, job.recording.touch) for recipe in job.recipes]
+        attempts = [
+            self.demonstrate(recipe, job.recording.touch, happened=True) for recipe in job.recipes
+        ]
         failed, results = next((one for one in attempts if not one.accepted), None), list[Outcome]()
         for one, folder, draw in zip(attempts, job.folders, job.keep, strict=True):
             if failed is None:

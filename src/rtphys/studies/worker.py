@@ -56,9 +56,10 @@ class StudyWorker(ABC, Generic[J, R]):
     def do(self, job: J) -> R:
         """Does one job."""
 
-    def demonstrate(self, recipe: Recipe, touch: bool = False) -> Attempt:
-        """Lets the expert try, without pictures; `touch` as in `attempt`."""
-        return attempt(recipe, self.tasks[recipe.task], self.pack, touch=touch)
+    def demonstrate(self, recipe: Recipe, touch: bool = False, happened: bool = False) -> Attempt:
+        """Lets the expert try, without pictures; `touch` and `happened` as in `attempt`."""
+        task = self.tasks[recipe.task]
+        return attempt(recipe, task, self.pack, touch=touch, happened=happened)
 
     def replay(self, recipe: Recipe, demonstration: Attempt) -> bool | None:
         """Whether a demonstration's actions alone succeed; None if the expert failed in it."""
