@@ -9,7 +9,7 @@ from math import pi
 
 from rtphys.task import UP_Y, Draw, Mesh, Robot, Task, off_centre, pressed
 
-ABOVE, REACH = 0.06, 0.065  # [m] TCP over the button; way of the tap, at most
+ABOVE, REACH = 0.06, 0.05  # [m] TCP over the button; way of the tap, at most
 RETREAT = 0.02  # [m] off the button
 
 

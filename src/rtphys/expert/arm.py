@@ -16,6 +16,8 @@ from rtphys.task.props import TABLE_TOP
 
 LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
 ROOM = 0.01  # [m] round a load that is brought into something: servos lag, and loads sag
+# [m] Room from a contact point to the palm: hands with less take things nearer to their fingertips.
+PALMS = (0.03, 0.042)
 TURNED = 0.35  # [rad] of a load in its hand that keeps it from being placed as it was meant to be
 HANGING = 0.05  # [m] by which it may then hang lower
 MAX_AIMED = 30  # grasps that are tested for what they allow later
@@ -86,33 +88,36 @@ class ExpertArm(Arm):
             X_TP = self._scene.pose(prop)
             beside = X_TP @ Pose((0, 0, 0), axis_angle(axis, np.pi / 8)) @ X_TP.inverse()
             points += [(i, beside @ point) for i, point in points]
-        reachable = islice(self._reachable_grasps(prop, points, pre, depth), MAX_AIMED)
+        # A dict, for most hands have room enough: then there is one depth.
+        depths = dict.fromkeys(depth + max(0.0, palm - self.hand.palm) for palm in PALMS)
+        found = chain(*(self._reachable_grasps(prop, points, pre, each) for each in depths))
+        reachable = islice(found, MAX_AIMED)
         first = next(reachable, None)
         if first is None:
             raise Infeasible("unreachable", f"no contact point of {prop} for the {self.side} hand")
         fit = (
             each
             for each in chain([first], reachable)
-            if aim is None or self._allows(prop, each[0].backed_off(depth), aim)
+            if aim is None or self._allows(prop, each[1], aim)
         )
-        choice, path = next(fit, first)
+        choice, at, path = next(fit, first)
         self._intend(path, prop)
         steps = (
             Reach((choice.backed_off(pre),), tuple(path.start.tolist())),
-            Line(choice.backed_off(depth)),
+            Line(at),
             Grip(grip, holds=prop),
         )
         return self.motion(f"grasp {prop}", *steps)
 
     def _reachable_grasps(
         self, prop: str, points: list[tuple[int, Pose]], pre: float, depth: float
-    ) -> Iterator[tuple[Grasp, Path]]:
-        """Grasps that nothing hinders, best first, each sought when it is asked for."""
+    ) -> Iterator[tuple[Grasp, Pose, Path]]:
+        """Grasps that nothing hinders and their ee poses, best first, each sought when asked for."""
         for grasp in candidates(points, self.side, TABLE_TOP, self.hand):
             poses = grasp.backed_off(pre), grasp.backed_off(depth)
             path = self._feasibility.grasp(self.side, prop, poses, self._other)
             if path is not None:
-                yield grasp, path
+                yield grasp, poses[1], path
 
     def _allows(self, prop: str, hand: Pose, aim: Aim) -> bool:
         """Whether a prop grasped at this hand pose can be placed as aimed."""
