@@ -22,7 +22,7 @@ from rtphys.results.breaks import breaks
 from rtphys.results.instances import list_file, read_list
 
 HERE = Path(__file__).resolve().parent
-SHIPPED = HERE.parents[1] / "manifests" / "benchmark_v2"
+SHIPPED = HERE.parents[1] / "manifests" / "benchmark_v3"
 # Its library brings parts of `phys_random`; the built-in `severity_50` varies looks as well.
 RTPHYS = (Path(sys.executable).with_name("rtphys"), "--library", HERE / "library")
 POLICY = f"python:{HERE / 'visual_policy.py'}:load"

@@ -103,7 +103,7 @@ class NoRenderer(RtphysError):
 
 
 class Infeasible(RtphysError):
-    """The expert cannot do this episode. Caught in one place, `generate.attempt`.
+    """The expert cannot do this episode: a result of `generate.attempt`, not an error.
 
     `reason` is one of `REASONS`, so that rejections can be counted.
     """
@@ -135,9 +135,3 @@ REASONS: dict[str, str] = {
     "worker_crash": "the attempt crashed its worker process, twice",
     "worker_hang": "the attempt used more CPU time than the limit, twice",
 }
-
-PHYSICS_REASONS = frozenset(
-    {"invalid_physics", "unsettled", "slipped", "too_slow", "stalled", "not_held", "grasp_missed"}
-    | {"recovered"}
-)
-"""Reasons that physics explains; the rest point at planning, geometry or the machine."""

@@ -112,7 +112,7 @@ class ExpertArm(Arm):
     def _reachable_grasps(
         self, prop: str, points: list[tuple[int, Pose]], pre: float, depth: float
     ) -> Iterator[tuple[Grasp, Pose, Path]]:
-        """Grasps that nothing hinders and their ee poses, best first, each sought when asked for."""
+        """Grasps that nothing hinders, best first, with their ee poses; sought when asked for."""
         for grasp in candidates(points, self.side, TABLE_TOP, self.hand):
             poses = grasp.backed_off(pre), grasp.backed_off(depth)
             path = self._feasibility.grasp(self.side, prop, poses, self._other)

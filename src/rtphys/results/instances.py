@@ -23,7 +23,7 @@ from rtphys.data import files
 from rtphys.data.schema_model import Model
 from rtphys.spec.stored import SchemaError
 
-BENCHMARK = "benchmark_v2"
+BENCHMARK = "benchmark_v3"
 """The folder below `manifests/` that holds the certified lists of this version."""
 
 FIRST_SEED = 100_000
