@@ -10,6 +10,7 @@ from rtphys.assets.pack import Pack, default_pack
 from rtphys.core import library
 from rtphys.episode.fingerprint import fingerprint_of, packages
 from rtphys.episode.generate import attempt
+from rtphys.physics import attributes
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.protocol import BUILTIN
@@ -28,9 +29,21 @@ def pack() -> Pack:
     return default_pack()
 
 
-MAIN = [row.name for row in BUILTIN]
+# Physics and motions have changed, and these lists are being made anew. A list never waits here
+# while it is shipped.
+PENDING = {
+    *("phys_random", "official_random", "phys_random_all"),
+    *(f"only_{key}" for key in attributes()),
+    *(f"severity_{share}" for share in (25, 50, 100)),
+}
+MAIN = [row.name for row in BUILTIN if row.name not in PENDING]
 CERTIFIED = 100  # feasible instances of each list of these
 NARROWER = {"severity": 25, "only": 20}  # of each other list, by the kind of its protocol
+
+
+def test_a_list_is_shipped_or_pending() -> None:
+    assert {row.name for row in BUILTIN} <= LISTS.keys() | PENDING
+    assert not LISTS.keys() & PENDING
 
 
 @pytest.mark.parametrize("protocol", MAIN)
