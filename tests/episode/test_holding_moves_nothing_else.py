@@ -64,7 +64,6 @@ def test_arm_and_gripper_share_a_draw_and_are_held_apart() -> None:
     assert drawn["gripper_joint_damping"] == drawn["arm_joint_damping"]
     held = EpisodeSpec("click_bell", DRAWN, overrides={"arm_joint_damping": 3.0})
     assert held.draw(1)["gripper_joint_damping"] == drawn["gripper_joint_damping"]
-    assert not held.rules.domain.problems(held.draw(1), ["arm_joint_damping"])
 
 
 @pytest.mark.slow

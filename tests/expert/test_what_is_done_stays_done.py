@@ -13,6 +13,7 @@ from rtphys.core.seeds import stream
 from rtphys.episode.generate import prepare, settle, start
 from rtphys.expert.robot import ExpertRobot
 from rtphys.sim.engine import RATE, from_sapien, to_sapien
+from rtphys.sim.motion import STRIDE
 from rtphys.sim.rollout import Rollout, RolloutOptions
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
@@ -81,7 +82,8 @@ def test_a_can_that_still_moves_is_not_done() -> None:
     can = rollout.world.object("left_can").root
     assert isinstance(can, physx.PhysxRigidDynamicComponent)
     can.set_linear_velocity([0.0, 0.0, 0.3])  # pyright: ignore[reportArgumentType]
-    rollout.world.step()
+    for _ in range(STRIDE):
+        rollout.world.step()
     assert rollout.condition.failing(rollout.scene) == ["left_can at rest"]
 
 

@@ -61,10 +61,12 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     made: dict[str, reproducing.RegeneratedEpisode] = {}
     attempt, regenerated = reproducing.attempt, reproducing.regenerated
 
-    def attempt_once(recipe: Recipe, task: Task, pack: Pack, touch: bool = False) -> Attempt:
-        key = json.dumps([stored(recipe), touch], sort_keys=True)
+    def attempt_once(
+        recipe: Recipe, task: Task, pack: Pack, touch: bool = False, happened: bool = False
+    ) -> Attempt:
+        key = json.dumps([stored(recipe), touch, happened], sort_keys=True)
         if key not in tried:
-            tried[key] = attempt(recipe, task, pack, touch=touch)
+            tried[key] = attempt(recipe, task, pack, touch=touch, happened=happened)
         return tried[key]
 
     def made_once(done: Attempt, scene: reproducing.Scene) -> reproducing.RegeneratedEpisode:
