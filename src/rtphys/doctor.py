@@ -111,6 +111,7 @@ class Finding:
     status: str
     cause: str
     detail: str
+    gpus: int = 0  # that draw; 0: a CPU does
 
     @property
     def cure(self) -> str:
@@ -158,15 +159,18 @@ def to_json(findings: Sequence[Finding]) -> dict[str, object]:
 def check_renderer(command: Sequence[str] = PROBE, limit_s: float = PROBE_LIMIT) -> Finding:
     """Draw one frame in a child process."""
     cause, facts = probe(command, limit_s)
-    detail = str(facts.get("detail", ""))
+    detail, gpus = str(facts.get("detail", "")), 0
     devices = facts.get("devices")
     if cause == "ok" and isinstance(devices, list):
         names = [f"{d['name']} (Vulkan {d['api']})" for d in devices]
-        detail = f"{', '.join(names)}; first frame after {facts.get('first_frame_s')} s"
+        kinds = [d.get("kind") for d in devices if d.get("partially_bound")]
+        gpus = kinds.count("discrete GPU") or int(any(kind != "CPU" for kind in kinds))
+        path = "drawing workers draw for the others" if gpus else "each worker draws on its core"
+        detail = f"{', '.join(names)}; first frame after {facts.get('first_frame_s')} s; {path}"
     chosen = [v for v in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES") if os.environ.get(v)]
     if cause != "ok" and chosen:
         detail += f"; ${chosen[0]} = {os.environ[chosen[0]]} limits the choice of drivers"
-    return _found("renderer", cause, detail)
+    return replace(_found("renderer", cause, detail), gpus=gpus)
 
 
 def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object]]:

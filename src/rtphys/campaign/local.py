@@ -179,8 +179,12 @@ class LocalPool(WorkerPool[J, R]):
         self._workers: list[_Worker[J, R]] = []
         self._leaving: list[tuple[float, _Worker[J, R]]] = []  # they close what they have open
         self._waiting: list[Job[J, R]] = []  # jobs without a worker
-        self._selector = selectors.DefaultSelector()
+        self._selector = selectors.EpollSelector()
         self._checked = 0.0
+
+    def fileno(self) -> int:
+        """Is ready to be read when `wait` has something to do."""
+        return self._selector.fileno()
 
     @property
     def room(self) -> int:

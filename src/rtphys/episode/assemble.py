@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import cast
 
 import numpy as np
@@ -39,8 +39,10 @@ def kept(attempt: Attempt) -> bool:
     return not attempt.accepted and attempt.instance is not None and len(rows) > 1
 
 
-def assemble(attempt: Attempt, rendered: RenderedFrames, pack: Pack) -> Episode:
-    """The episode of an attempt, ready to be written; of a failure also why and when it failed.
+def assemble(attempt: Attempt, pack: Pack) -> Episode:
+    """The episode of an attempt without its pictures; of a failure also why and when it failed.
+
+    It can be pickled. `with_pictures` makes it ready to be written.
 
     Raises `FalseLabel`: the physics in force is not the physics that was drawn; `ValueError`: it
     failed before anything had happened (see `kept`).
@@ -50,7 +52,7 @@ def assemble(attempt: Attempt, rendered: RenderedFrames, pack: Pack) -> Episode:
         raise ValueError(f"{recipe} was rejected: {attempt.reason}")
     if wrong := disagreements(instance.world, instance.physics):
         raise FalseLabel(f"{recipe.task}, seed {recipe.seed}: {'; '.join(wrong)}")
-    frames, rows, outcome = _frames(recording, rendered), recording.rows, attempt.outcome
+    frames, rows, outcome = _frames(recording), recording.rows, attempt.outcome
     scenery = [piece.name for piece in instance.look.clutter]
     first: dict[int, float] = {}  # stage -> time of its first frame; one shorter than a frame: none
     for row in rows:
@@ -81,10 +83,7 @@ def assemble(attempt: Attempt, rendered: RenderedFrames, pack: Pack) -> Episode:
         frames=frames,
         phys_meta={
             **known,
-            "cameras": {
-                name: {"position": X.p.tolist(), "quaternion_wxyz": X.q.tolist()}
-                for name, X in rendered.first_poses.items()
-            },
+            "cameras": {},
             "verdict": verdict,
             "versions": versions(instance.task, recipe.spec.embodiment),
             "state_hash": recording.hash,
@@ -92,6 +91,20 @@ def assemble(attempt: Attempt, rendered: RenderedFrames, pack: Pack) -> Episode:
         },
         instructions=instructions(instance.task, recipe.seed, describer(pack)),
         scene_info={**instance.look.scene_info(), "info": scene_info(instance.task, recipe.seed)},
+        images=(),
+    )
+
+
+def with_pictures(episode: Episode, rendered: RenderedFrames) -> Episode:
+    """What `assemble` made, with pictures and where their cameras were."""
+    cameras = {
+        name: {"position": X.p.tolist(), "quaternion_wxyz": X.q.tolist()}
+        for name, X in rendered.first_poses.items()
+    }
+    return replace(
+        episode,
+        frames=replace(episode.frames, cameras=rendered.cameras),
+        phys_meta={**episode.phys_meta, "cameras": cameras},
         images=rendered.images,
         sensed=rendered.sensed,
     )
@@ -147,7 +160,7 @@ def _off_feet(world: World) -> list[str]:
     return [thing.name for thing in rigid if off_feet(thing.root, contacts)]
 
 
-def _frames(recording: Recording, rendered: RenderedFrames) -> Frames:
+def _frames(recording: Recording) -> Frames:
     rows = recording.rows
     arms, ends = np.array([row.arms for row in rows]), np.array([row.ee for row in rows])
     left_arm, right_arm = recording.layout.arms
@@ -168,7 +181,7 @@ def _frames(recording: Recording, rendered: RenderedFrames) -> Frames:
         contacts={n: np.array([r.touched[n] for r in rows], np.bool_) for n in rows[0].touched},
         stage=np.array([row.stage for row in rows], np.int32),
         stages=tuple(recording.stages),
-        cameras=rendered.cameras,
+        cameras={},
     )
 
 

@@ -1,9 +1,12 @@
 """Pictures of recorded states: the same world built again with visuals, posed row by row."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import queue
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +27,50 @@ from rtphys.sim import renderer
 from rtphys.sim.engine import RATE, TIME_STEP, packed_of, unpacked
 from rtphys.sim.recorder import FRAME_STEPS, Recording
 from rtphys.sim.scene_renderer import SceneRenderer, body_names, matrices
+from rtphys.sim.turns import turn
 from rtphys.spec.episode import Recipe
 from rtphys.spec.recording import RecordingSpec
 from rtphys.task.spec import Task
 from rtphys.visual.look import Backdrop, Look
 
 FRAME_TIME = FRAME_STEPS * TIME_STEP  # [s]
+T = TypeVar("T")
+
+
+class Pictures(Iterable[Images]):
+    """Draws the rows of a trajectory as they are consumed, once."""
+
+    def __init__(
+        self,
+        scene: SceneRenderer,
+        trajectory: "StateTrajectory",
+        backdrop: Backdrop,
+        sensed: Sensed,
+    ) -> None:
+        self.scene, self._backdrop, self._sensed = scene, backdrop, sensed
+        self._rows = zip(trajectory.times, trajectory.packed, strict=True)
+
+    def __iter__(self) -> Iterator[Images]:
+        with turn(self.scene.world.scene):
+            while self.take():
+                yield self.get()
+
+    def take(self) -> bool:
+        """Lets the cameras draw the next row; False: there is none."""
+        if (row := next(self._rows, None)) is None:
+            return False
+        time, packed = row
+        self.scene.light(self._backdrop.lights_at(round(time / FRAME_TIME)))
+        self.scene.show(packed)
+        self.scene.take()
+        return True
+
+    def get(self) -> Images:
+        """The pictures of the row that was taken."""
+        seen = self.scene.frames()
+        for name, frame in seen.items():
+            self._sensed.keep(name, frame.senses)
+        return {name: frame.rgb for name, frame in seen.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +82,7 @@ class RenderedFrames:
 
     cameras: Mapping[str, CameraFrames]  # by official name
     first_poses: Mapping[str, Pose]  # world pose at the first row: x forward, y left, z up
-    images: Iterator[Images]
+    images: Pictures
     look: Look
     sensed: Sensed | None = None  # complete once `images` is consumed; None: nothing asked for
 
@@ -101,21 +142,41 @@ def render_frames(
         for field, frames in SENSES[name].capture(source).items():
             sensed.tracks[field, ""] = frames
     first = {name: track[0] for name, track in poses.items()}
-    images = _draw(scene, trajectory, instance.look.backdrop, sensed)
-    given = sensed if senses else None
-    return RenderedFrames(cameras, first, images, instance.look, given)
+    images = Pictures(scene, trajectory, instance.look.backdrop, sensed)
+    return RenderedFrames(cameras, first, images, instance.look, sensed if senses else None)
 
 
-def _draw(
-    scene: SceneRenderer, trajectory: StateTrajectory, backdrop: Backdrop, sensed: Sensed
-) -> Iterator[Images]:
-    for time, packed in zip(trajectory.times, trajectory.packed, strict=True):
-        scene.light(backdrop.lights_at(round(time / FRAME_TIME)))
-        scene.show(packed)
-        seen = scene.frames()
-        for name, frame in seen.items():
-            sensed.keep(name, frame.senses)
-        yield {name: frame.rgb for name, frame in seen.items()}
+def draw_together(
+    group: Sequence[Pictures], use: Sequence[Callable[[Iterator[Images]], T]]
+) -> list[T]:
+    """Draws several trajectories row by row, so that a GPU is asked for all pictures of a row
+    before the first is read; each is the one that is drawn alone.
+
+    Args:
+        use: what becomes of each one's pictures, in a thread of its own.
+    """
+    lines = [queue.Queue[Images | None](1) for _ in group]  # None ends it
+
+    def consume(number: int) -> T:
+        images = iter(lines[number].get, None)
+        try:
+            return use[number](images)
+        finally:  # nobody may wait for a place in the line
+            for _ in images:
+                pass
+
+    with ThreadPoolExecutor(len(group), "rtphys-group") as pool:
+        results = [pool.submit(consume, number) for number in range(len(group))]
+        try:
+            with turn(group[0].scene.world.scene):
+                left = dict(zip(range(len(group)), group, strict=True))
+                while left := {n: one for n, one in left.items() if one.take()}:
+                    for number, one in left.items():
+                        lines[number].put(one.get())
+        finally:
+            for line in lines:
+                line.put(None)
+        return [result.result() for result in results]
 
 
 # ---- the video of an evaluated episode -----------------------------------------------------------

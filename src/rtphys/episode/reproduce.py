@@ -18,10 +18,10 @@ from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.json_text import plain
 from rtphys.data.layout import EpisodePaths, TaskDataset
 from rtphys.data.staging import HDF5, stage_episode
-from rtphys.episode.assemble import assemble, kept, rejection, values
+from rtphys.episode.assemble import assemble, kept, rejection, values, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
-from rtphys.episode.render import RenderedFrames, StateTrajectory, render_frames
+from rtphys.episode.render import StateTrajectory, render_frames
 from rtphys.physics.domain import Domain
 from rtphys.sim.renderer import pictures_ready
 from rtphys.spec.collection import TaskHeader
@@ -190,8 +190,7 @@ def regenerated(again: Attempt, scene: Scene) -> RegeneratedEpisode:
     assert again.recording is not None
     if not pictures_ready():
         assert again.instance is not None
-        blank = RenderedFrames({}, {}, iter(()), again.instance.look)
-        episode = assemble(again, blank, scene.pack)
+        episode = assemble(again, scene.pack)
         label = schema.checked(
             schema.PhysMeta if again.accepted else schema.FailureMeta,
             {"recipe": episode.recipe, **episode.phys_meta, "episode": 0},
@@ -201,7 +200,7 @@ def regenerated(again: Attempt, scene: Scene) -> RegeneratedEpisode:
         return RegeneratedEpisode(episode.frames, label, scene_info, words, None)
     states, recording = StateTrajectory.of(again.recording), scene.recorded.header.spec.recording
     pictures = render_frames(scene.recipe, scene.task, scene.pack, states, recording)
-    episode = assemble(again, pictures, scene.pack)
+    episode = with_pictures(assemble(again, scene.pack), pictures)
     staged = stage_episode(scene.folder, episode, recording.layout)
     frames = EpisodeFile(scene.folder / HDF5, recording.layout).frames()
     words = schema.checked(schema.Instructions, episode.instructions)

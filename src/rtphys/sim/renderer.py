@@ -192,7 +192,7 @@ def sensing_shader() -> str:
 
 
 def sensed(camera: sapien.render.RenderCameraComponent) -> Sensed:
-    """Of the picture that `capture` took last, in the same pass."""
+    """Of the picture that a camera took last, in the same pass."""
     near, far = camera.near, camera.far
     deep = camera.get_picture("GbufferDepth")
     # The inverse of Vulkan's projection of the range near .. far to 0 .. 1.
@@ -211,6 +211,11 @@ def sensed(camera: sapien.render.RenderCameraComponent) -> Sensed:
 def capture(camera: sapien.render.RenderCameraComponent) -> Picture:
     """What a camera sees, (H, W, 3) uint8 RGB. Call `scene.update_render()` before."""
     camera.take_picture()
+    return picture(camera)
+
+
+def picture(camera: sapien.render.RenderCameraComponent) -> Picture:
+    """The picture that a camera took last, (H, W, 3) uint8 RGB; waits until it is drawn."""
     colour = camera.get_picture("Color")
     if colour.dtype == np.uint8:
         # Channel by channel: dropping the fourth byte at once, numpy copies pixel by pixel, which

@@ -114,6 +114,7 @@ class SceneRenderer:
             if camera.spec.name == world.head_camera.name:
                 camera.set_pose(world.head_camera.pose)
         self._full = world.scene.pack_poses()
+        self._taken = False
 
     def light(self, colours: LightColours) -> None:
         """Change the colours of the lights."""
@@ -124,6 +125,14 @@ class SceneRenderer:
         # A short buffer would leave lights and cameras at the origin, without an error.
         self.world.scene.unpack_poses(packed + self._full[len(packed) :])
         self.world.scene.update_render()
+        self._taken = False
+
+    def take(self) -> None:
+        """Let all cameras draw the state shown. `frames` waits for them; a GPU meanwhile draws
+        those of other scenes."""
+        for camera in self.cameras:
+            camera.component.take_picture()
+        self._taken = True
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
@@ -132,11 +141,14 @@ class SceneRenderer:
 
     def frames(self) -> dict[str, CameraFrame]:
         """Official camera name -> what it sees of the state shown."""
+        if not self._taken:
+            self.take()
+        self._taken = False
         found: dict[str, CameraFrame] = {}
         ids = self._identities
         for camera in self.cameras:
             if ids is None:
-                found[camera.spec.name] = CameraFrame(renderer.capture(camera.component))
+                found[camera.spec.name] = CameraFrame(renderer.picture(camera.component))
                 continue
             pixels = self._pixels(camera, ids)
             senses: dict[str, NDArray[Any]] = {}
@@ -150,7 +162,7 @@ class SceneRenderer:
         buffers = cache(renderer.sensed)  # read once, if at all
         component = camera.component
         return Pixels(
-            renderer.capture(component),
+            renderer.picture(component),
             lambda: buffers(component).depth,
             lambda: np.take(ids.actors, buffers(component).entities, mode="clip"),
             lambda: np.take(ids.meshes, buffers(component).shapes, mode="clip"),

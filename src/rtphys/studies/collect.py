@@ -3,11 +3,13 @@
 from collections import defaultdict
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 from rtphys.assets.pack import STAMP, Pack
 from rtphys.campaign.local import LocalPool
-from rtphys.campaign.pool import WorkerFailure
+from rtphys.campaign.pool import WorkerFailure, WorkerPool
 from rtphys.campaign.series import QUIET, Listener, Progress, Series, run_all
+from rtphys.campaign.two_stages import TwoStagePool
 from rtphys.core.errors import BadValue, Infeasible, MissingAsset, counted
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.layout import TaskDataset
@@ -28,15 +30,19 @@ from rtphys.studies.collect_request import Run, room_needed, shard_of
 from rtphys.studies.collect_worker import (
     CollectionTask,
     CollectWorker,
+    Drawer,
     RemoteWorker,
     Results,
+    Simulator,
     of_files,
+    without_drawing,
 )
-from rtphys.studies.resources import check_drawable, check_fits, check_space
+from rtphys.studies.resources import check_drawable, check_fits, check_space, drawn_at_once
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
 
+DRAWERS = 3  # drawing workers of a GPU: while one reads pictures, it draws those of the others
 MAX_SEEDS = 10**9  # of a series whose attempts nobody limits
 LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
 
@@ -60,14 +66,34 @@ def collect(
             TaskCollection(spec, [dataset.task(header_of(side, task, pack)) for side in spec.sides])
             for spec, task in zip(own, tasks, strict=True)
         ]
-        worker, pool = CollectWorker(pack, run.shader), LocalPool
-        if run.runner == "ray":
-            from rtphys.campaign.ray import RayPool  # imported here: Ray is optional
-
-            worker, pool = RemoteWorker.of(worker, run.assets, run.fallback, tasks), RayPool
-        with pool(worker, run.size(), run.limits) as workers:
+        with pool_of(run, CollectWorker(pack, run.shader), own, tasks, listener) as workers:
             run_all(series, workers, listener, run.out, dataset.checkpoint_if_due)
     return [one.progress for one in series]
+
+
+def pool_of(
+    run: Run,
+    worker: CollectWorker,
+    specs: Sequence[CollectionSpec],
+    tasks: Sequence[Task],
+    listener: Listener = QUIET,
+) -> WorkerPool[CollectionTask, Results]:
+    """Workers that do all, or, on a machine with a GPU, many that simulate and few that draw."""
+    size, limits = run.size(), run.limits
+    if run.runner == "ray":
+        from rtphys.campaign.ray import RayPool  # imported here: Ray is optional
+
+        return RayPool(RemoteWorker.of(worker, run.assets, run.fallback, tasks), size, limits)
+    gpus = check_drawable(shader=run.shader) if run.gpus is None else run.gpus
+    if not gpus:
+        return LocalPool(worker, size, limits)
+    group = min(drawn_at_once(spec.recording) for spec in specs)
+    drawing = replace(limits, seconds=group * limits.seconds, memory=limits.max_memory)
+    numbers = [None] if gpus == 1 else range(gpus)
+    drawers = [LocalPool(Drawer(worker, number), DRAWERS, drawing) for number in numbers]
+    many, few = counted(size, "workers"), DRAWERS * gpus
+    listener.noticed(f"{many} simulate, {few} draw on {counted(gpus, 'GPUs')}, {group} at a time")
+    return TwoStagePool(LocalPool(Simulator(worker), size, limits), drawers, group, without_drawing)
 
 
 def header_of(spec: CollectionSpec, task: Task, pack: Pack) -> TaskHeader:

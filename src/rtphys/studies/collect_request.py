@@ -18,7 +18,7 @@ from rtphys.physics.attribute import attributes
 from rtphys.physics.domain import AUXILIARY
 from rtphys.physics.load import parse_overrides
 from rtphys.spec.collection import CollectionSpec
-from rtphys.spec.option import Option, Workers, checked_dataclass, from_words, one_of
+from rtphys.spec.option import Option, Workers, at_least, checked_dataclass, from_words, one_of
 from rtphys.spec.recording import Shader
 from rtphys.studies.resources import episode_bytes
 
@@ -38,6 +38,11 @@ class Run:
     address: Annotated[
         str | None, Option("Address of the Ray cluster; `local` makes a private one.")
     ] = None
+    gpus: Annotated[
+        int | None,
+        at_least(0, most=64),
+        Option("GPUs with drawing workers; 0: each worker draws; default all that draw."),
+    ] = None
     shard: Annotated[str, Option("i/n: one part of n, for `rtphys merge` to join.")] = ""
     resume: Annotated[bool, Option("Continue what is in the folder.")] = True
     shader: Shader = "slim"
@@ -54,6 +59,10 @@ class Run:
             raise BadValue("fallback", self.fallback, "it needs `assets`, which lacks models")
         if self.address is not None and self.runner != "ray":
             raise BadValue("address", self.address, "it belongs to `runner` ray")
+        if self.gpus and self.runner == "ray":
+            raise BadValue(
+                "gpus", self.gpus, "it belongs to `runner` local; nodes draw as they can"
+            )
 
     def size(self) -> int:
         """Number of workers: as many as were asked for, else one for each CPU.

@@ -4,8 +4,9 @@ import os
 import platform
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,12 +14,18 @@ from rtphys.assets.pack import chosen_pack
 from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import RtphysError
 from rtphys.data import files
+from rtphys.data.episode import Episode, Images
 from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO, StagedEpisode, stage_episode
 from rtphys.data.task_writer import Rejection
-from rtphys.episode.assemble import assemble, kept, rejection
+from rtphys.episode.assemble import assemble, kept, rejection, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
-from rtphys.episode.render import StateTrajectory, render_frames
+from rtphys.episode.render import (
+    RenderedFrames,
+    StateTrajectory,
+    draw_together,
+    render_frames,
+)
 from rtphys.sim import renderer
 from rtphys.spec.episode import Recipe
 from rtphys.spec.recording import RecordingSpec
@@ -43,6 +50,31 @@ class CollectionTask(NamedTuple):
     keep: tuple[bool, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """An episode that is simulated and not drawn yet; can be pickled."""
+
+    recipe: Recipe
+    states: StateTrajectory
+    episode: Episode
+    folder: Path  # for its files
+    recording: RecordingSpec
+
+
+class Simulated(NamedTuple):
+    """What an attempt of one side has come to."""
+
+    rejection: Rejection | None = None
+    drawing: Drawing | None = None  # also of a failure whose files are kept
+
+    def outcome(self, draw: Callable[[Drawing], StagedEpisode]) -> Outcome:
+        staged = self.drawing and draw(self.drawing)
+        if self.rejection is None:
+            assert staged is not None
+            return staged
+        return replace(self.rejection, kept=staged)
+
+
 @dataclass
 class CollectWorker(StudyWorker[CollectionTask, Results]):
     """Attempts a seed, and draws it with a shader."""
@@ -54,35 +86,100 @@ class CollectWorker(StudyWorker[CollectionTask, Results]):
         renderer.hold_anchor()
 
     def do(self, job: CollectionTask) -> Results:
-        """Simulates all recipes; draws and stages if all succeed: half a pair is no episode."""
+        return tuple(side.outcome(self.draw) for side in self.simulate(job))
+
+    def simulate(self, job: CollectionTask) -> tuple[Simulated, ...]:
+        """Attempts all recipes; nothing is drawn unless all succeed: half a pair is no episode."""
         attempts = [
             self.demonstrate(recipe, job.recording.touch, happened=True) for recipe in job.recipes
         ]
-        failed, results = next((one for one in attempts if not one.accepted), None), list[Outcome]()
+        failed, results = next((one for one in attempts if not one.accepted), None), []
         for one, folder, draw in zip(attempts, job.folders, job.keep, strict=True):
-            if failed is None:
-                results.append(self.stage(one, folder, job.recording))
-            elif one.accepted:
+            if failed is not None and one.accepted:
                 why = f"under {failed.recipe.protocol}: {failed.reason}"
-                results.append(rejection(replace(one, reason="untwinned", detail=why)))
+                results.append(Simulated(rejection(replace(one, reason="untwinned", detail=why))))
             else:
-                results.append(self.reject(one, folder, job.recording, draw))
+                results.append(self.simulated(one, folder, job.recording, draw))
         return tuple(results)
 
-    def stage(self, attempt: Attempt, folder: Path, recording: RecordingSpec) -> StagedEpisode:
-        """Draws and encodes an attempt."""
+    def simulated(
+        self, attempt: Attempt, folder: Path, recording: RecordingSpec, draw: bool = True
+    ) -> Simulated:
+        """`draw`: also a failure, if that is possible."""
+        why = None if attempt.accepted else rejection(attempt)
+        if why is not None and not (draw and kept(attempt)):
+            return Simulated(why)
         assert attempt.recording is not None
-        task, states = self.tasks[attempt.recipe.task], StateTrajectory.of(attempt.recording)
-        frames = render_frames(attempt.recipe, task, self.pack, states, recording)
-        return stage_episode(folder, assemble(attempt, frames, self.pack), recording.layout)
+        states, episode = StateTrajectory.of(attempt.recording), assemble(attempt, self.pack)
+        return Simulated(why, Drawing(attempt.recipe, states, episode, folder, recording))
 
-    def reject(
-        self, attempt: Attempt, folder: Path, recording: RecordingSpec, draw: bool
-    ) -> Rejection:
-        """The rejection of a failed attempt, with its files if they are wanted and possible."""
-        if not (draw and kept(attempt)):
-            return rejection(attempt)
-        return replace(rejection(attempt), kept=self.stage(attempt, folder, recording))
+    def draw(self, drawing: Drawing) -> StagedEpisode:
+        """Draws, encodes and stages an episode."""
+        return _staged(drawing, self._begun(drawing))
+
+    def draw_all(self, jobs: Sequence[tuple[Simulated, ...]]) -> Sequence[Results]:
+        """As `draw`, for the episodes of several jobs at once, with the same pictures."""
+        waiting = [side.drawing for sides in jobs for side in sides if side.drawing]
+        begun = [self._begun(drawing) for drawing in waiting]
+        use = [partial(_staged, *pair) for pair in zip(waiting, begun, strict=True)]
+        staged = dict(zip(waiting, draw_together([one.images for one in begun], use), strict=True))
+        return [tuple(side.outcome(staged.__getitem__) for side in sides) for sides in jobs]
+
+    def _begun(self, drawing: Drawing) -> RenderedFrames:
+        task, states = self.tasks[drawing.recipe.task], drawing.states
+        return render_frames(drawing.recipe, task, self.pack, states, drawing.recording)
+
+
+def _staged(
+    drawing: Drawing, frames: RenderedFrames, images: Iterable[Images] | None = None
+) -> StagedEpisode:
+    """`images`: those of `frames`, where another thread draws them."""
+    episode = with_pictures(drawing.episode, frames)
+    if images is not None:
+        episode = replace(episode, images=images)
+    return stage_episode(drawing.folder, episode, drawing.recording.layout)
+
+
+# ---- on a machine with a GPU: some workers simulate, few draw ------------------------------------
+
+
+def without_drawing(sides: Sequence[Simulated]) -> Results | None:
+    """The results of a seed of which nothing is to be drawn; None: something is."""
+    if any(side.drawing for side in sides):
+        return None
+    return tuple(side.rejection for side in sides if side.rejection is not None)
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """The half of a `CollectWorker` that needs no renderer."""
+
+    worker: CollectWorker
+
+    def warm(self) -> None:
+        self.worker.warm()
+
+    def __call__(self) -> Callable[[CollectionTask], tuple[Simulated, ...]]:
+        return self.worker.simulate
+
+
+@dataclass(frozen=True)
+class Drawer:
+    """The other half; `gpu`: the number of its GPU, None where there is one alone."""
+
+    worker: CollectWorker
+    gpu: int | None = None
+
+    def warm(self) -> None:
+        self.worker.warm()
+
+    def __call__(self) -> Callable[[Sequence[tuple[Simulated, ...]]], Sequence[Results]]:
+        if self.gpu is not None:  # SAPIEN draws on a GPU that CUDA shows, if there is one
+            shown = os.environ.get("CUDA_VISIBLE_DEVICES") or None
+            known = shown.split(",") if shown else [*map(str, range(self.gpu + 1))]
+            os.environ["CUDA_VISIBLE_DEVICES"] = known[self.gpu % len(known)]
+        self.worker.start()
+        return self.worker.draw_all
 
 
 # ---- on another machine: it must be the same, and sends its files back -------------------------

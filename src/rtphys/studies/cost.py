@@ -9,7 +9,7 @@ from pathlib import Path
 from rtphys.assets.pack import Pack
 from rtphys.core.timing import PhaseTimer
 from rtphys.data.staging import stage_episode
-from rtphys.episode.assemble import assemble
+from rtphys.episode.assemble import assemble, with_pictures
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.render import StateTrajectory, render_frames
 from rtphys.plan.kinematics import check_robot
@@ -135,7 +135,7 @@ def _draw(tried: Attempt, pack: Pack, folder: Path, cost: Cost) -> None:
     with (timer := cost.pictures.timer).phase("build"):
         states = StateTrajectory.of(tried.recording)
         taken = render_frames(tried.recipe, tried.instance.task, pack, states, recording)
-        episode = assemble(tried, taken, pack)
+        episode = with_pictures(assemble(tried, pack), taken)
     staged = stage_episode(folder / "episode", episode, recording.layout, timer)
     cost.pictures.count += 1
     cost.images += staged.frames * len(recording.official)

@@ -323,9 +323,8 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         # The cameras of a dataset, and the senses that the policy was asked to have.
         shown, worker = RecordingSpec(senses=senses), CollectWorker(self.pack)
         worker.tasks[task.name] = task
-        if tried.accepted:
-            return EvaluationResult(record, worker.stage(tried, job.staging, shown))
-        return EvaluationResult(record, worker.reject(tried, job.staging, shown, draw=True))
+        drawn_one = worker.simulated(tried, job.staging, shown).outcome(worker.draw)
+        return EvaluationResult(record, drawn_one)
 
 
 def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:

@@ -16,6 +16,8 @@ PICTURES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
 TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
 MAX_FRAMES = 250  # of most episodes
 PACKED = 0.25  # what compressing leaves of depth and ids; measured: 0.11
+BUFFERED = 4e7  # [bytes] of an episode's scene and of pictures on their way to the encoder
+GROUP = 16  # episodes that are drawn at once: more gains little on a GPU
 LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it in memory twice
 
 DRIVERS = ("/etc/vulkan/icd.d", "/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d")
@@ -27,6 +29,13 @@ def check_fits(recording_spec: RecordingSpec) -> None:
         most = f"an episode has {LARGEST / 1e9:g} GB of them at most, not {size / 1e9:.1f}"
         cure = "name fewer `cameras` or senses, or a smaller `size`"
         raise BadValue("senses", ",".join(recording_spec.senses), f"{most}; {cure}")
+
+
+def drawn_at_once(recording_spec: RecordingSpec) -> int:
+    """How many episodes a process may draw at once, for what they take in its memory."""
+    pictures = BUFFERED * recording_spec.picture_scale()
+    each = pictures + 2 * MAX_FRAMES * recording_spec.frame_bytes()
+    return max(1, min(GROUP, int(LARGEST / each)))
 
 
 def episode_bytes(recording_spec: RecordingSpec, visual: VisualRandomization | None) -> float:
@@ -48,22 +57,24 @@ def check_space(out: Path, needed: float) -> None:
         raise RtphysError(f"{out}: {amounts}; free some space, or ask for fewer episodes")
 
 
-def check_drawable(what: str = "pictures", shader: str = "") -> None:
-    """Refuses where nothing can be drawn. Raises `NoRenderer`, with the cure.
+def check_drawable(what: str = "pictures", shader: str = "") -> int:
+    """Refuses where nothing can be drawn; the number of GPUs, 0 where a CPU draws.
+
+    Raises `NoRenderer`, with the cure.
 
     It draws a frame in another process, unless one was drawn since the machine was started with
     the drivers of now, which a file of the cache tells.
     """
     stamp, now = None, ""
-    with suppress(OSError, NoCache):
+    with suppress(OSError, NoCache, ValueError):
         drivers = sorted(file for folder in DRIVERS for file in Path(folder).glob("*.json"))
         chosen = [f"{key}={value}" for key, value in sorted(os.environ.items()) if "VK_" in key]
         facts = [f"{file} {file.stat().st_mtime_ns}" for file in drivers]
         started = Path("/proc/sys/kernel/random/boot_id").read_text()
         now = "\n".join([*chosen, *facts, f"sapien {metadata.version('sapien')}", started])
         stamp = user_cache() / f"drawn-{shader or 'default'}.txt"
-        if stamp.is_file() and stamp.read_text() == now:
-            return
+        if stamp.is_file() and (known := stamp.read_text().rpartition("\n"))[0] == now:
+            return int(known[2])
     finding = check_renderer((*PROBE, shader) if shader else PROBE)
     if finding.status == "fail":
         cure = f"; cure: {finding.cure}" if finding.cure else ""
@@ -71,4 +82,5 @@ def check_drawable(what: str = "pictures", shader: str = "") -> None:
     if stamp is not None:
         with suppress(OSError):
             stamp.parent.mkdir(parents=True, exist_ok=True)
-            stamp.write_text(now)
+            stamp.write_text(f"{now}\n{finding.gpus}")
+    return finding.gpus

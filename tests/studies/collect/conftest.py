@@ -39,6 +39,7 @@ def _do_without_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         collect_module, "check", lambda plans, run: [plan.episode for plan in plans]
     )
+    monkeypatch.setattr(collect_module, "check_drawable", lambda shader: 0)
     monkeypatch.setattr(collect_module, "check_assets", lambda plans, tasks, pack: None)
     monkeypatch.setattr(Run, "pack", lambda self, progress=None: None)
     monkeypatch.setattr(collect_module, "header_of", robotless.header)

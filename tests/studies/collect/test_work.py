@@ -12,7 +12,6 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.verify import verify
 from rtphys.episode.assemble import FalseLabel, assemble
 from rtphys.episode.generate import attempt
-from rtphys.episode.render import RenderedFrames
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
 
@@ -81,12 +80,11 @@ def test_a_false_label_is_an_error_not_an_episode() -> None:
     task, pack = load_task("click_bell"), default_pack()
     tried = attempt(EpisodeSpec("click_bell", "phys_random").at(0), task, pack)
     assert tried.instance is not None
-    nothing = RenderedFrames({}, {}, iter(()), tried.instance.look)
-    assemble(tried, nothing, pack)
+    assemble(tried, pack)
     for surface in tried.instance.world.surfaces:
         surface.set_material(0.123, 0.123, 0.0)
     with pytest.raises(FalseLabel, match=r"click_bell, seed 0: .*friction"):
-        assemble(tried, nothing, pack)
+        assemble(tried, pack)
 
 
 def test_an_attempt_in_which_nothing_happened_is_no_episode() -> None:
@@ -95,4 +93,4 @@ def test_an_attempt_in_which_nothing_happened_is_no_episode() -> None:
     assert tried.instance is not None
     rejected = replace(tried, reason="slipped", recording=None)
     with pytest.raises(ValueError, match="slipped"):
-        assemble(rejected, RenderedFrames({}, {}, iter(()), tried.instance.look), pack)
+        assemble(rejected, pack)
