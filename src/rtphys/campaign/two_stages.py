@@ -40,6 +40,7 @@ class TwoStagePool(WorkerPool[J, R], Generic[J, M, R]):
         self._alone = deque[_Made[J, M, R]]()  # of groups that failed: one of them is to blame
         self._ahead = AHEAD * group * sum(pool.size for pool in second)
         self.size, self.busy = first.size, 0
+        self.notice = first.notice
         for pool in self._pools:
             pool.notice = lambda text: self.notice(text)
 
