@@ -25,6 +25,7 @@ from rtphys.core.errors import RtphysError, counted
 PROBE = (sys.executable, "-W", "ignore", "-m", "rtphys.sim.probe")
 COMPILED = (sys.executable, "-W", "ignore", "-m", "rtphys.core.compiled_dependencies")
 PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
+OPENCV = ("opencv-contrib-python-headless", "opencv-python-headless")  # either will do
 DISK_LOW, DISK_NEEDED = 5e9, 5e8  # [bytes] warn, fail; an episode is about 5 MB
 
 _DRIVER = (
@@ -217,11 +218,12 @@ def check_packages() -> Finding:
         if match is None:  # an optional extra
             continue
         name, least = match.groups()
-        try:
-            have = metadata.version(name)
-        except metadata.PackageNotFoundError:
+        builds = OPENCV if name in OPENCV else (name,)
+        found = [metadata.version(build) for build in builds if _installed(build)]
+        if not found:
             wrong.append(f"{name} is missing")
             continue
+        have = found[0]
         if _numbers(have) < _numbers(least):
             wrong.append(f"{name} {have} is older than {least}")
     if wrong:
@@ -231,6 +233,14 @@ def check_packages() -> Finding:
         f"{name} {metadata.version(name)}" for name in ("rtphys", "sapien", "numpy", "pin")
     ]
     return _found("packages", "ok", ", ".join(versions))
+
+
+def _installed(package: str) -> bool:
+    try:
+        metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return False
+    return True
 
 
 def constraints() -> Path:
