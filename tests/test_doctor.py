@@ -53,6 +53,38 @@ def test_what_the_child_says_or_how_it_dies_is_the_cause(code: str, cause: str) 
         assert "libX11.so.6" in finding.detail
 
 
+@pytest.mark.parametrize(
+    ("kinds", "gpus"),
+    [
+        (["CPU"], 0),
+        (["CPU", "discrete GPU", "discrete GPU"], 2),
+        (["integrated GPU", "discrete GPU"], 1),
+        (["integrated GPU", "CPU"], 1),
+    ],
+)
+def test_the_gpus_that_draw_are_counted_and_the_path_is_named(kinds: list[str], gpus: int) -> None:
+    devices = [
+        {"name": kind, "api": "1.3.0", "kind": kind, "partially_bound": True} for kind in kinds
+    ]
+    facts = {"cause": "ok", "devices": devices, "first_frame_s": 0.2}
+    finding = doctor.check_renderer(child(f"print({json.dumps(json.dumps(facts))})"))
+    assert finding.gpus == gpus
+    assert ("drawing workers draw" in finding.detail) == (gpus > 0)
+
+
+@pytest.mark.parametrize("build", doctor.OPENCV)
+def test_either_headless_build_of_opencv_will_do(
+    build: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def version(name: str) -> str:
+        if name in doctor.OPENCV and name != build:
+            raise metadata.PackageNotFoundError(name)
+        return "99.0.0"
+
+    monkeypatch.setattr(doctor.metadata, "version", version)
+    assert doctor.check_packages().status == "ok"
+
+
 @pytest.mark.render
 def test_the_probe_draws_a_frame_here() -> None:
     cause, facts = doctor.probe(doctor.PROBE, doctor.PROBE_LIMIT)

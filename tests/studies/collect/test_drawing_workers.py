@@ -1,5 +1,6 @@
 """Drawing workers give what workers give that do all, whoever is killed."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -8,11 +9,18 @@ import pytest
 from collecting import Striker, complete, content, kill_one, worker_processes
 from robotless import variants
 
+from rtphys.assets.pack import default_pack
+from rtphys.campaign.local import LocalPool
+from rtphys.campaign.two_stages import TwoStagePool
+from rtphys.doctor import Finding
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
-from rtphys.studies.collect import collect
+from rtphys.studies import collect as collect_module
+from rtphys.studies import resources
+from rtphys.studies.collect import collect, pool_of
 from rtphys.studies.collect_request import Run
+from rtphys.studies.collect_worker import CollectWorker, Drawer
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
@@ -30,6 +38,37 @@ def drawn(specs: Sequence[CollectionSpec], folder: Path, gpus: int, workers: int
     """`gpus`: as if there were so many; the CPU driver stands in for them."""
     assert complete(collect(specs, Run(folder / str(gpus), workers=workers, gpus=gpus)))
     return folder / str(gpus)
+
+
+@pytest.mark.parametrize(("found", "asked"), [(0, None), (2, 0), (1, None), (1, 2)])
+def test_drawing_workers_are_chosen_where_gpus_draw(
+    found: int, asked: int | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(collect_module, "check_drawable", lambda shader: found)
+    worker, told = CollectWorker(default_pack()), Striker(lambda: True)
+    pool = pool_of(Run(tmp_path, workers=4, gpus=asked), worker, [BELL, MIXED[1]], [], told)
+    gpus = found if asked is None else asked
+    assert isinstance(pool, TwoStagePool if gpus else LocalPool) and pool.size == 4
+    many = f"4 workers simulate, {3 * gpus} draw on {gpus} GPU{'s' * (gpus > 1)}, 16 at a time"
+    assert told.told == [many] * (gpus > 0)
+
+
+def test_how_many_gpus_draw_is_remembered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resources, "user_cache", lambda: tmp_path)
+    drawing = Finding("renderer", "ok", "ok", "it draws", gpus=2)
+    monkeypatch.setattr(resources, "check_renderer", lambda command: drawing)
+    assert resources.check_drawable() == 2
+    monkeypatch.setattr(resources, "check_renderer", lambda command: 1 / 0)
+    assert resources.check_drawable() == 2
+
+
+@pytest.mark.parametrize(("gpu", "shown", "chosen"), [(1, "", "1"), (1, "4,7", "7"), (0, "", "0")])
+def test_a_drawing_worker_sees_its_own_gpu(
+    gpu: int, shown: str, chosen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", shown)
+    Drawer(CollectWorker(default_pack()), gpu)()
+    assert os.environ["CUDA_VISIBLE_DEVICES"] == chosen
 
 
 def test_a_dataset_is_the_same_with_drawing_workers(tmp_path: Path) -> None:

@@ -47,6 +47,7 @@ WRONG = {
     "--task click_bell --episodes 0": "--episodes = 0 is not allowed",
     "--task click_bell --runner rey": "did you mean 'ray'?",
     "--task click_bell --address 1.2.3.4:6379": "it belongs to --runner ray",
+    "--task click_bell --runner ray --gpus 1": "it belongs to --runner local",
     "--task click_bell --shard 0/2": "from 1/n to n/n",
     "--task click_bell --workers 0": "--workers = 0 is not allowed",
     "--task click_bell --first-seed -1": "--first-seed = -1 is not allowed",
