@@ -1,4 +1,4 @@
-"""How a collection grows with the workers on this machine: the table of docs/speed.md.
+"""How a collection grows with the workers on this machine; docs/scale.md says how to run it.
 
     python benchmarks/scale.py [--workers 1,2] [--episodes 4] [--ray]      about ten minutes
 
