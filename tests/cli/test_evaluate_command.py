@@ -10,20 +10,27 @@ from rich.console import Console
 from rich.table import Table
 from typer.testing import CliRunner
 
-from rtphys.cli.evaluate import attributes_table, errors_of, pairs_table, rates_table
+from rtphys.cli.evaluate import (
+    attributes_table,
+    errors_of,
+    loads_table,
+    pairs_table,
+    rates_table,
+)
 from rtphys.cli.main import app
 from rtphys.results.breaks import Break, Curve
 from rtphys.results.evaluation import EpisodeRecord, Results, ledger_file
 from rtphys.results.statistics import Paired
-from rtphys.results.summary import Counts, PairSummary, ProtocolSummary, Summary, TaskSummary
+from rtphys.results.summary import Counts, Loads, PairSummary, ProtocolSummary, Summary, TaskSummary
 
 COUNTS = Counts(tried=574, infeasible=74, rollouts=500, successes=445, held=333)
+LOADS = Loads((0.0, 21.4, 1012.0), (0.3, 0.89, 1.0), 12)
 REASONS = {"step_limit": 44, "policy_error": 11}
 TASK, BELL = "shake_bottle_horizontally", "click_bell"
 CURVE = Curve(low=-0.0499, high=0.0499, slope=-12.34, error=10.01, levels=(1.0,), p=1.2e-14)
 SUMMARY = Summary(
-    tasks=(TaskSummary("phys_random_all", TASK, COUNTS, 100.0, REASONS),),
-    overall=(ProtocolSummary("phys_random_all", 2, COUNTS, 0.5),),
+    tasks=(TaskSummary("phys_random_all", TASK, COUNTS, LOADS, 100.0, REASONS),),
+    overall=(ProtocolSummary("phys_random_all", 2, COUNTS, LOADS, 0.5),),
     pairs=(PairSummary("official_random", "phys_random_all", Paired(4000, 1000, 101, 7)),),
     breaks={
         "phys_random_all": (
@@ -40,6 +47,7 @@ RATES = [
     "step_limit 44, policy_error 11",
 ]
 TOTAL = ["phys_random_all", "all, mean 50 %", *RATES[2:5], ""]
+LOADED = ["phys_random_all", TASK, "0.0, 21.4, 1012.0", "0.30, 0.89, 1.00", "12"]
 PAIRS = ["official_random", "phys_random_all", "5108", "4000", "1000", "101", "1.3e-186"]
 ATTRIBUTES = [
     "phys_random_all",
@@ -66,6 +74,7 @@ def cells(table: Table, width: int) -> list[str]:
     ("draw", "rows"),
     [
         (rates_table, [RATES, TOTAL]),
+        (loads_table, [LOADED, ["phys_random_all", "all", *LOADED[2:]]]),
         (pairs_table, [PAIRS]),
         (attributes_table, [ATTRIBUTES]),
     ],

@@ -107,7 +107,7 @@ def phys_meta(seed: int) -> dict[str, object]:
             "accepted": True,
             "first_success_time": 2.5,
             "held": True,
-            "strain": asdict(Strain()),
+            "strain": asdict(Strain(12.34, "fl_link6 and bell", 0.0, 0.56, "fl_joint2", 0.0)),
             "stages": ["press"],
         },
         "versions": {"rtphys": "0.1.0"},

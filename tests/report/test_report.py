@@ -47,6 +47,8 @@ def test_data_is_the_dataset(page: Path, dataset: Dataset) -> None:
     for row, episode in zip(facts["episodes"], dataset, strict=True):
         assert row["values"][friction] == episode.physics["friction"]
         assert row["video"].startswith("data:video/mp4;base64,")
+        strain = episode.meta.verdict.strain
+        assert (row["force"], row["torque"]) == (strain.force, strain.torque) and strain.force > 0
     assert facts["failures"] == []
     assert facts["attempts"][2][2 + friction] == 0.1, "a rejected attempt's physics is told"
 

@@ -17,6 +17,9 @@ from rtphys.report.pictures import CAPTION, GAP, contact_sheet, joint_plot, pane
 SVG = "{http://www.w3.org/2000/svg}"
 
 
+STRAIN = "largest force on a link 12.3 N (fl_link6 and bell)"
+
+
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     out = tmp_path_factory.mktemp("dataset")
@@ -33,7 +36,15 @@ def run(*arguments: str):
 def test_says_what_is_in_the_episode(dataset: Dataset, tmp_path: Path) -> None:
     result = run(str(dataset[1].paths.video), "--out", str(tmp_path))
     assert result.exit_code == 0, result.output
-    for words in ("click_bell, seed 1", "ring the bell", "friction", "reach", "press", "4, 0.18 s"):
+    for words in (
+        "click_bell, seed 1",
+        "ring the bell",
+        "friction",
+        "reach",
+        "press",
+        "4, 0.18 s",
+        STRAIN,
+    ):
         assert words in result.output
     assert (tmp_path / "click_bell_phys_random_1.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "click_bell_phys_random_1_joints.svg").stat().st_size > 3000

@@ -44,3 +44,21 @@ def test_the_order_of_records_does_not_matter() -> None:
     )
     assert first.to_json() == second.to_json()
     assert first.tasks[0].steps == 3.0  # mean of 2 and 4: failures do not count
+
+
+def test_loads_are_those_of_successes_and_rough_ones_are_counted() -> None:
+    records = [
+        record(1, force=10.0, torque=0.2),
+        record(2, force=50.0, torque=1.0, rough=True),
+        record(3, force=20.0, torque=0.4),
+        record(4, False, force=900.0, torque=1.0, rough=True),
+    ]
+    lists = {("clean", "click_bell"): instances("click_bell", "clean", 1, 2, 3, 4)}
+    found = summarise({("clean", "click_bell"): records}, lists)
+    assert found.tasks[0].loads == found.overall[0].loads
+    assert found.tasks[0].loads.rough == 1
+    (row,) = found.to_json()["tasks"]
+    assert row["force"] == {"median": 20.0, "p90": pytest.approx(44.0), "max": 50.0}
+    assert (row["torque"]["max"], row["rough"]) == (1.0, 1)
+    none = summarise({("clean", "click_bell"): records[3:]}, lists)
+    assert none.to_json()["overall"][0]["force"] is None

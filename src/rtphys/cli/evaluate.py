@@ -9,7 +9,6 @@ from rtphys.cli.derived import AsJson, takes
 from rtphys.cli.progress import campaign
 from rtphys.cli.tables import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
-from rtphys.core.errors import counted
 from rtphys.results.evaluation import EvaluationSpec
 from rtphys.studies.requests import EvaluationRun
 
@@ -77,10 +76,7 @@ def _show(summary: "Summary") -> None:
     for row in summary.tasks:
         if row.language:
             say(f"{row.protocol}, {row.task}: {row.language}")
-        if row.rough:
-            many = counted(row.rough, "successful episodes")
-            why = "force on a link, or a motor at its limit"
-            say(f"{row.protocol}, {row.task}: {many} rough ({why})")
+    print_table(loads_table(summary))
     if summary.pairs:
         print_table(pairs_table(summary))
     if any(summary.breaks.values()):
@@ -100,6 +96,19 @@ def rates_table(summary: "Summary") -> Table:
             mean = total.mean_of_tasks
             name = "all" if mean is None else f"all, mean {_percent(mean)} %"
             table.add_row(total.protocol, name, *_rates(total.counts))
+    return table
+
+
+def loads_table(summary: "Summary") -> Table:
+    """Largest force and torque of the successful episodes, and how many were rough."""
+    title = "what the robot suffered in successful episodes: median, 90 %, largest"
+    columns = ("force on a link [N]", "torque [of the motor's]", "rough")
+    table = fitting_table(["protocol", "task"], columns, title)
+    rough = [(row.protocol, row.task, row.loads) for row in summary.tasks if row.loads.rough]
+    for protocol, task, loads in rough + [(t.protocol, "all", t.loads) for t in summary.overall]:
+        force = ", ".join(f"{x:.1f}" for x in loads.force or ()) or "-"
+        torque = ", ".join(f"{x:.2f}" for x in loads.torque or ()) or "-"
+        table.add_row(protocol, task, force, torque, str(loads.rough))
     return table
 
 

@@ -79,6 +79,7 @@ def show(
                 "cameras": list(episode.cameras),
                 "first_success_time": verdict.first_success_time,
                 "held": verdict.held,
+                "strain": verdict.strain.model_dump(),
                 "failure": None if failure is None else failure.model_dump(),
                 "moved": moved,
                 "state_hash": episode.meta.state_hash,
@@ -105,6 +106,10 @@ def _show_facts(episode: "Episode", moved: dict[str, float]) -> None:
         "cameras": ", ".join(episode.cameras),
         "success": f"{'-' if after is None else f'after {after:.2f} s'}, held: {verdict.held}",
     }
+    strain = verdict.strain
+    met, joint = (f" ({name})" if name else "" for name in (strain.pair, strain.joint))
+    torque = f"largest torque {100 * strain.torque:.0f} % of its motor's{joint}"
+    rows["strain"] = f"largest force on a link {strain.force:.1f} N{met}, {torque}"
     if failure is not None:
         why = f"{failure.reason}: {failure.detail}" if failure.detail else failure.reason
         whose = f" of {failure.object}" if failure.object else ""

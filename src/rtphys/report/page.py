@@ -196,6 +196,8 @@ def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
         "seconds": round(float(frames.time[-1] - frames.time[0]), 3),
         "says": episode.instructions.seen[0] if episode.instructions.seen else "",
         "success": meta.verdict.first_success_time,
+        "force": meta.verdict.strain.force,
+        "torque": meta.verdict.strain.torque,
         "values": [axis.of(labels) for axis in shown],
         "could_act": [a.key in acting for a in shown],
         "varied": [a.key in acting and acting[a.key].varied for a in shown],

@@ -63,6 +63,37 @@ class Counts:
         }
 
 
+Spread = tuple[float, float, float]  # median, 90th percentile and largest
+
+
+@dataclass(frozen=True)
+class Loads:
+    """What robots suffered in the successes: on one link that is no finger, in an arm joint."""
+
+    force: Spread | None  # [N]; None without a success
+    torque: Spread | None  # as a share of the motor's largest
+    rough: int  # number of successes for which the expert would have been rejected
+
+    @staticmethod
+    def of(records: Sequence[EpisodeRecord]) -> "Loads":
+        wins = [record for record in records if record.success]
+        force, torque = ([r.force for r in wins], [r.torque for r in wins])
+        return Loads(_spread(force), _spread(torque), sum(r.rough for r in wins))
+
+    def to_json(self) -> dict[str, JSON]:
+        found: dict[str, JSON] = {"rough": self.rough}
+        for name, spread in (("force", self.force), ("torque", self.torque)):
+            found[name] = spread and dict(zip(("median", "p90", "max"), spread, strict=True))
+        return found
+
+
+def _spread(values: Sequence[float]) -> Spread | None:
+    if not values:
+        return None
+    median, high, largest = (float(v) for v in np.quantile(values, (0.5, 0.9, 1.0)))
+    return median, high, largest
+
+
 @dataclass(frozen=True)
 class TaskSummary:
     """Result of one task under one protocol."""
@@ -70,11 +101,11 @@ class TaskSummary:
     protocol: str
     task: str
     counts: Counts
+    loads: Loads
     steps: float | None  # mean number of actions of the successes
     reasons: Mapping[str, int]  # number of failures by reason
     clipped: Mapping[str, int] = field(default_factory=dict)  # actions, by number of an action
     language: str = ""  # the most frequent of its records, and in how many it stands
-    rough: int = 0  # number of successes in which a robot would have suffered
 
 
 @dataclass(frozen=True)
@@ -84,6 +115,7 @@ class ProtocolSummary:
     protocol: str
     tasks: int  # number of tasks
     counts: Counts
+    loads: Loads
     mean_of_tasks: float | None  # mean of the tasks' success rates among feasible seeds
 
 
@@ -108,8 +140,8 @@ class Summary:
     def to_json(self) -> dict[str, JSON]:
         """Each row flat: its counts or its outcome beside its names."""
         return {
-            "tasks": [{**row.counts.to_json(), **_rest(row)} for row in self.tasks],
-            "overall": [{**row.counts.to_json(), **_rest(row)} for row in self.overall],
+            "tasks": [_flat(row) for row in self.tasks],
+            "overall": [_flat(row) for row in self.overall],
             "pairs": [{**_rest(row), **row.outcome.to_json()} for row in self.pairs],
             "attributes": {
                 protocol: [effect.to_json() for effect in effects]
@@ -118,8 +150,12 @@ class Summary:
         }
 
 
+def _flat(row: TaskSummary | ProtocolSummary) -> dict[str, JSON]:
+    return {**row.counts.to_json(), **row.loads.to_json(), **_rest(row)}
+
+
 def _rest(row: TaskSummary | ProtocolSummary | PairSummary) -> dict[str, JSON]:
-    apart = ("counts", "outcome")
+    apart = ("counts", "loads", "outcome")
     return {name: value for name, value in vars(row).items() if name not in apart}
 
 
@@ -141,7 +177,7 @@ def summarise(records: Records, lists: Mapping[Key, InstanceList]) -> Summary:
         counts = Counts.of(under[name], [lists[key] for key in keys])
         means = [np.mean([r.success for r in records[key]]) for key in keys if records[key]]
         mean = float(np.mean(means)) if means else None
-        overall.append(ProtocolSummary(name, len(keys), counts, mean))
+        overall.append(ProtocolSummary(name, len(keys), counts, Loads.of(under[name]), mean))
     pairs = list[PairSummary]()
     for first, second in combinations(protocols, 2):
         other = {(r.task, r.seed): r.success for r in under[second]}
@@ -166,9 +202,9 @@ def _task(key: Key, records: Sequence[EpisodeRecord], instances: InstanceList) -
     return TaskSummary(
         *key,
         Counts.of(records, [instances]),
+        Loads.of(records),
         float(np.mean(steps)) if steps else None,
         dict(sorted(reasons.items())),
         dict(clipped),
         language,
-        sum(record.success and record.rough for record in records),
     )
