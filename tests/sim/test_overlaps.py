@@ -1,12 +1,12 @@
 """Nothing lies in anything else at the start, and what falls into a bin does not go through it."""
 
 import pytest
-from overlaps import overlaps
 from sapien import physx
 
 from rtphys.assets.pack import default_pack
 from rtphys.core.errors import Infeasible
 from rtphys.episode.generate import attempt, prepare
+from rtphys.laws.audit.overlaps import overlaps
 from rtphys.sim.world import World
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task import load_task, task_names

@@ -178,6 +178,9 @@ def audit(
     dataset: Annotated[Path, typer.Argument(help="A folder with a manifest.json.")],
     out: Annotated[Path | None, typer.Option(help="Draw histograms here, one per task.")] = None,
     labels: Annotated[bool, typer.Option(help="Rebuild worlds and measure labels.")] = True,
+    repeat: Annotated[
+        int, typer.Option(min=0, help="Repeat the demonstrations of so many episodes, too.")
+    ] = 0,
     as_json: Json = False,
 ) -> None:
     """Build each episode's world again and measure its label there, by experiment.
@@ -185,6 +188,8 @@ def audit(
     Worlds follow from recipes, looks included. Experiments weigh bodies, throw balls at surfaces,
     turn joints and move servos; what they find is compared with the label, and so is what the
     recipe draws. Then, for each attribute: how accepted episodes differ from all attempts.
+    `--repeat` also lets the expert demonstrate again, and looks at every step at forces on links,
+    creep in the hands, and whether restitution acts.
     The exit code is 1 where anything deviates by more than its tolerance. docs/physics.md defines
     the labels.
     """
@@ -196,7 +201,7 @@ def audit(
     for task in data.tasks if labels else ():
         if task not in known:
             raise UnknownName("task", task, known, dataset)
-    report, sound = _labels(data, as_json) if labels else ({}, True)
+    report, sound = _labels(data, as_json, repeat) if labels else ({}, True)
     found = selections_by_task_dataset(data)
     for name, selections in found.items():
         if not as_json:
@@ -227,12 +232,12 @@ def audit(
         raise typer.Exit(1)
 
 
-def _labels(data: "Dataset", as_json: bool) -> tuple[Facts, bool]:
+def _labels(data: "Dataset", as_json: bool, repeat: int) -> tuple[Facts, bool]:
     """Audits every label; as JSON, and whether all are sound."""
     from rtphys.episode.audit import Totals, audited
 
     totals, rows, shown = Totals(), list[Facts](), time.monotonic()
-    for one in audited(data):
+    for one in audited(data, repeat):
         totals.add(one)
         notes = {"problems": list(one.problems), "notes": list(one.notes)}
         wrong = [_measurement(m) for m in one.deviations]

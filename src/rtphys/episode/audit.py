@@ -8,22 +8,26 @@ from pathlib import Path
 import numpy as np
 
 from rtphys.assets.pack import Pack, default_pack, pack_with
-from rtphys.core.errors import RtphysError
+from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.core.poses import Array, Pose
 from rtphys.data.dataset import Dataset
 from rtphys.data.schema import PhysMeta
-from rtphys.episode.generate import prepare
+from rtphys.episode.generate import POLL, prepare, settle, start
+from rtphys.expert.robot import ExpertRobot
 from rtphys.laws.audit import measure
+from rtphys.laws.audit.demonstration import Demonstration, replay
+from rtphys.laws.audit.overlaps import overlaps
 from rtphys.laws.audit.specimen import TOLERANCES, Finding, Measurement, Specimen, Unmeasured
 from rtphys.physics import attributes
 from rtphys.physics.enforce import disagreements, enforce
 from rtphys.physics.values import Physics
+from rtphys.sim.rollout import RolloutOptions
 from rtphys.sim.world import World
 from rtphys.spec.episode import Recipe
 from rtphys.spec.stored import load
 from rtphys.task.spec import load_task
 
-HEAD = "head_camera"
+HEAD, RESTITUTION = "head_camera", "restitution"
 # Axes x forward, y left, z up -> those of OpenCV: x right, y down, z forward.
 TO_OPENCV = np.array([[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]], float)
 
@@ -84,6 +88,8 @@ def audit_episode(
         world, problems = rebuild(meta, physics, pack)
     except (RtphysError, ValueError) as error:
         return Audit(path, (f"cannot be rebuilt: {error}",))
+    deep = overlaps(world).items()
+    problems += [f"{a} lies {1000 * d:.1f} mm deep in {b} at the start" for (a, b), d in deep]
     # Attributes of a user's library, which no experiment knows, are read back instead. Then they
     # are held at their nominal values, because drag would slow a body that is weighed.
     own = {key: value for key, value in physics.items() if key not in TOLERANCES}
@@ -98,8 +104,43 @@ def audit_episode(
     return Audit(path, tuple(problems), findings=tuple(findings))
 
 
-def audited(dataset: Dataset) -> Iterator[Audit]:
+def repeated(meta: PhysMeta, pack: Pack) -> list[str]:
+    """Lets the expert demonstrate an episode once more; sentences on what deviates.
+
+    No link but a finger may be pressed for long, nothing may creep in a hand, and where the label
+    says that restitution did not act, the same commands under another must give the same bits.
+    """
+    recipe = load(Recipe, meta.recipe, "its recipe")
+    task = load_task(recipe.task)
+    instance = prepare(recipe, task, pack)
+    friction = float(np.asarray(instance.physics["friction"]))
+    try:
+        settle(instance)
+        rollout = start(instance, RolloutOptions(task.step_limit, POLL))
+        seen = Demonstration(instance.world, friction)
+        task.script(ExpertRobot(rollout, recipe.stream("expert"), recipe.spec.recovery))
+        rollout.finish()
+    except Infeasible as problem:
+        return [f"the expert does not demonstrate it again: {problem}"]
+    if rollout.recorder.recording.hash != meta.state_hash:
+        return ["the expert demonstrates it otherwise now: other states"]
+    problems = seen.problems()
+    if meta.attributes[RESTITUTION].acted is False:
+        other = prepare(recipe, task, pack)
+        e = 0.0 if instance.physics[RESTITUTION] else 0.5
+        attributes()[RESTITUTION].apply(other.world, e)  # it would wake what has settled
+        settle(other)
+        if (step := replay(other.world, seen.commands, seen.states)) is not None:
+            why = f"the label says that it did not act, but with {e:g} step {step} has other bits"
+            problems.append(f"{RESTITUTION}: {why}")
+    return problems
+
+
+def audited(dataset: Dataset, repeats: int = 0) -> Iterator[Audit]:
     """Audits every episode, each with its own assets, in the dataset's order.
+
+    Args:
+        repeats: of how many episodes the demonstration is repeated, too.
 
     Where the asset pack of the collection is not on this machine, the pack in use stands in, and
     the audit says so.
@@ -120,6 +161,9 @@ def audited(dataset: Dataset) -> Iterator[Audit]:
             tracks = episode.frames.object_poses
             ends = {name: Pose(p[-1, :3], p[-1, 3:]) for name, p in tracks.items()}
             audit = audit_episode(episode.meta, episode.physics, pack, path, where, ends)
+            if (repeats := repeats - 1) >= 0:
+                found = repeated(episode.meta, pack)
+                audit = replace(audit, problems=(*audit.problems, *found))
         except RtphysError as error:
             audit = Audit(path, (str(error),))
         if digest != pack.digest:

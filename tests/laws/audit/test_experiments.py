@@ -6,6 +6,7 @@ import pytest
 from rtphys.assets.pack import builtin_pack
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.laws.audit.bodies import weigh_bodies
+from rtphys.laws.audit.demonstration import CREEP, ENOUGH, LOOK, Demonstration
 from rtphys.laws.audit.joints import weigh_articulated
 from rtphys.laws.audit.robot import drag, locate
 from rtphys.laws.audit.specimen import Finding, Measurement, Specimen, lift
@@ -190,3 +191,44 @@ def test_what_slides_early_on_another_object_is_found(feels: bool) -> None:
     found = push_stands(one, {"block": block.pose, "plate": on_top})
     assert {f.place for f in found} == {"plate on block"}
     assert bool(wrong(found)) != feels
+
+
+WRIST_DOWN = np.array([-0.14, 2.7, 0.76, 0.0, -0.82, 0.0])  # [rad] 0.8 rad into the table
+
+
+@pytest.mark.parametrize("joints", [WRIST_DOWN, 0.5 * WRIST_DOWN])
+def test_a_wrist_that_is_pressed_on_the_table_is_seen(joints: np.ndarray) -> None:
+    one = specimen([], {})
+    seen = Demonstration(one.world, 0.5)
+    one.world.robot.left.drive(joints.tolist(), [0.0] * len(joints))
+    for _ in range(500):
+        one.world.step()
+    presses = joints is WRIST_DOWN
+    assert bool(seen.pressed) == presses
+    assert any("table press with over 30 N" in problem for problem in seen.problems()) == presses
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.5 * CREEP, 2 * CREEP])
+def test_what_creeps_in_a_hand_is_found(speed: float) -> None:
+    """A block floats between the fingers, and something draws it towards their tips."""
+    world = LAB.world([], {})
+    at = world.robot.left.tcp()
+    held = Box(name="block", pose=at, half_size=(0.02, 0.02, 0.02), resting=False, on_table=False)
+    one = specimen([held], {"friction": 1.0})
+    body = one.world.object("block").root
+    one.world.robot.left.grip(0.0)
+
+    def keep(way: float) -> None:
+        body.entity.set_pose(to_sapien(at.moved(way * at.R[:, 0])))
+        body.set_linear_velocity([0.0, 0.0, 0.0])  # type: ignore[union-attr]
+        one.world.step()
+
+    for _ in range(150):
+        keep(0.0)
+    seen = Demonstration(one.world, 1.0)
+    for step in range(LOOK * (ENOUGH + 5)):
+        keep(step / 250 * speed)
+    ((grip, speeds),) = seen.creep().items()
+    assert grip == ("left", "block")
+    assert np.median(speeds) == pytest.approx(speed, abs=0.1 * CREEP)
+    assert len(seen.problems()) == (speed > CREEP)

@@ -1,0 +1,150 @@
+"""Measures what happens in a demonstration: forces on links, creep in the hands, bits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rtphys.core.poses import Array
+from rtphys.physics.handles import GRAVITY
+from rtphys.sim.engine import RATE, TIME_STEP
+from rtphys.sim.objects import SceneObject
+from rtphys.sim.robot import SimArm
+from rtphys.sim.strain import MAX_FORCE, MAX_SECONDS, STRIDE
+from rtphys.sim.world import World
+
+LONGEST = round(MAX_SECONDS * RATE) + STRIDE  # [steps]; whoever looks more rarely may miss the ends
+LOOK = 15  # [steps] between two looks at the hands
+STILL, KEPT = 0.0003, 0.00006  # [m] between two looks: of a hand; of the gap between its fingers
+LIGHT = 0.25  # share of what a grip bears, below which it is judged
+CREEP = 0.008  # [m/s] docs/physics.md: below it 97 % of the looks are, in every kind of grip
+ENOUGH = 5  # looks at one grip
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """One look at a thing in a hand."""
+
+    step: int
+    hand: Array  # (3,) [m]
+    gap: float  # [m]
+    place: Array  # (3,) [m] of its centre of mass from the middle between the fingers, hand's frame
+    share: float  # of what the grip bears
+
+
+class Demonstration:
+    """Watches a world from the moment on at which it is made.
+
+    Args:
+        friction: the label's coefficient.
+    """
+
+    def __init__(self, world: World, friction: float) -> None:
+        self._world, self._friction = world, friction
+        self._joints = world.robot.articulation.active_joints
+        # Keyed by the component itself: held here, it is the same object in every contact.
+        arms = world.robot.arms
+        self._fingers = {link: arm for arm in arms for link in arm.finger_links}
+        links = (link for link in world.robot.articulation.links if link not in self._fingers)
+        self._links = {link: link.name for link in links}
+        self._things = {
+            o.root: o for o in world.objects.values() if o.articulation is None and o.bodies
+        }
+        self._pressed: dict[tuple[str, str], int] = {}  # steps in a row above MAX_FORCE
+        self._looks: dict[tuple[str, str], list[Held]] = {}
+        self.pressed: dict[tuple[str, str], int] = {}  # link, what it met -> longest of them
+        self.commands: list[Array] = []  # (joints, 2) position and velocity, of each step
+        self.states: list[bytes] = []  # poses of all bodies after each step
+        world.on_step("demonstration", self._before, self._after)
+
+    def _before(self) -> None:
+        targets = [(j.drive_target[0], j.drive_velocity_target[0]) for j in self._joints]
+        self.commands.append(np.array(targets, np.float32))
+
+    def _after(self) -> None:
+        self.states.append(self._world.scene.pack_poses())
+        forces: dict[tuple[str, str], Array] = {}
+        for contact in self._world.solver.get_contacts():
+            for link, other in (contact.bodies, contact.bodies[::-1]):
+                if link in self._links:
+                    pair = self._links[link], other.entity.name
+                    push = sum((p.impulse for p in contact.points), np.zeros(3)) / TIME_STEP
+                    forces[pair] = forces.get(pair, np.zeros(3)) + push
+        hard = {pair for pair, force in forces.items() if np.linalg.norm(force) > MAX_FORCE}
+        self._pressed = {pair: self._pressed.get(pair, 0) + 1 for pair in hard}
+        for pair, steps in self._pressed.items():
+            self.pressed[pair] = max(steps, self.pressed.get(pair, 0))
+        if len(self.states) % LOOK == 0:
+            self._look()
+
+    def problems(self) -> list[str]:
+        """A sentence on each link that is pressed for long, and on each grip that creeps."""
+        pressed = [
+            f"{link} and {other} press with over {MAX_FORCE:g} N for {steps / RATE:.2f} s"
+            for (link, other), steps in self.pressed.items()
+            if steps > LONGEST
+        ]
+        crept = {grip: np.median(speeds) for grip, speeds in self.creep().items()}
+        return pressed + [
+            f"{name} creeps in the {side} hand by {1000 * speed:.1f} mm/s, below a quarter of "
+            f"what the grip bears"
+            for (side, name), speed in crept.items()
+            if speed > CREEP
+        ]
+
+    def creep(self) -> dict[tuple[str, str], list[float]]:
+        """Hand and thing -> speeds [m/s] of looks at which the hand rests and the load is light."""
+        found: dict[tuple[str, str], list[float]] = {}
+        for grip, looks in self._looks.items():
+            for first, second, third in zip(looks, looks[1:], looks[2:], strict=False):
+                rests = all(
+                    b.step - a.step == LOOK
+                    and np.linalg.norm(b.hand - a.hand) < STILL
+                    and abs(b.gap - a.gap) < KEPT
+                    for a, b in ((first, second), (second, third))
+                )
+                if rests and second.share < LIGHT:
+                    speed = np.linalg.norm(third.place - second.place) / (LOOK * TIME_STEP)
+                    found.setdefault(grip, []).append(float(speed))
+        return {grip: speeds for grip, speeds in found.items() if len(speeds) >= ENOUGH}
+
+    def _look(self) -> None:
+        """At everything that touches the two fingers of one hand, and nothing else."""
+        normal: dict[object, dict[object, float]] = {}  # thing -> finger or other -> force [N]
+        for contact in self._world.solver.get_contacts():
+            for thing, other in (contact.bodies, contact.bodies[::-1]):
+                if thing in self._things:
+                    push = sum(abs(float(p.impulse @ p.normal)) for p in contact.points)
+                    by = normal.setdefault(thing, {})
+                    by[other] = by.get(other, 0.0) + push / TIME_STEP
+        for thing, by in normal.items():
+            pushing = {other: force for other, force in by.items() if force > 0}
+            hands = {self._fingers.get(other) for other in pushing}
+            arm = next(iter(hands), None)
+            if len(pushing) == 2 and len(hands) == 1 and arm is not None:
+                held = self._held(self._things[thing], arm, sum(pushing.values()))
+                self._looks.setdefault((arm.side, self._things[thing].name), []).append(held)
+
+    def _held(self, thing: SceneObject, arm: SimArm, normal: float) -> Held:
+        X, body = arm.ee(), thing.bodies[0]
+        a, b = (np.asarray(link.entity_pose.p, float) for link in arm.finger_links)
+        along = (b - a) / np.linalg.norm(b - a)
+        load = body.mass * GRAVITY * np.array([self._world.external_force, 0.0, -1.0])
+        across = float(np.linalg.norm(load - (load @ along) * along))
+        place = X.R.T @ (thing.pose @ body.com - (a + b) / 2)
+        share = across / (self._friction * normal) if self._friction else np.inf
+        return Held(len(self.states), X.p, arm.gap(), place, share)
+
+
+def replay(world: World, commands: Sequence[Array], states: Sequence[bytes]) -> int | None:
+    """The step from which on a settled world, driven by the same commands, has other states."""
+    joints = world.robot.articulation.active_joints
+    world.policy_stage = True
+    for step, (targets, before) in enumerate(zip(commands, states, strict=True)):
+        for joint, (position, velocity) in zip(joints, targets, strict=True):
+            joint.set_drive_target(float(position))
+            joint.set_drive_velocity_target(float(velocity))
+        world.step()
+        if world.scene.pack_poses() != before:
+            return step
+    return None

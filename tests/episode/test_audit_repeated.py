@@ -1,0 +1,71 @@
+"""An audit repeats demonstrations: what it says of a true label, and of false ones."""
+
+import pytest
+from audited import audited, stored
+
+from rtphys.assets.pack import default_pack
+from rtphys.data.schema import PhysMeta
+from rtphys.episode.audit import repeated
+from rtphys.episode.generate import Attempt, Instance, attempt, prepare
+from rtphys.spec.episode import EpisodeSpec
+from rtphys.task.spec import load_task
+
+pytestmark = pytest.mark.sim
+CUP, SWITCH = ("place_empty_cup", 201), ("turn_switch", 3)
+
+
+def tried(task: str, seed: int) -> Attempt:
+    recipe = EpisodeSpec(task, "phys_random_all").at(seed)
+    found = attempt(recipe, load_task(task), default_pack(), happened=True)
+    assert found.accepted
+    return found
+
+
+def label(of: Attempt, acted: bool) -> PhysMeta:
+    assert of.instance is not None and of.recording is not None
+    meta = stored(of.instance, state_hash=of.recording.hash)
+    restitution = meta.attributes["restitution"].model_copy(update={"acted": acted})
+    attributes = {**meta.attributes, "restitution": restitution}
+    return meta.model_copy(update={"attributes": attributes})
+
+
+@pytest.mark.parametrize(("name", "impact"), [(CUP, True), (SWITCH, False)])
+def test_what_did_not_act_leaves_every_bit(name: tuple[str, int], impact: bool) -> None:
+    """A cup that is let go bounces; nothing does where a switch is pressed."""
+    found = tried(*name)
+    assert found.recording is not None and found.recording.happened is not None
+    assert found.recording.happened.impact == impact
+    assert not repeated(label(found, impact), default_pack())
+    problems = repeated(label(found, False), default_pack())
+    assert bool(problems) == impact
+    assert all("restitution: the label says that it did not act" in one for one in problems)
+
+
+def test_another_demonstration_is_told() -> None:
+    meta = label(tried(*SWITCH), False).model_copy(update={"state_hash": "0" * 64})
+    (problem,) = repeated(meta, default_pack())
+    assert problem == "the expert demonstrates it otherwise now: other states"
+
+
+def instance() -> Instance:
+    recipe = EpisodeSpec("place_container_plate", "phys_random_all").at(1)
+    return prepare(recipe, load_task(recipe.task), default_pack())
+
+
+def test_what_lies_in_the_table_at_the_start_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A world in which a plate is built 4 mm too low."""
+    one = instance()
+    assert not audited(one, default_pack()).problems
+    rebuild = prepare
+
+    def lower(*given: object) -> Instance:
+        made = rebuild(*given)  # type: ignore[arg-type]
+        plate = made.world.object("plate").root
+        pose = plate.entity_pose
+        pose.set_p(pose.p - [0.0, 0.0, 0.004])
+        plate.entity.set_pose(pose)
+        return made
+
+    monkeypatch.setattr("rtphys.episode.audit.prepare", lower)
+    (problem,) = audited(one, default_pack()).problems
+    assert problem == "plate lies 4.0 mm deep in table at the start"
