@@ -44,12 +44,13 @@ class Demonstration:
         self._joints = world.robot.articulation.active_joints
         # Keyed by the component itself: held here, it is the same object in every contact.
         arms = world.robot.arms
-        self._fingers = {link: arm for arm in arms for link in arm.finger_links}
-        links = (link for link in world.robot.articulation.links if link not in self._fingers)
-        self._links = {link: link.name for link in links}
-        self._things = {
-            o.root: o for o in world.objects.values() if o.articulation is None and o.bodies
+        self._fingers: dict[object, SimArm] = {
+            link: arm for arm in arms for link in arm.finger_links
         }
+        links = (link for link in world.robot.articulation.links if link not in self._fingers)
+        self._links: dict[object, str] = {link: link.name for link in links}
+        loose = (o for o in world.objects.values() if o.articulation is None and o.bodies)
+        self._things: dict[object, SceneObject] = {o.root: o for o in loose}
         self._pressed: dict[tuple[str, str], int] = {}  # steps in a row above MAX_FORCE
         self._looks: dict[tuple[str, str], list[Held]] = {}
         self.pressed: dict[tuple[str, str], int] = {}  # link, what it met -> longest of them
@@ -59,7 +60,7 @@ class Demonstration:
 
     def _before(self) -> None:
         targets = [(j.drive_target[0], j.drive_velocity_target[0]) for j in self._joints]
-        self.commands.append(np.array(targets, np.float32))
+        self.commands.append(np.array(targets, float))
 
     def _after(self) -> None:
         self.states.append(self._world.scene.pack_poses())
@@ -68,7 +69,8 @@ class Demonstration:
             for link, other in (contact.bodies, contact.bodies[::-1]):
                 if link in self._links:
                     pair = self._links[link], other.entity.name
-                    push = sum((p.impulse for p in contact.points), np.zeros(3)) / TIME_STEP
+                    impulses = [np.asarray(p.impulse, float) for p in contact.points]
+                    push = np.sum([np.zeros(3), *impulses], axis=0) / TIME_STEP
                     forces[pair] = forces.get(pair, np.zeros(3)) + push
         hard = {pair for pair, force in forces.items() if np.linalg.norm(force) > MAX_FORCE}
         self._pressed = {pair: self._pressed.get(pair, 0) + 1 for pair in hard}
@@ -114,7 +116,7 @@ class Demonstration:
         for contact in self._world.solver.get_contacts():
             for thing, other in (contact.bodies, contact.bodies[::-1]):
                 if thing in self._things:
-                    push = sum(abs(float(p.impulse @ p.normal)) for p in contact.points)
+                    push = sum(abs(float(np.dot(p.impulse, p.normal))) for p in contact.points)
                     by = normal.setdefault(thing, {})
                     by[other] = by.get(other, 0.0) + push / TIME_STEP
         for thing, by in normal.items():

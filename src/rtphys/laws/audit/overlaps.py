@@ -1,12 +1,11 @@
 """How deep the bodies of a world lie in each other, static ones too."""
 
+from collections.abc import Mapping, Sequence
 from itertools import combinations
-
-from sapien import physx
 
 from rtphys.plan.overlap import depth
 from rtphys.sim.body import own_shapes, shape_points
-from rtphys.sim.engine import from_sapien
+from rtphys.sim.engine import AnyBody, from_sapien
 from rtphys.sim.world import World
 
 LEAST = 0.001  # [m] of overlap that counts
@@ -14,10 +13,11 @@ LEAST = 0.001  # [m] of overlap that counts
 
 def overlaps(world: World) -> dict[tuple[str, str], float]:
     """Names of two things -> how deep one lies in the other [m], where it is more than LEAST."""
-    things = {name: list(o.links.values()) for name, o in world.scene_objects.items()}
-    table = world.room.table.find_component_by_type(physx.PhysxRigidStaticComponent)
-    assert isinstance(table, physx.PhysxRigidStaticComponent)
-    bodies = {**things, "table": [table], "robot": world.robot.articulation.links}
+    bodies: Mapping[str, Sequence[AnyBody]] = {
+        **{name: list(o.links.values()) for name, o in world.scene_objects.items()},
+        "table": [world.room.table.components[0]],  # pyright: ignore[reportAssignmentType]
+        "robot": world.robot.articulation.links,
+    }
     parts = {
         name: [
             from_sapien(body.entity_pose) @ shape_points(shape)
