@@ -7,7 +7,7 @@ import inspect
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import policy_tables
@@ -19,6 +19,7 @@ from rtphys.analysis import figures
 from rtphys.analysis.identify import read_result
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
+from rtphys.data.schema import FailureMeta
 from rtphys.physics import attributes, load_domain
 from rtphys.physics.load import domain_for_task
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
@@ -33,10 +34,61 @@ BLIND = {
     "random": "moves both arms and grippers slowly at random",
     "jitter": "commands the present posture plus noise of 0.1 rad, grippers too",
 }
+# Of a protocol: CPU time and bytes of an episode as shares of those under `phys_random_all`; one
+# episode of each of six tasks, `rtphys bench`.
+SHARES = {
+    "clean": (0.85, 0.46),
+    "official_random": (0.95, 0.95),
+    "phys_random": (0.85, 0.49),
+    "phys_random_all": (1.0, 1.0),
+}
+EPISODES = 100  # of each task
+CORES = (4, 16, 64)
+# On one H200, version 1.0.0: CPU time of a picture as a share of that without a GPU, and how many
+# pictures the card draws for all processes together; without a GPU a picture takes so long.
+GPU_SHARE, GPU_PICTURES, PICTURE_S = 0.45, 1040, 0.0118  # [1], [1/s], [CPU-s]
+# Fields of a label that the schema does not explain, or in fewer words than a reader needs.
+FIELDS = {
+    "schema_version": "version of the dataset",
+    "seed": "the episode's seed",
+    "task": "the task's name",
+    "protocol": "the protocol's name",
+    "episode": "number in its task dataset",
+    "domain.name": "the file in `domains/`",
+    "domain.digest": "SHA-256 of its resolved ranges",
+    "attributes": "by key, such as `friction`; thirteen, and those of a library of yours",
+    "attributes.*.unit": "`×` is a factor on the asset's or servo's own value, `1` a plain number",
+    "attributes.*.source": "who chose the value: nobody, the domain, the user, RoboTwin's look",
+    "draws": "`camera_mode`, `camera_direction`; `center_of_mass_redraws`: how many "
+    "draws lay outside a body before this one",
+    "readback": "What the simulator said after everything was applied.",
+    "readback.bodies": "by object: `mass`, `inertia`, `com`, `spin_decay`",
+    "readback.surfaces": "by object, and `table` and `gripper`: both frictions, `restitution`",
+    "readback.joints": "by joint of an object: `damping`, `friction`",
+    "readback.servos": "by joint of the robot: `damping`",
+    "readback.scale": "by object: its size as a factor",
+    "readback.external_force": "by object: N, world",
+    "visual.split": "which sentences and textures were drawn from",
+    "visual.wall_texture": "the same of the wall",
+    "visual.lights": "RGB of `ambient`, `directional` and `points`; null: as in clean",
+    "visual.clutter": "`name`, `category` and `model` of each piece",
+    "cameras.*.quaternion_wxyz": "in the world",
+    "cameras.*.position": "m, in the world",
+    "verdict.accepted": "whether it counts as a demonstration",
+    "verdict.first_success_time": "s since the first frame",
+    "verdict.stages": "`name` and first `time` [s] of each motion of the expert",
+    "recipe": "all that makes the episode again: the whole `spec`, and the seed",
+    "versions": "packages, and digests of the `code` and of the `task` file",
+    "state_hash": "SHA-256 of the recorded states; equal on every machine",
+    "failure.detail": "the same in words",
+    "failure.event": "what happened (see Failures)",
+    "failure.time": "s since the first frame",
+}
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 DOCUMENTS = (
     ROOT / "README.md",
+    DOCS / "dataset.md",
     DOCS / "objects.md",
     DOCS / "domains.md",
     DOCS / "physics.md",
@@ -246,6 +298,71 @@ def episode_costs() -> str:
     return _table(("", "", ""), rows)
 
 
+def collection_costs() -> str:
+    """Table of protocols: what a hundred episodes of every task cost, by cores, with a GPU too."""
+    known, seeds, rows = costs(), rates(), list[tuple[str, ...]]()
+    for protocol, (of_cpu, of_bytes) in SHARES.items():
+        tried = {
+            task: EPISODES * r[protocol].seeds / r[protocol].accepted for task, r in seeds.items()
+        }
+        attempts = of_cpu * sum(known[task].attempt * n for task, n in tried.items())
+        pictures = of_cpu * EPISODES * sum(cost.pictures for cost in known.values())
+        gigabytes = of_bytes * EPISODES * sum(cost.megabytes for cost in known.values()) / 1e3
+        drawing = pictures / PICTURE_S / GPU_PICTURES
+        with_gpu = attempts + GPU_SHARE * pictures
+        plain = (f"{(attempts + pictures) / cores / 60:.0f}" for cores in CORES)
+        gpu = (f"{max(with_gpu / cores, drawing) / 60:.0f}" for cores in CORES[:2])
+        hours = f"{(attempts + pictures) / 3600:.1f}"
+        rows.append(
+            (f"`{protocol}`", f"{sum(tried.values()):.0f}", hours, f"{gigabytes:.0f}", *plain, *gpu)
+        )
+    minutes = (f"min, {cores} cores" for cores in CORES)
+    gpu = (f"{cores} cores, GPU" for cores in CORES[:2])
+    return _table(("protocol", "attempts", "CPU-hours", "GB", *minutes, *gpu), rows)
+
+
+def label() -> str:
+    """Table of every field of a label, also of a failure's, from the schema."""
+    schema, words = FailureMeta.model_json_schema(), dict(FIELDS)
+    rows = list(_fields(schema, schema, "", words))
+    if words:
+        raise SystemExit(f"tables.py: a label has no field {[*words]}")
+    return _table(("field", "type", "what"), rows)
+
+
+def _fields(
+    schema: dict, part: dict, prefix: str, words: dict[str, str]
+) -> Iterator[tuple[str, str, str]]:
+    """Rows of an object's fields; `words` loses what they take from it."""
+    for name, field in part["properties"].items():
+        path = prefix + name
+        kinds = [_kind(schema, one) for one in field.get("anyOf", [field])]
+        inner = next((one for _, one in kinds if one), None)
+        known = field.get("description") or (inner or {}).get("description")
+        what = words.pop(path, None) or known
+        if what is None:
+            raise SystemExit(f"tables.py: explain the field {path} of a label in FIELDS")
+        yield f"`{path}`", " or ".join(kind for kind, _ in kinds), what.replace("|", "\\|")
+        if inner:
+            many = ".*." if kinds[0][0] == "map" else "."
+            yield from _fields(schema, inner, path + many, words)
+
+
+def _kind(schema: dict, field: dict) -> tuple[str, dict | None]:
+    """A JSON type in a word, and the object that it holds or maps names to, if any."""
+    if "$ref" in field:
+        found = schema["$defs"][field["$ref"].rpartition("/")[2]]
+        return ("object", found) if "properties" in found else ("any", None)
+    if field.get("enum"):
+        return ", ".join(f"`{one}`" for one in field["enum"] if one), None
+    if field.get("type") == "object" and isinstance(
+        held := field.get("additionalProperties"), dict
+    ):
+        return "map", _kind(schema, held)[1]
+    kinds = {"array": "list", "object": "object", "integer": "integer", "null": "null"}
+    return kinds.get(field.get("type", ""), field.get("type", "any")), None
+
+
 def _share(counts: dict[str, int], seeds: int) -> str:
     return f"{counts.get('accepted', 0) / seeds:.0%}"
 
@@ -265,6 +382,8 @@ def relevance() -> str:
 
 TABLES = {
     "costs": episode_costs,
+    "collection_costs": collection_costs,
+    "label": label,
     "task_vocabulary": task_vocabulary,
     "tasks": tasks,
     "physics": physics,
