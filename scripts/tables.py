@@ -87,7 +87,7 @@ FIELDS = {
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 DOCUMENTS = (
-    ROOT / "README.md",
+    DOCS / "fifty_tasks.md",
     DOCS / "dataset.md",
     DOCS / "objects.md",
     DOCS / "domains.md",
