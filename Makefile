@@ -6,7 +6,7 @@ PYTEST ?=
 BIN := .venv/bin
 
 .PHONY: setup setup-test setup-dev setup-docs collect test test-all check format ci smoke reprove \
-        wheel bench tables pictures docs clean
+        wheel release bench tables pictures docs clean
 
 setup:            ## environment, Vulkan driver, assets (quick when nothing is to do)
 	@scripts/setup.sh
@@ -41,6 +41,10 @@ format: setup-dev ## let ruff fix what it can
 
 wheel: setup-test ## build the wheel into dist/ and try it in a clean environment
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	$(BIN)/python -m pytest -m slow tests/test_wheel.py
+
+release: setup-test ## wheel and sdist of a finished version in dist/, each tried in a clean environment
+	$(BIN)/python scripts/release.py
 	$(BIN)/python -m pytest -m slow tests/test_wheel.py
 
 smoke: setup      ## collect manifests/smoke.yaml into build/smoke, and verify it

@@ -1,4 +1,4 @@
-"""The wheel holds everything, and works in an environment that never saw the checkout."""
+"""A wheel of the checkout or of its sdist holds all, and works where the checkout is unknown."""
 
 import os
 import subprocess
@@ -21,10 +21,16 @@ def run(*command: str | Path, cwd: Path) -> str:
     return done.stdout
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("wheel")
-    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "-w", folder, ROOT, cwd=folder)
+@pytest.fixture(scope="module", params=["checkout", "sdist"])
+def wheel(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder, source = tmp_path_factory.mktemp("wheel"), ROOT
+    if request.param == "sdist":
+        venv.create(folder / "build", with_pip=True)
+        python = folder / "build" / "bin" / "python"
+        run(python, "-m", "pip", "install", "--quiet", "build", cwd=folder)
+        run(python, "-m", "build", "--sdist", "--outdir", folder, ROOT, cwd=folder)
+        source = next(folder.glob("rtphys-*.tar.gz"))
+    run(sys.executable, "-m", "pip", "wheel", "--no-deps", "-w", folder, source, cwd=folder)
     return next(folder.glob("rtphys-*.whl"))
 
 
