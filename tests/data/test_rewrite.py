@@ -65,11 +65,11 @@ def stop(done: int, _: int) -> None:
         raise Stop
 
 
-def shards(out: Path) -> list[Path]:
+def shards(out: Path, kept: str = "all") -> list[Path]:
     """One collection of six episodes by two, of every second seed each."""
     parts = [out / f"shard{number}" for number in (1, 2)]
     for number, part in enumerate(parts, start=1):
-        collect(part, 3, synthetic.header(shards=2, shard=number, keep_failures="all"))
+        collect(part, 3, synthetic.header(shards=2, shard=number, keep_failures=kept))
     return parts
 
 
@@ -122,6 +122,14 @@ def test_the_page_pairs_legacy_files_with_their_seeds(
 
 def seeds(out: Path, config: str = "phys_random") -> list[int]:
     return [episode.seed for episode in Dataset(out).where(config=config)]
+
+
+def test_each_shard_keeps_as_many_failures_as_it_may(tmp_path: Path) -> None:
+    parts = shards(tmp_path, kept="1")
+    merge(parts, tmp_path / "merged")
+    kept = [len(list((out).rglob("failures/data/*.hdf5"))) for out in (*parts, tmp_path / "merged")]
+    assert kept[2] == kept[0] + kept[1] > 1
+    assert verify(tmp_path / "merged").problems == []
 
 
 def test_shards_of_one_task_dataset(tmp_path: Path) -> None:

@@ -97,8 +97,9 @@ class TaskWriter:
 
     @property
     def wants_failures(self) -> bool:
-        """Whether there is room for another failed attempt."""
-        return self.totals.failures < self.header.spec.max_failures
+        """Whether another failed attempt is kept: of what is copied, all that was."""
+        spec = self.header.spec
+        return spec.made_by != "collect" or self.totals.failures < spec.max_failures
 
     def accepted(self, seed: int) -> bool:
         """Whether a committed attempt gave an episode; reads the ledger."""

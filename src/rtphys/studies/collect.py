@@ -66,7 +66,7 @@ def collect(
             TaskCollection(spec, [dataset.task(header_of(side, task, pack)) for side in spec.sides])
             for spec, task in zip(own, tasks, strict=True)
         ]
-        with pool_of(run, CollectWorker(pack, run.shader), own, tasks, listener) as workers:
+        with pool_of(run, CollectWorker(pack, run.shader), own, listener) as workers:
             run_all(series, workers, listener, run.out, dataset.checkpoint_if_due)
     return [one.progress for one in series]
 
@@ -75,7 +75,6 @@ def pool_of(
     run: Run,
     worker: CollectWorker,
     specs: Sequence[CollectionSpec],
-    tasks: Sequence[Task],
     listener: Listener = QUIET,
 ) -> WorkerPool[CollectionTask, Results]:
     """Workers that do all, or, on a machine with a GPU, many that simulate and few that draw."""
@@ -83,7 +82,7 @@ def pool_of(
     if run.runner == "ray":
         from rtphys.campaign.ray import RayPool  # imported here: Ray is optional
 
-        return RayPool(RemoteWorker.of(worker, run.assets, run.fallback, tasks), size, limits)
+        return RayPool(RemoteWorker.of(worker, run.assets, run.fallback, specs), size, limits)
     gpus = check_drawable(shader=run.shader) if run.gpus is None else run.gpus
     if not gpus:
         return LocalPool(worker, size, limits)

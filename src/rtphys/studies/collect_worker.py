@@ -27,14 +27,16 @@ from rtphys.episode.render import (
     render_frames,
 )
 from rtphys.sim import renderer
+from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import Recipe
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import differences
 from rtphys.studies.worker import StudyWorker
-from rtphys.task.spec import Task, load_task
+from rtphys.task.spec import load_task
 
 ROOT = "rtphys-staging"  # below the folder for temporary files, with user and node
-PASSED = ("RTPHYS_LIBRARY", "RTPHYS_ASSETS")  # paths that must mean the same on every node
+# Paths that must mean the same on every node, and what stands in for a missing asset.
+PASSED = ("RTPHYS_LIBRARY", "RTPHYS_ASSETS", "RTPHYS_ASSETS_FALLBACK")
 
 Outcome = StagedEpisode | Rejection
 Results = tuple[Outcome, ...]
@@ -222,14 +224,16 @@ class RemoteWorker:
     assets: Path | None  # of the pack, at the same path on every node
     fallback: str
     digest: str  # of the supervisor's pack
-    versions: Mapping[str, Mapping[str, str]]  # by task: all that shapes its episodes
+    # By task and robot: all that shapes their episodes.
+    versions: Mapping[tuple[str, str], Mapping[str, str]]
     environment: Mapping[str, str]
 
     @staticmethod
     def of(
-        worker: CollectWorker, assets: Path | None, fallback: str, tasks: Sequence[Task]
+        worker: CollectWorker, assets: Path | None, fallback: str, specs: Iterable[CollectionSpec]
     ) -> "RemoteWorker":
-        known = {task.name: versions(task) for task in tasks}
+        asked = dict.fromkeys((one.episode.task, one.episode.embodiment) for one in specs)
+        known = {(task, robot): versions(load_task(task), robot) for task, robot in asked}
         passed = {key: os.environ[key] for key in PASSED if key in os.environ}
         return RemoteWorker(worker, assets, fallback, worker.pack.digest, known, passed)
 
@@ -240,9 +244,9 @@ class RemoteWorker:
         if pack.digest != self.digest:
             clause = f"its assets are {pack.digest[:12]}, the supervisor's {self.digest[:12]}"
             raise OtherMachine(f"{platform.node()}: {clause}; link the same pack on both")
-        for name, wanted in self.versions.items():
-            if clauses := differences(wanted, versions(load_task(name))):
-                raise OtherMachine(f"{platform.node()}: {name}: {'; '.join(clauses)}")
+        for (task, robot), wanted in self.versions.items():
+            if clauses := differences(wanted, versions(load_task(task), robot)):
+                raise OtherMachine(f"{platform.node()}: {task}: {'; '.join(clauses)}")
         folder = own_folder()
         do = replace(self.worker, pack=pack)()
 

@@ -18,7 +18,6 @@ from rtphys.spec.episode import EpisodeSpec  # noqa: E402
 from rtphys.studies.collect import collect  # noqa: E402
 from rtphys.studies.collect_request import Run, specs_for  # noqa: E402
 from rtphys.studies.collect_worker import CollectWorker, OtherMachine, RemoteWorker  # noqa: E402
-from rtphys.task.spec import load_task  # noqa: E402
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 
@@ -77,9 +76,12 @@ def test_one_runner_continues_the_other(cluster: None, alone: Path, tmp_path: Pa
 
 def test_a_node_with_other_assets_or_versions_is_refused() -> None:
     pack = default_pack()
-    remote = RemoteWorker.of(CollectWorker(pack, "slim"), None, "", [load_task("click_bell")])
+    remote = RemoteWorker.of(
+        CollectWorker(pack, "slim"), None, "", [CollectionSpec(EpisodeSpec("click_bell"))]
+    )
     with pytest.raises(OtherMachine, match="its assets are"):
         replace(remote, digest="0" * 64)()
-    older = {"click_bell": {**remote.versions["click_bell"], "sapien": "2.2.0"}}
+    ((key, found),) = remote.versions.items()
+    older = {key: {**found, "sapien": "2.2.0"}}
     with pytest.raises(OtherMachine, match=r"click_bell: sapien was '2.2.0'"):
         replace(remote, versions=older)()
