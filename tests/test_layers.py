@@ -25,6 +25,7 @@ OWNERS = {
     "simplejpeg": {"data"},
     "isal": {"data"},
     "av": {"data"},
+    "pandas": {"data"},
     "pydantic": {"analysis", "data", "results", "spec"},
     "pydantic_core": {"data"},
     "pinocchio": {"plan"},

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from rtphys.results.instances import InstanceList
 
 
-@takes(CertificationSpec, CertificationRun, AsJson)
+COMMON = ("protocols", "feasible", "out", "workers")
+
+
+@takes(CertificationSpec, CertificationRun, AsJson, common=COMMON)
 def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> None:
     """Find the seeds on which policies are evaluated: those that the expert solves.
 
@@ -28,8 +31,8 @@ def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> N
 
     Examples:
 
-        rtphys certify --task click_bell --protocol clean,phys_random --out bench
-        rtphys certify --task '*' --protocol clean --reprove 1 --out bench
+        rtphys certify click_bell --protocol clean,phys_random --out bench
+        rtphys certify '*' --protocol clean --reprove 1 --out bench
     """
     from rtphys.studies.certify import certify as run_certification
 
@@ -72,7 +75,13 @@ def _show(lists: "Sequence[InstanceList]", as_json: bool) -> None:
         known = [flag for flag in flags if flag is not None]
         return f"{sum(known)} / {len(known)}" if known else "-"
 
-    columns = ("feasible", "attempts", "replay", "twin", "reasons for infeasibility")
+    columns = (
+        "feasible",
+        "attempts",
+        "replay",
+        "open-loop replay of clean",
+        "reasons for infeasibility",
+    )
     table, rows = fitting_table(["task", "protocol"], columns), list[dict[str, object]]()
     for made in lists:
         replayed = [one.replay for one in made.feasible]

@@ -1,7 +1,8 @@
-"""`rtphys check`: what an author runs on a task."""
+"""`rtphys check` and `try`: what an author runs on a task."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,11 +10,11 @@ import typer
 
 from rtphys.cli.derived import JsonFile, takes
 from rtphys.cli.progress import campaign, reasons
-from rtphys.cli.tables import fitting_table, print_table
+from rtphys.cli.tables import fitting_table, print_table, progress_bar
 from rtphys.cli.terminal import say
 from rtphys.core.errors import counted
 from rtphys.spec.option import Option
-from rtphys.studies.requests import CheckPlan
+from rtphys.studies.requests import CheckPlan, TryPlan
 from rtphys.studies.resources import check_drawable
 
 if TYPE_CHECKING:
@@ -38,9 +39,9 @@ def check(plan: CheckPlan, output: Output) -> None:
     """Try a task's expert over many seeds, without pictures.
 
     The expert's actions are replayed open loop; two seeds are tried a second time and must give
-    the same states; the baselines idle, random and jitter, which see nothing, must fail. CPU-s
-    is the mean time of an
-    attempt.
+    the same states; the baselines idle, random and jitter, which see nothing, must fail, and try
+    only where the expert solves a seed. CPU-s is the mean time of an attempt. `rtphys try` shows
+    one attempt.
 
     Exit code 1: the expert solved no seed of a protocol, a baseline succeeded, or a
     seed gave two outcomes.
@@ -63,6 +64,65 @@ def check(plan: CheckPlan, output: Output) -> None:
         _draw(pack, scores, output.sheet)
     if wrong := complaints(scores):
         say("\n".join(wrong), err=True)
+        raise typer.Exit(1)
+
+
+@takes(TryPlan)
+def try_(plan: TryPlan) -> None:
+    """Try a task's expert once: its stages, and where it stuck.
+
+    Exit code 1: the attempt failed. The same episode is attempted by `rtphys collect`.
+
+    Examples:
+
+        rtphys try place_empty_cup --seed 3 --picture stages.png
+        rtphys try click_bell --protocol phys_random --video a.mp4
+    """
+    from rtphys.assets.pack import default_pack
+    from rtphys.data.files import make_folder, replace_file
+    from rtphys.data.jpeg import encode_png
+    from rtphys.episode.render import write_video
+    from rtphys.plan.kinematics import check_robot
+    from rtphys.report.pictures import captioned
+    from rtphys.sim import renderer
+    from rtphys.studies.one_attempt import stage_ends, watch
+    from rtphys.task.spec import load_task
+
+    task = load_task(plan.task)
+    if plan.drawn:
+        check_drawable()
+        renderer.configure()
+    with progress_bar("building assets") as bar:
+        pack = default_pack(bar)
+    check_robot(pack, plan.episode.embodiment)
+    spec = replace(plan.episode, task=plan.task)
+    watched = watch(spec.at(plan.seed), task, pack)
+    tried = watched.attempt
+    table = fitting_table(["stage"], ["from", "to"])
+    for name, begin, end in watched.stages:
+        table.add_row(name, f"{begin:.2f} s", f"{end:.2f} s")
+    print_table(table)
+    why = f"{tried.reason}: {tried.detail}" if tried.reason else "accepted"
+    say(f"{plan.task}, seed {plan.seed}, {spec.variation}: {why}")
+    if watched.line:
+        say(f"it ended at {watched.line}")
+    if tried.reason and (placed := watched.placed) is not None:
+        (x, y, z), up = placed.target.p, placed.target.R[:, 2]
+        axis = ", ".join(f"{value + 0.0:.2g}" for value in up.round(2))
+        say(
+            f"the last place asked the {placed.side} hand to bring {placed.prop} to ({x:.3f}, "
+            f"{y:.3f}, {z:.3f}) m, its z along ({axis}): tilted by "
+            f"{degrees(placed.tilt):.0f} degrees from how it is held"
+        )
+    if plan.picture is not None:
+        make_folder(plan.picture.parent)
+        stages, pictures = stage_ends(tried, task, pack)
+        replace_file(plan.picture, encode_png(captioned(pictures, stages)))
+        say(str(plan.picture))
+    if plan.video is not None and tried.instance is not None and tried.recording is not None:
+        write_video(tried.instance, tried.recording, pack, plan.video)
+        say(str(plan.video))
+    if tried.reason:
         raise typer.Exit(1)
 
 

@@ -45,7 +45,13 @@ class Request(AsJson):
     ] = False
 
 
-@takes(Request, CollectionSpec, Run, typer.Context)
+COMMON = (
+    "task", "protocol", "episodes", "only", "overrides", "senses", "out", "workers",
+    "keep_failures", "sweep", "manifest", "dry_run",
+)  # fmt: skip
+
+
+@takes(Request, CollectionSpec, Run, typer.Context, common=COMMON)
 def collect(request: Request, template: CollectionSpec, run: Run, context: typer.Context) -> None:
     """Collect verified episodes of one or more tasks.
 
@@ -54,9 +60,9 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
 
     Examples:
 
-        rtphys collect --task click_bell --episodes 100
-        rtphys collect --task 'stack_*' --protocol clean --sense depth,touch
-        rtphys collect --task lift_pot --only friction --episodes 20
+        rtphys collect click_bell --episodes 100
+        rtphys collect 'stack_*' --protocol clean --sense depth,touch
+        rtphys collect lift_pot --only friction --episodes 20
         rtphys collect --manifest training_v1 --shard 1/4 --dry-run
     """
     from rtphys.studies.collect import collect as run_collection

@@ -2,7 +2,7 @@
 
 A field whose annotation carries an `Option` is an option of the same name; a field that is a
 dataclass brings its fields along, or those that `Offers` names. A new option is a field, and
-nothing here.
+nothing here. Tasks may also be words of their own: `check click_bell`, `check --task click_bell`.
 """
 
 import inspect
@@ -13,7 +13,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from functools import wraps
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, Union, cast, get_args, get_origin, get_type_hints
 
 import typer
 
@@ -24,6 +24,20 @@ JSON_HELP = "Plain JSON on standard output instead of a table."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
 _READ_BY_TYPER = (bool, int, float, str, Path)
+_NAMED = "task_names"  # the words of a command that are its tasks
+_METAVARS = {bool: None, int: "N", float: "X", Path: "PATH"}  # others: TEXT
+PANELS = {
+    "EpisodeSpec": "What an episode is",
+    "CollectionSpec": "Which attempts are made and kept",
+    "CertificationSpec": "Which attempts are made and kept",
+    "RecordingSpec": "What is recorded",
+    "Run": "How it runs",
+    "Limits": "How it runs",
+    "CertificationRun": "How it runs",
+    "EvaluationRun": "How it runs",
+    "EvaluationSpec": "The policy",
+}
+"""Class of an option that is not among a command's common ones -> where its help stands."""
 
 
 @dataclass(frozen=True)
@@ -50,21 +64,31 @@ class JsonFile:
             self.json_file.write_text(json.dumps(content, indent=2) + "\n")
 
 
-def takes(*kinds: type) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def takes(
+    *kinds: type, common: Sequence[str] = ()
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Makes `f(a, b)` a command, where a and b are dataclasses whose fields are its options.
 
-    One of them may be typer's context of the running command.
+    Args:
+        kinds: one of them may be typer's context of the running command.
+        common: fields that the help shows first, in this order, the others in panels by their
+            classes; none: all in the order of the fields.
     """
 
     def command(function: Callable[..., None]) -> Callable[..., None]:
         @wraps(function)
         def call(**given: object) -> None:  # typer calls with keywords alone
+            if named := given.get(_NAMED):
+                field = "tasks" if "tasks" in given else "task"
+                given[field] = [*cast(list[str], given[field] or []), *cast(list[str], named)]
             made = [
                 given["context"] if k is typer.Context else _build(_Part(k), given) for k in kinds
             ]
             function(*made)
 
-        parameters = [parameter for kind in kinds for parameter in _parameters(_Part(kind))]
+        parameters = [p for kind in kinds for p in _parameters(_Part(kind), common)]
+        order = (_NAMED, *common)
+        parameters.sort(key=lambda p: order.index(p.name) if p.name in order else len(order))
         call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         return call
 
@@ -112,6 +136,8 @@ def _build(part: _Part, given: Mapping[str, object]) -> Any:
 
 def _value(hint: object, raw: object, name: str, default: Any) -> object:
     if raw is None or (raw == [] and default is not MISSING):
+        if default is MISSING and name == "tasks":
+            raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")
         return None if default is MISSING else default
     if not isinstance(raw, Sequence) or isinstance(raw, str):
         return raw
@@ -130,24 +156,38 @@ def _value(hint: object, raw: object, name: str, default: Any) -> object:
     return {key: value for key, _, value in pairs}
 
 
-def _parameters(part: _Part) -> Iterator[inspect.Parameter]:
+def _parameters(part: _Part, common: Sequence[str]) -> Iterator[inspect.Parameter]:
     keyword = inspect.Parameter.KEYWORD_ONLY
     if part.kind is typer.Context:
         yield inspect.Parameter("context", keyword, annotation=typer.Context)
         return
     for name, hint, default, found in part.asked():
         if isinstance(found, _Part):
-            yield from _parameters(found)
+            yield from _parameters(found, common)
             continue
-        spelled = _spelled_type(hint)
+        spelled, called = _spelled_type(hint), found.name or name
+        if called == "task" and not found.positional:
+            text = "Tasks or patterns such as 'stack_*'; as an option: --task NAME,NAME."
+            words = typer.Argument(help=text, metavar="TASKS", show_default=False)
+            kind = Annotated[list[str] | None, words]
+            yield inspect.Parameter(_NAMED, keyword, default=None, annotation=kind)
+            default = None
         if default is MISSING:
             default = inspect.Parameter.empty
         elif spelled == list[str] | None:
             default = None
-        flag = "--" + (found.name or name).replace("_", "-")
+        flag, text = "--" + called.replace("_", "-"), found.help
         flags = f"{flag}/--no-{flag[2:]}" if default is True else flag
-        text = found.help
-        kind = typer.Argument(help=text) if found.positional else typer.Option(flags, help=text)
+        panel = PANELS.get(part.kind.__name__) if common and name not in common else None
+        metavar = _METAVARS.get(_plain(spelled), "TEXT")
+        option = typer.Option(
+            flags,
+            help=text,
+            metavar=metavar,
+            rich_help_panel=panel,
+            hidden=called == "task",  # the words say it
+        )
+        kind = typer.Argument(help=text) if found.positional else option
         annotation = Annotated[spelled, kind]
         yield inspect.Parameter(name, keyword, default=default, annotation=annotation)
 
@@ -163,6 +203,11 @@ def _spelled_type(hint: object) -> Any:
     if len(kinds) == 1 and kinds[0] in _READ_BY_TYPER:
         return kinds[0] | None if union else kinds[0]
     return str | None
+
+
+def _plain(spelled: Any) -> Any:
+    """A type without `| None`."""
+    return next((kind for kind in get_args(spelled) if kind is not NoneType), spelled)
 
 
 def _without_notes(hint: object) -> object:

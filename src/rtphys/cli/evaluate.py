@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 SHOWN = 5  # attributes per protocol, those with the smallest p-values
 
 
-@takes(EvaluationSpec, EvaluationRun, AsJson)
+COMMON = ("policy", "protocols", "episodes", "out", "workers", "video", "record")
+
+
+@takes(EvaluationSpec, EvaluationRun, AsJson, common=COMMON)
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
     """Run a policy on certified instances and say how often it succeeds.
 
@@ -31,9 +34,9 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
 
     Examples:
 
-        rtphys evaluate --policy expert --task click_bell --protocol clean
-        rtphys evaluate --policy python:mine.py:load --task '*' --protocol clean
-        rtphys evaluate --policy lerobot:act --task lift_pot --protocol phys_random
+        rtphys evaluate click_bell --policy expert --protocol clean
+        rtphys evaluate '*' --policy python:mine.py:load --protocol clean
+        rtphys evaluate lift_pot --policy lerobot:act --protocol phys_random
     """
     run.check(spec)
     from rtphys.results import read_results

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from io import TextIOWrapper
+from keyword import iskeyword
 
 import typer
 from typer.core import TyperGroup
@@ -21,6 +22,7 @@ MODULES = {
     **dict.fromkeys(("identify", "sensitivity"), "research"),
     **dict.fromkeys(("bench", "doctor"), "machine"),
     **dict.fromkeys(("show", "view", "report"), "show"),
+    **dict.fromkeys(("check", "try"), "check"),
 }
 """Command -> its module in this package; every other one has a module of its own name."""
 # Package -> the optional part of rtphys that brings it.
@@ -38,13 +40,15 @@ ALIASES = {"verify-manifest": "verify"}
 FORMER = {
     "check": {"--robots": "--baselines"},
     "collect": {"--seed": "--first-seed"},
-    "evaluate": {"--set": "--policy-option"},
+    "evaluate": {"--set": "--policy-option", "--seed": "--policy-seed"},
     "verify": {"--replay": "--reproduce"},
-    "physics": {"prove": "law-test"},
+    "physics": {"prove": "law-test", "--seed": "--first-seed"},
+    "show": {"--number": "--episode"},
 }
 GONE = {("collect", "--estimate"): "`--dry-run` says what the table in docs/scale.md knows"}
 """Options of 1.0 that are no more, and what there is instead."""
 OF_LIBRARIES = ("task", "task or domain", "domain", "protocol", "embodiment", "attribute")
+FIRST = {"--library", "--assets", "--fallback", "--debug"}  # stand before the command's name
 RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
 INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
@@ -62,6 +66,9 @@ class LazyGroup(TyperGroup):
         name, stub, rest = super().resolve_command(ctx, _as_called_now(args))
         command = load(name) if name and stub else stub
         ctx.meta[RUNNING] = (command, rest)
+        known = {flag for one in _parameters(command, rest) for flag in one.opts}
+        for flag in ({word.partition("=")[0] for word in rest} & FIRST) - known:
+            _stop(f"{flag} stands before the command's name: `rtphys {flag} ... {name} ...`", 2)
         return name, command, rest
 
     def parse_args(self, ctx, args):
@@ -90,6 +97,10 @@ class LazyGroup(TyperGroup):
             if kind.startswith("attribute of domain "):
                 text += "; --domain or a protocol chooses a domain that varies it "
                 text += "(`rtphys domains list`)"
+            elif isinstance(error, BadValue) and "it is a number in" in error.allowed:
+                if isinstance(error.value, tuple) and any("--sweep" in p.opts for p in running):
+                    each = ",".join(f"{value:g}" for value in error.value)
+                    text += f"; `--sweep {error.key}={each}` collects the same with each value"
             elif kind in OF_LIBRARIES and not ctx.params.get("library"):
                 text += "; --library DIR, before the command's name, adds yours"
             _stop(text, error.exit_code)
@@ -141,20 +152,21 @@ def _refusals_said() -> Iterator[None]:
         _stop(f"{where}{error.strerror or error}{hint}", 2)
 
 
-def add_stubs(app: typer.Typer, commands: Mapping[str, str]) -> None:
+def add_stubs(app: typer.Typer, commands: Mapping[str, str], group: str | None = None) -> None:
     """Register name -> help, so that help and "did you mean" know every command."""
 
     def stub() -> None:
         raise RuntimeError("a stub ran: LazyGroup did not resolve the command")
 
     for name, text in commands.items():
-        app.command(name, help=text)(stub)
+        app.command(name, help=text, rich_help_panel=group)(stub)
 
 
 def load(name: str):
     """The real command: the function of its name in its module, or the group of its name."""
     module = import_module(f"rtphys.cli.{MODULES.get(name, name)}")
-    inner = getattr(module, name.replace("-", "_"))
+    identifier = name.replace("-", "_")
+    inner = getattr(module, f"{identifier}_" if iskeyword(identifier) else identifier)
     if not isinstance(inner, typer.Typer):
         function, inner = inner, typer.Typer(add_completion=False)
         inner.command()(function)

@@ -15,41 +15,55 @@ import typer
 from rtphys.cli.lazy import LazyGroup, add_stubs
 from rtphys.cli.terminal import say
 
-COMMANDS = {
-    "collect": "Collect verified episodes of one or more tasks.",
-    "render": "Draw a dataset again: other cameras, sizes, senses or looks.",
-    "merge": "Join datasets, such as the shards of a collection.",
-    "subset": "Copy a part of a dataset.",
-    "check": "Try a task's expert over many seeds, without pictures.",
-    "certify": "Find the seeds on which policies are evaluated.",
-    "evaluate": "Run a policy on certified instances and say how often it succeeds.",
-    "identify": "Find which physics can be inferred from what a robot senses.",
-    "sensitivity": "Measure how far physics may be from nominal before a task is lost.",
-    "compare": "Show evaluations side by side, and beside the paper's.",
-    "robotwin-root": "Write a folder that RoboTwin's launch scripts take for RoboTwin.",
-    "verify": "Check that a dataset is what its manifest says, and that its seeds give it.",
-    "convert": "Write a dataset again in the other official layout.",
-    "export": "Write a dataset in the format of another tool.",
-    "verify-export": "Compare a LeRobot export with its dataset, number by number.",
-    "show": "Show one episode in the terminal or as a picture.",
-    "view": "Look at an episode in Rerun, a viewer of recordings.",
-    "report": "Show a dataset on one HTML page.",
-    "tasks": "List the tasks and what they need.",
-    "new-task": "Write a task file to start from.",
-    "domains": "Show and check the ranges of the physical attributes.",
-    "protocols": "Show what may differ between episodes.",
-    "physics": "Draw physical attributes and prove their laws.",
-    "assets": "Build, inspect or link the asset packs.",
-    "bench": "Measure what an episode costs on this machine.",
-    "doctor": "Find what keeps this machine from working, and how to cure it.",
+GROUPS = {
+    "Make a dataset": {
+        "collect": "Collect verified episodes of one or more tasks.",
+        "render": "Draw a dataset again: other cameras, sizes, senses or looks.",
+        "merge": "Join datasets, such as the shards of a collection.",
+        "subset": "Copy a part of a dataset.",
+        "convert": "Write a dataset again in the other official layout.",
+        "verify": "Check a dataset against its manifest, and its seeds.",
+        "export": "Write a dataset in the format of another tool.",
+        "verify-export": "Compare a LeRobot export with its dataset, number by number.",
+    },
+    "Look at it": {
+        "show": "Show one episode in the terminal or as a picture.",
+        "view": "Look at an episode in Rerun, a viewer of recordings.",
+        "report": "Show a dataset, or an evaluation, on one HTML page.",
+    },
+    "Extend it: tasks and physics of your own": {
+        "tasks": "List the tasks and what they need.",
+        "new-task": "Write a task file to start from.",
+        "try": "Try a task's expert once: its stages, and where it stuck.",
+        "check": "Try a task's expert over many seeds, without pictures.",
+        "domains": "Show and check the ranges of the physical attributes.",
+        "protocols": "Show what may differ between episodes.",
+        "physics": "Draw physical attributes and prove their laws.",
+    },
+    "Evaluate policies": {
+        "certify": "Find the seeds on which policies are evaluated.",
+        "evaluate": "Say how often a policy succeeds on certified instances.",
+        "compare": "Show evaluations side by side, and beside the paper's.",
+        "robotwin-root": "Write a folder that RoboTwin's scripts take for RoboTwin.",
+    },
+    "Studies": {
+        "sensitivity": "Measure how far from nominal physics may be in a task.",
+        "identify": "Find which physics can be inferred from what a robot senses.",
+    },
+    "This machine": {
+        "assets": "Build, inspect or link the asset packs.",
+        "bench": "Measure what an episode costs on this machine.",
+        "doctor": "Find what keeps this machine from working, and its cure.",
+    },
 }
+COMMANDS = {name: text for group in GROUPS.values() for name, text in group.items()}
 
 SHIPPED = ("probes", "examples/own_attributes")  # libraries of their own, beside the tasks
 
 EPILOG = """Examples:
 
-rtphys collect --task click_bell --episodes 10\n
-rtphys collect --task 'stack_*' --protocol phys_random --set friction=0.2\n
+rtphys collect click_bell --episodes 10\n
+rtphys collect 'stack_*' --protocol phys_random --set friction=0.2\n
 rtphys check click_bell --seeds 50 --protocol clean,phys_random\n
 rtphys verify data
 """
@@ -62,7 +76,8 @@ app = typer.Typer(
     epilog=EPILOG,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-add_stubs(app, COMMANDS)
+for _group, _commands in GROUPS.items():
+    add_stubs(app, _commands, _group)
 
 
 def _version(wanted: bool) -> None:
@@ -84,15 +99,18 @@ def main(
     library: Annotated[
         list[Path] | None,
         typer.Option(
+            metavar="DIR",
             help="A folder with tasks/, domains/, manifests/ of your own; repeatable. "
-            "`probes`: the short tasks that find physics out."
+            "`probes`: the short tasks that find physics out.",
         ),
     ] = None,
     assets: Annotated[
-        Path | None, typer.Option(help="An asset pack to use instead of the builtin one.")
+        Path | None,
+        typer.Option(metavar="DIR", help="An asset pack to use instead of the builtin one."),
     ] = None,
     fallback: Annotated[
-        str, typer.Option(help="`builtin`: it stands in for what --assets lacks.")
+        str,
+        typer.Option(metavar="TEXT", help="`builtin`: it stands in for what --assets lacks."),
     ] = "",
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
     say_version: Annotated[

@@ -15,7 +15,7 @@ from rtphys.cli.derived import Json, names_in
 from rtphys.cli.tables import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
-from rtphys.core.errors import Infeasible, UnknownName, counted
+from rtphys.core.errors import BadValue, Infeasible, UnknownName, counted
 from rtphys.physics import Physics, Value, attributes, parse_overrides
 from rtphys.spec.episode import EpisodeSpec, Recipe
 
@@ -40,8 +40,9 @@ def facts_of(key: str, one: object, *names: str) -> Facts:
 
 @physics.command()
 def sample(
-    task: Annotated[str, typer.Option(help="A task, a domain, or a domain file.")],
-    seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
+    name: Annotated[str, typer.Argument(help="A task, a domain, or a domain file.")] = "",
+    task: Annotated[str, typer.Option(help="The same, as an option.")] = "",
+    first_seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
     episodes: Annotated[int, typer.Option(min=1, help="How many seeds, upward.")] = 1,
     only: Annotated[str, typer.Option(help="Vary only these (comma-separated).")] = "",
     assignments: Annotated[
@@ -54,11 +55,13 @@ def sample(
     For a task, the centre of mass is redrawn until it lies inside the task's own bodies. For a
     domain it is as first drawn, from the streams that all tasks share under `pair_tasks`.
     """
-    domain = domain_named(task)
+    if bool(name) == bool(task):
+        raise BadValue("task", task or None, "name one task, domain or domain file")
+    domain = domain_named(task := name or task)
     wanted = names_in([only]) if only.strip(" ,") else None
     overrides = parse_overrides(assignments or [])
     drawn: dict[int, Physics] = {}
-    for s in range(seed, seed + episodes):
+    for s in range(first_seed, first_seed + episodes):
         if task in library.names("tasks"):
             drawn[s] = _inside_bodies(EpisodeSpec(task, "phys_random", wanted, overrides).at(s))
         else:

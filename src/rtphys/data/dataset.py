@@ -5,20 +5,20 @@ for episode in Dataset("data").where(task="click_bell"):
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, islice
 from pathlib import Path
-from typing import Literal, NamedTuple, overload
+from typing import TYPE_CHECKING, Literal, NamedTuple, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.core.bounds import MAX_PICTURES
-from rtphys.core.errors import BadFile, BadValue, UnknownName, counted
+from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName, counted
 from rtphys.data import jpeg, schema
-from rtphys.data.attempts import Rejected, read_attempts
+from rtphys.data.attempts import Accepted, Rejected, read_attempts
 from rtphys.data.episode import Frames
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import EpisodeFile
@@ -28,6 +28,9 @@ from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
 from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
 from rtphys.physics import Physics
 from rtphys.physics.values import plain_value
+
+if TYPE_CHECKING:
+    from pandas import DataFrame  # type: ignore[import-untyped]
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,7 @@ class Episode:
     task: str
     protocol: str
     config: str  # name of the configuration; the protocol's, unless it is one of a sweep or a twin
+    embodiment: str
     number: int
     seed: int
     layout: str
@@ -154,31 +158,91 @@ class Pair(NamedTuple):
     twin: Episode
 
 
-def _episodes(path: Path, entry: TaskEntry, failed: bool = False) -> Iterator[Episode]:
-    """Episodes of a task dataset, or its failures, as far as the manifest counts. `BadFile`."""
-    (place := entry.below(path)).check_links()
-    spec = entry.spec
-    of = spec.episode.task, spec.episode.protocol, spec.name
-    for row in islice(read_attempts(place.ledger), entry.attempts):
-        if (held := row.on_disk) is not None and isinstance(row, Rejected) is failed:
-            paths, layout = held.paths(place), spec.recording.layout
-            yield Episode(*of, held.number, row.seed, layout, paths, failed)
+@dataclass(frozen=True)
+class _Part:
+    """A task dataset, the dataset that it lies in, and which of its attempts are meant."""
+
+    path: Path
+    manifest: Manifest
+    entry: TaskEntry
+    # Key, lowest and highest value that every number of the attribute may have.
+    spans: tuple[tuple[str, float, float], ...] = ()
+
+    def rows(self) -> Iterator[Accepted | Rejected]:
+        """Attempts as far as the manifest counts, in order. Raises `BadFile`."""
+        place = self.entry.below(self.path)
+        place.check_links()
+        rows = islice(read_attempts(place.ledger), self.entry.attempts)
+        return filter(self._fits, rows) if self.spans else rows
+
+    def _fits(self, row: Accepted | Rejected) -> bool:
+        for key, low, high in self.spans:
+            numbers = _numbers(row.physics.get(key))
+            if not numbers or not all(low <= number <= high for number in numbers):
+                return False
+        return True
+
+    def episodes(self, failed: bool = False) -> Iterator[Episode]:
+        """Its episodes, or the failures that were kept. Raises `BadFile`."""
+        spec, place = self.entry.spec, self.entry.below(self.path)
+        of = spec.episode.task, spec.episode.protocol, spec.name, spec.episode.embodiment
+        for row in self.rows():
+            if (held := row.on_disk) is not None and isinstance(row, Rejected) is failed:
+                paths, layout = held.paths(place), spec.recording.layout
+                yield Episode(*of, held.number, row.seed, layout, paths, failed)
+
+
+def _numbers(value: object) -> tuple[float, ...]:
+    """Numbers of an attribute in a ledger: one, those of a vector, or none."""
+    parts = cast(Sequence[object], value) if isinstance(value, list) else (value,)
+    return tuple(float(part) for part in parts if isinstance(part, int | float))
 
 
 class Dataset(Sequence[Episode]):
-    """The episodes of a folder that holds `manifest.json`, in the manifest's order."""
+    """The episodes of a folder that holds `manifest.json`, in the manifest's order.
+
+    `Dataset("a") + Dataset("b")` has the episodes of both.
+    """
 
     def __init__(self, path: str | Path) -> None:
         """Raises `BadFile` when there is no dataset; reads the manifest, no episode."""
         given = Path(path)
-        self.path = given.parent if given.name == MANIFEST else given
-        self.manifest: Manifest = read_manifest(self.path)
-        self.task_datasets = tuple(self.manifest.task_datasets.values())
+        folder = given.parent if given.name == MANIFEST else given
+        manifest = read_manifest(folder)
+        self._parts = tuple(
+            _Part(folder, manifest, entry) for entry in manifest.task_datasets.values()
+        )
+        self._folders = {folder: manifest}
+
+    @staticmethod
+    def _of(parts: Iterable[_Part], folders: Mapping[Path, Manifest]) -> "Dataset":
+        made = object.__new__(Dataset)
+        made._parts, made._folders = tuple(parts), dict(folders)
+        return made
+
+    def __add__(self, other: "Dataset") -> "Dataset":
+        return Dataset._of(self._parts + other._parts, self._folders | other._folders)
+
+    @property
+    def path(self) -> Path:
+        """Its folder. Raises `BadValue`: it has several, being a sum."""
+        if len(self._folders) > 1:
+            allowed = "this needs a dataset of one folder: `rtphys merge` writes one"
+            raise BadValue("dataset", " + ".join(map(str, self._folders)), allowed)
+        return next(iter(self._folders))
+
+    @property
+    def manifest(self) -> Manifest:
+        """Of its folder. Raises `BadValue`: it has several, being a sum."""
+        return self._folders[self.path]
+
+    @property
+    def task_datasets(self) -> tuple[TaskEntry, ...]:
+        return tuple(part.entry for part in self._parts)
 
     @cached_property
     def _episodes(self) -> tuple[Episode, ...]:
-        parts = (_episodes(self.path, entry) for entry in self.task_datasets)
-        return tuple(chain.from_iterable(parts))
+        return tuple(chain.from_iterable(part.episodes() for part in self._parts))
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -203,8 +267,16 @@ class Dataset(Sequence[Episode]):
         protocol: str | None = None,
         embodiment: str | None = None,
         config: str | None = None,
+        physics: Mapping[str, tuple[float, float]] | None = None,
     ) -> "Dataset":
-        """The episodes of one task, protocol, robot or configuration. Raises `UnknownName`."""
+        """The episodes of one task, protocol, robot or configuration, and of a part of the physics.
+
+        Args:
+            physics: attribute -> lowest and highest value, such as {"friction": (0.1, 0.3)}, for
+                each component of a vector. Episodes where it cannot act are left out.
+
+        Raises `UnknownName`.
+        """
         robot = None if embodiment is None else embodiment_folder(embodiment)
         for kind, name, known in (
             ("task", task, self.tasks),
@@ -213,18 +285,23 @@ class Dataset(Sequence[Episode]):
             ("configuration", config, self.configs),
         ):
             if name is not None and name not in known:
-                raise UnknownName(f"recorded {kind}", name, known, self.path)
-        part = object.__new__(Dataset)
-        part.path, part.manifest = self.path, self.manifest
-        part.task_datasets = tuple(
-            entry
-            for entry in self.task_datasets
-            if task in (None, entry.spec.episode.task)
-            and protocol in (None, entry.spec.episode.protocol)
-            and robot in (None, embodiment_folder(entry.spec.episode.embodiment))
-            and config in (None, entry.spec.name)
+                raise UnknownName(
+                    f"recorded {kind}", name, known, "+".join(map(str, self._folders))
+                )
+        acting = {key for part in self._parts for key in part.entry.could_act}
+        for key in (physics or {}).keys() - acting:
+            raise UnknownName("attribute that can act here", key, acting)
+        spans = tuple((key, low, high) for key, (low, high) in (physics or {}).items())
+        chosen = (
+            replace(part, spans=part.spans + spans)
+            for part in self._parts
+            for spec in (part.entry.spec,)
+            if task in (None, spec.episode.task)
+            and protocol in (None, spec.episode.protocol)
+            and robot in (None, embodiment_folder(spec.episode.embodiment))
+            and config in (None, spec.name)
         )
-        return part
+        return Dataset._of(chosen, self._folders)
 
     def pairs(self) -> tuple[Pair, ...]:
         """Every episode here that was recorded with a twin, and that twin; works after `where` too.
@@ -232,20 +309,73 @@ class Dataset(Sequence[Episode]):
         Both have the same layout, so what differs between them is due to the protocol.
         """
         found: list[Pair] = []
-        for entry in self.task_datasets:
-            if entry.spec.twin is not None:
-                name = TaskDataset.of(self.path, entry.spec.sides[1]).name
-                if (twin := self.manifest.task_datasets.get(name)) is not None:
-                    found += map(Pair, _episodes(self.path, entry), _episodes(self.path, twin))
+        for part in self._parts:
+            spec = part.entry.spec
+            if spec.twin is not None:
+                name = TaskDataset.of(part.path, spec.sides[1]).name
+                if (entry := part.manifest.task_datasets.get(name)) is not None:
+                    twin = _Part(part.path, part.manifest, entry)
+                    twins = {one.seed: one for one in twin.episodes()}
+                    found += [Pair(one, twins[one.seed]) for one in part.episodes()]
         return tuple(found)
+
+    def groups(self) -> dict[tuple[str, int], tuple[Episode, ...]]:
+        """Task and seed -> its episodes under every configuration, kept failures among them.
+
+        The layout of a seed is the same in all, so what differs between them is the physics, as in
+        a sweep, or the look.
+        """
+        found: dict[tuple[str, int], list[Episode]] = {}
+        for part in self._parts:
+            for one in (*part.episodes(), *part.episodes(failed=True)):
+                found.setdefault((one.task, one.seed), []).append(one)
+        return {key: tuple(found[key]) for key in sorted(found)}
+
+    def to_pandas(self, attempts: bool = False) -> "DataFrame":
+        """One row an episode or kept failure: what it is, its physics, length and outcome.
+
+        Columns: task, config, embodiment, seed, number, frames, outcome ("accepted", or the reason
+        of the failure), and the attributes, vectors by component; NaN where one cannot act.
+
+        Args:
+            attempts: also those attempts of which no file was kept; with no number and frames.
+
+        Raises `RtphysError`: pandas, which rtphys does not bring, is not installed.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError as error:
+            raise RtphysError(f"{error}; `pip install pandas`") from error
+        rows: list[dict[str, object]] = []
+        for part in self._parts:
+            of = part.entry.spec
+            for row in part.rows():
+                held = row.on_disk
+                if held is None and not attempts:
+                    continue
+                values: dict[str, object] = {
+                    "task": of.episode.task,
+                    "config": of.name,
+                    "embodiment": of.episode.embodiment,
+                    "seed": row.seed,
+                    "number": held and held.number,
+                    "frames": held and held.frames,
+                    "outcome": row.reason if isinstance(row, Rejected) else row.verdict,
+                }
+                for key, value in row.physics.items():
+                    if len(numbers := _numbers(value)) > 1:
+                        values |= {f"{key}.{i}": v for i, v in zip("xyz", numbers, strict=False)}
+                    else:
+                        values[key] = value
+                rows.append(values)
+        return DataFrame(rows)
 
     def failures(self) -> tuple[Episode, ...]:
         """Attempts that failed and were kept, never among the episodes; works after `where` too.
 
         They have everything that an episode has, and `failure`: why and when it went wrong.
         """
-        parts = (_episodes(self.path, entry, failed=True) for entry in self.task_datasets)
-        return tuple(chain.from_iterable(parts))
+        return tuple(chain.from_iterable(part.episodes(failed=True) for part in self._parts))
 
     def files(self) -> Iterator[tuple[str, FileFacts]]:
         """Every episode's file below the folder, with its size and SHA-256, from the ledgers."""
@@ -255,7 +385,9 @@ class Dataset(Sequence[Episode]):
                     yield f"{name}/{path}", facts
 
     def __len__(self) -> int:
-        return sum(entry.episodes for entry in self.task_datasets)
+        if any(part.spans for part in self._parts):
+            return len(self._episodes)
+        return sum(part.entry.episodes for part in self._parts)
 
     @overload
     def __getitem__(self, index: int) -> Episode: ...
@@ -266,7 +398,8 @@ class Dataset(Sequence[Episode]):
 
     def __repr__(self) -> str:
         tasks = counted(len(self.tasks), "tasks")
-        return f"Dataset({str(self.path)!r}: {counted(len(self), 'episodes')} of {tasks})"
+        folders = " + ".join(map(str, self._folders))
+        return f"Dataset({folders!r}: {counted(len(self), 'episodes')} of {tasks})"
 
 
 def find_episode(path: Path) -> Episode:

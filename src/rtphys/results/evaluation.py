@@ -74,7 +74,7 @@ class EvaluationSpec:
     policy: Annotated[str, Option("idle, random, jitter, expert, replay:DATASET, ...")]
     episode: Annotated[EpisodeSpec, Offers("split", "embodiment")] = EpisodeSpec(split="unseen")
     recording: Annotated[RecordingSpec, Offers("senses", "size")] = RecordingSpec()
-    seed: Annotated[Seed, Option("Seed of the policy's own chance.")] = 0
+    seed: Annotated[Seed, Option("Seed of the policy's own chance.", "policy_seed")] = 0
     options: Annotated[
         Mapping[str, str], Option("key=value for the policy; repeatable.", "policy_option")
     ] = field(default_factory=dict[str, str])

@@ -13,23 +13,21 @@ from numpy.typing import NDArray
 from rtphys.assets.pack import Pack
 from rtphys.campaign.local import run_here
 from rtphys.campaign.series import QUIET, Batch, Listener
-from rtphys.core.errors import Infeasible
+from rtphys.core.errors import Infeasible, counted
 from rtphys.episode import begin
-from rtphys.episode.generate import attempt, prepare, start
-from rtphys.episode.render import StateTrajectory, render_frames
+from rtphys.episode.generate import attempt
 from rtphys.plan.kinematics import check_robot
 from rtphys.policies import open_policy
 from rtphys.sim import renderer
 from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.spec.protocol import load_protocol
-from rtphys.spec.recording import RecordingSpec
+from rtphys.studies.one_attempt import stage_ends
 from rtphys.studies.requests import CheckPlan
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.spec import Task, load_task
 
 MAX_BASELINE = 20  # seeds of each baseline, unless more are asked for
 TWICE = 2  # seeds that the expert does twice, to compare the states
-SHEET_CAMERAS = ("head", "left", "right", "front")
 
 Role = Literal["expert", "again", "idle", "random", "jitter"]
 BASELINES: tuple[Role, ...] = ("idle", "random", "jitter")  # they see nothing, and must fail
@@ -62,7 +60,7 @@ class Score:
 
     def tried(self, role: Role) -> Collection[CheckResult]:
         """The results of the expert or of a baseline."""
-        return self.results[role].values()
+        return self.results.get(role, {}).values()
 
     def solved(self, role: Role) -> int:
         """Number of their successes."""
@@ -122,28 +120,46 @@ class Score:
 
 
 def check(plan: CheckPlan, pack: Pack, listener: Listener = QUIET) -> list[Score]:
-    """Tries the expert, its actions replayed, and the baselines. Raises `RtphysError`."""
+    """Tries the expert, its actions replayed, and, where it solves a seed, the baselines.
+
+    Raises `RtphysError`.
+    """
     check_robot(pack, plan.episode.embodiment)
-    counts: dict[Role, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
     blind = min(plan.seeds, MAX_BASELINE) if plan.baselines is None else plan.baselines
-    counts |= dict.fromkeys(BASELINES, blind)
-    scores, batches = list[Score](), list[Batch[CheckTask, CheckResult]]()
-    for task, protocol in product(plan.tasks, plan.protocols):
-        spec = replace(plan.episode, task=task, protocol=protocol)
-        scores.append(Score(spec))
-        for role, count in counts.items():
-            called = "expert, a second time" if role == "again" else role
-            seeds = range(plan.first_seed, plan.first_seed + count)
-            batch = Batch(
-                f"{task}, {protocol} ({called})",
-                {seed: CheckTask(role, spec.at(seed)) for seed in seeds},
-                lambda job, loss: CheckResult(loss.reason, loss.detail),
-                lambda one, blind=role in BASELINES: one.success if blind else not one.reason,
-            )
-            scores[-1].results[role] = batch.results
-            batches.append(batch)
-    run_here(batches, CheckWorker(pack), plan.workers, listener)
+    cells = product(plan.tasks, plan.protocols)
+    scores = [Score(replace(plan.episode, task=task, protocol=name)) for task, name in cells]
+    experts: dict[Role, int] = {"expert": plan.seeds, "again": min(TWICE, plan.seeds)}
+    _run(scores, experts, plan, pack, listener)
+    solved = [score for score in scores if score.accepted]
+    if len(solved) < len(scores):
+        few = counted(len(scores) - len(solved), "tasks")
+        listener.noticed(f"the baselines do not try {few} of which the expert solves no seed")
+    if solved and blind:
+        _run(solved, dict.fromkeys(BASELINES, blind), plan, pack, listener)
     return scores
+
+
+def _run(
+    scores: Sequence[Score],
+    counts: Mapping[Role, int],
+    plan: CheckPlan,
+    pack: Pack,
+    listener: Listener,
+) -> None:
+    """Fills in the results of these roles, so many seeds each."""
+    batches = list[Batch[CheckTask, CheckResult]]()
+    for score, (role, count) in product(scores, counts.items()):
+        called = "expert, a second time" if role == "again" else role
+        seeds = range(plan.first_seed, plan.first_seed + count)
+        batch = Batch(
+            f"{score.spec.task}, {score.spec.protocol} ({called})",
+            {seed: CheckTask(role, score.spec.at(seed)) for seed in seeds},
+            lambda job, loss: CheckResult(loss.reason, loss.detail),
+            lambda one, blind=role in BASELINES: one.success if blind else not one.reason,
+        )
+        score.results[role] = batch.results
+        batches.append(batch)
+    run_here(batches, CheckWorker(pack), plan.workers, listener)
 
 
 class CheckWorker(StudyWorker[CheckTask, CheckResult]):
@@ -180,13 +196,5 @@ def ends(
     """
     renderer.configure()  # before the first scene
     seed = min(score.accepted or score.failures)
-    recipe, task = score.spec.at(seed), load_task(score.spec.task)
-    recording = attempt(recipe, task, pack).recording
-    if recording is None:  # not even settled: show what it looks like before anyone acts
-        recording = start(prepare(recipe, task, pack)).recorder.recording
-    last = {row.stage: row for row in recording.rows}  # of each stage
-    states = StateTrajectory.of(replace(recording, rows=list(last.values())))
-    frames = render_frames(recipe, task, pack, states, RecordingSpec(SHEET_CAMERAS))
-    images = list(frames.images)
-    stages = [recording.stages[stage] for stage in last]
-    return seed, stages, {camera: [shown[camera] for shown in images] for camera in images[0]}
+    task = load_task(score.spec.task)
+    return seed, *stage_ends(attempt(score.spec.at(seed), task, pack), task, pack)

@@ -50,7 +50,8 @@ class CertificationSpec:
         Extent,
         one_of("baseline", (*BASELINES, "none")),
         Option(
-            "replay, twin, or none. Each costs about as much as the attempt itself. "
+            "replay, twin (open-loop replay of the clean demonstration), or none. Each costs about "
+            "as much as the attempt itself. "
             "A list that lacks one gains it, and keeps what it has."
         ),
     ] = BASELINES
@@ -99,7 +100,7 @@ def _acts(task: str, protocol: str) -> bool:
 class CheckPlan:
     """One run of `check`: tasks under protocols."""
 
-    tasks: Annotated[Tasks, Option("Tasks or patterns.", positional=True)]
+    tasks: Tasks
     protocols: Protocols = ("clean",)
     seeds: Annotated[Positive, Option("Number of seeds of each task and protocol.")] = 20
     first_seed: Annotated[Seed, Option("The first seed.")] = 0
@@ -107,7 +108,8 @@ class CheckPlan:
         Seed | None,
         Option(
             "Number of seeds for the baselines idle, random and jitter, which cost the most: up to "
-            "the step limit each. Default: those of the expert, at most 20."
+            "the step limit each. Default: those of the expert, at most 20; none where it solves "
+            "no seed."
         ),
     ] = None
     episode: Annotated[EpisodeSpec, Offers("ranges", "embodiment")] = EpisodeSpec()
@@ -118,6 +120,23 @@ class CheckPlan:
             load_task(name)
         if self.episode.ranges is not None:
             check_varies(self.episode.ranges, self.protocols)
+
+
+@checked_dataclass(frozen=True)
+class TryPlan:
+    """One attempt of `try`."""
+
+    task: Annotated[str, Option("Name of the task.", positional=True)]
+    seed: Annotated[Seed, Option("Seed of the episode.")] = 0
+    episode: Annotated[
+        EpisodeSpec, Offers("protocol", "only", "overrides", "ranges", "embodiment")
+    ] = EpisodeSpec(protocol="clean")
+    picture: Annotated[Path | None, Option("Draw the end of each stage into this PNG.")] = None
+    video: Annotated[Path | None, Option("Draw the attempt into this MP4.")] = None
+
+    @property
+    def drawn(self) -> bool:
+        return self.picture is not None or self.video is not None
 
 
 @checked_dataclass(frozen=True)
