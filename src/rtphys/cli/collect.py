@@ -14,7 +14,7 @@ from rtphys.cli.progress import campaign_progress, summary_table
 from rtphys.cli.tables import fitting_table, print_rows, print_table
 from rtphys.cli.terminal import Incomplete, command_line, resumable, say, say_json
 from rtphys.core import library
-from rtphys.core.errors import BadValue, counted
+from rtphys.core.errors import BadValue, RtphysError, counted
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import Option
@@ -39,7 +39,9 @@ class Request(AsJson):
     manifest: Annotated[
         str, Option("A file that says what to collect, or its name in a library.")
     ] = ""
-    sweep: Annotated[str, Option("key=value,value: the same seeds under each of these.")] = ""
+    sweep: Annotated[
+        str, Option("key=value,value: a dataset with each of these, from the same first seed.")
+    ] = ""
     dry_run: Annotated[
         bool, Option("Only say what would be collected and where; nothing is simulated.")
     ] = False
@@ -126,10 +128,10 @@ def _specs(
 
 
 def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> None:
-    """Prints each task dataset and what is there already. Raises what `collect` would refuse."""
+    """Prints each task dataset, what is there already, and what this machine would refuse."""
     from rtphys.data.attempts import Accepted, read_attempts
     from rtphys.data.layout import TaskDataset
-    from rtphys.studies.collect import check
+    from rtphys.studies.collect import check, check_machine
     from rtphys.task.rates import expected
 
     check(specs, run)
@@ -153,11 +155,16 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
         )
         table.add_row(*map(str, rows[-1].values()))
     print_rows(table, rows, as_json)
+    try:
+        workers = f", with {counted(check_machine(specs, run), 'workers')}"
+    except RtphysError as problem:
+        workers = ""
+        say(f"here and now it would be refused: {problem}", err=True)
     cpu, megabytes, unknown = expected(missing)
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
     say(
         f"{counted(wanted, 'episodes')} in {run.out}, at most "
-        f"{room_needed(specs) / 1e9:.1f} GB, with {counted(run.size(), 'workers')}; what is "
+        f"{room_needed(specs) / 1e9:.1f} GB{workers}; what is "
         f"missing takes about {cpu / 3600:.1f} h of CPU and {megabytes / 1e3:.1f} GB by the table "
         f"in docs/scale.md{apart}; nothing was collected",
         err=as_json,

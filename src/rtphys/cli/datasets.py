@@ -9,7 +9,7 @@ from rtphys.cli.derived import names_in, takes
 from rtphys.cli.progress import campaign_progress
 from rtphys.cli.tables import progress_bar
 from rtphys.cli.terminal import command_line, resumable, say
-from rtphys.core.errors import BadValue, counted
+from rtphys.core.errors import counted
 from rtphys.studies.requests import RenderSpec
 
 Dataset = Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")]
@@ -80,6 +80,7 @@ def subset(
     from rtphys.data.dataset import Dataset
     from rtphys.data.manifest import TaskEntry
     from rtphys.data.rewrite import subset as write_subset
+    from rtphys.data.selection import seed_set
 
     known = Dataset(dataset)
     tasks, configs = names_in(task or ()), names_in(config or ())
@@ -99,17 +100,6 @@ def subset(
     with resumable():
         names = write_subset(known.path, out, chosen, kept if seeds or drop_seeds else None)
     _say_result(out, names)
-
-
-def seed_set(option: str, text: str) -> frozenset[int]:
-    """Seeds of "3,7" or "0:50", the end not among them. Raises `BadValue`."""
-    found: set[int] = set()
-    for part in filter(None, text.split(",")):
-        first, colon, end = part.partition(":")
-        if not (first.isdecimal() and (end.isdecimal() or not colon)):
-            raise BadValue(option, text, "write seeds such as 3,7 or a range such as 0:50")
-        found.update(range(int(first), int(end)) if colon else (int(first),))
-    return frozenset(found)
 
 
 def _say_result(out: Path, names: list[str]) -> None:

@@ -166,7 +166,8 @@ def _parameters(part: _Part, common: Sequence[str]) -> Iterator[inspect.Paramete
             yield from _parameters(found, common)
             continue
         spelled, called = _spelled_type(hint), found.name or name
-        if called == "task" and not found.positional:
+        tasks = called == "task" and list[str] in (spelled, *get_args(spelled))
+        if tasks:
             text = "Tasks or patterns such as 'stack_*'; as an option: --task NAME,NAME."
             words = typer.Argument(help=text, metavar="TASKS", show_default=False)
             kind = Annotated[list[str] | None, words]
@@ -185,7 +186,7 @@ def _parameters(part: _Part, common: Sequence[str]) -> Iterator[inspect.Paramete
             help=text,
             metavar=metavar,
             rich_help_panel=panel,
-            hidden=called == "task",  # the words say it
+            hidden=tasks,  # the words say it
         )
         kind = typer.Argument(help=text) if found.positional else option
         annotation = Annotated[spelled, kind]

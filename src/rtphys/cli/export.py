@@ -27,6 +27,8 @@ def lerobot(
     version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
     protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
+    config: Annotated[str | None, typer.Option(help="Only this configuration.")] = None,
+    seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
     camera_names: Annotated[
         str, typer.Option(help="aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
     ] = "aloha",
@@ -50,11 +52,12 @@ def lerobot(
     """
     # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
     from rtphys.data.dataset import Dataset
+    from rtphys.data.selection import Selection
     from rtphys.export.lerobot import ExportSpec, export_lerobot
     from rtphys.export.lerobot_plan import READERS
 
     spec = ExportSpec(version, camera_names, tuple(names_in(features or [])), sentences)
-    chosen = Dataset(dataset).where(task, protocol)
+    chosen = Selection(task, config, seed).of(Dataset(dataset).where(protocol=protocol))
     with progress_bar("exporting") as bar:
         export_lerobot(chosen, out, spec, bar)
     say(f"{out}: {counted(len(chosen), 'episodes')}, LeRobot {version}, for {READERS[version]}")

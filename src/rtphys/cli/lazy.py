@@ -124,6 +124,12 @@ def _as_called_now(args: list[str]) -> list[str]:
     command = ALIASES.get(args[0], args[0]) if args else ""
     words = [command, *args[1:]] if args else []
     for place, word in enumerate(words[1:], start=1):
+        bare = word == "--video" and (words[place + 1 :] or ["-"])[0].startswith("-")
+        if command == "evaluate" and bare:
+            words[place] = "--video=all"
+            say(
+                "note: `--video` of `rtphys evaluate` takes all, failures or a number now", err=True
+            )
         flag, equals, value = word.partition("=")
         if instead := GONE.get((command, flag)):
             _stop(f"{flag} is gone: {instead}", 2)

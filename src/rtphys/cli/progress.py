@@ -104,7 +104,10 @@ class Lines(_Counts):
         for progress in progresses if len(progresses) <= MAX_ROWS else ():
             if progress.wanted:
                 there = f", {progress.accepted} there already" if progress.attempts else ""
-                say(f"{progress.name}: {progress.wanted} {self.noun} wanted{there}", err=True)
+                say(
+                    f"{progress.name}: {counted(progress.wanted, self.noun)} wanted{there}",
+                    err=True,
+                )
 
     def ticked(self) -> None:
         if self.due(LINE_EVERY):

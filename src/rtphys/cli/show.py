@@ -5,6 +5,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,10 +14,12 @@ import numpy as np
 import typer
 from rich.text import Text
 
-from rtphys.cli.derived import Json
+from rtphys.cli.derived import AsJson, takes
 from rtphys.cli.tables import fitting_table, print_table, progress_bar
 from rtphys.cli.terminal import say, say_json
 from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError
+from rtphys.data.selection import One
+from rtphys.spec.option import Option
 
 if TYPE_CHECKING:
     from rtphys.data.dataset import Episode
@@ -25,54 +28,73 @@ SUFFIX = ".rrd"
 VIEWER = "rerun"  # the program that shows a recording
 
 
-def find(path: Path, number: int, failure: int | None = None) -> "Episode":
-    """The episode that a file belongs to, or the one of that number in a folder."""
-    from rtphys.data.dataset import Dataset, find_episode
+@dataclass(frozen=True)
+class Shown:
+    """Where an episode is looked for."""
 
-    if not path.is_dir():
-        return find_episode(path)
-    dataset = Dataset(path)
-    kind, index, known = "episode", number, tuple(dataset)
-    if failure is not None:
-        kind, index, known = "failure", failure, dataset.failures()
-    if not known:
-        raise BadFile(path, f"the dataset holds no {kind}")
-    if not 0 <= index < len(known):
-        raise BadValue(kind, index, f"the dataset holds {kind}s 0 to {len(known) - 1}")
-    return known[index]
+    path: Annotated[Path, Option("A dataset folder, or any file of an episode.", positional=True)]
 
 
-def show(
-    path: Annotated[Path, typer.Argument(help="Any file of an episode, or a dataset folder.")],
-    number: Annotated[
-        int, typer.Option("--episode", "--number", help="Which episode of a dataset folder.")
-    ] = 0,
+@dataclass(frozen=True)
+class Sheet(AsJson):
+    """Where the pictures go."""
+
     out: Annotated[
-        Path | None,
-        typer.Option(help="Also write a contact sheet and a joint plot into this folder."),
-    ] = None,
-    as_json: Json = False,
-) -> None:
+        Path | None, Option("Also write a contact sheet and a joint plot into this folder.")
+    ] = None
+
+
+@dataclass(frozen=True)
+class RerunFile:
+    """Where the recording goes."""
+
+    out: Annotated[Path | None, Option("Write an .rrd file instead of opening the viewer.")] = None
+
+
+def chosen(shown: Shown, which: One) -> "Episode":
+    """The first episode that fits; says how many others do, if it was not any that was meant."""
+    first, *others = which.of_path(shown.path)
+    if others and which != One():
+        text = f"the first of {len(others) + 1} that fit: {name_of(first)}"
+        say(f"{text}; --task, --config or --seed chooses", err=True)
+    return first
+
+
+def name_of(episode: "Episode") -> str:
+    """For files: all that it differs in from any other of its dataset."""
+    from rtphys.data.layout import embodiment_folder
+
+    kind = "failure" if episode.failed else "episode"
+    robot = embodiment_folder(episode.embodiment)
+    return f"{episode.task}_{episode.config}_{robot}_{kind}_{episode.number}"
+
+
+@takes(Shown, One, Sheet)
+def show(shown: Shown, which: One, sheet: Sheet) -> None:
     """What an episode holds: task, physics, stages, contacts.
 
     Of a failure that was kept, also what went wrong, and when.
 
-    Example:
+    Examples:
 
         rtphys show data --episode 3 --out pictures
+        rtphys show data --failure 0
+        rtphys show data --task click_bell --config clean --seed 17
     """
-    episode = find(path, number)
+    episode = chosen(shown, which)
     frames, verdict, failure = episode.frames, episode.meta.verdict, episode.failure
     moved = {
         name: float(np.ptp(pose[:, :3], axis=0).max()) for name, pose in frames.object_poses.items()
     }
-    if as_json:
+    if sheet.as_json:
         labels = episode.meta.attributes.items()
         say_json(
             {
                 "task": episode.task,
                 "seed": episode.seed,
                 "protocol": episode.protocol,
+                "config": episode.config,
+                "embodiment": episode.embodiment,
                 "instructions": list(episode.instructions.seen),
                 "frames": len(episode),
                 "seconds": float(frames.time[-1] - frames.time[0]),
@@ -92,19 +114,20 @@ def show(
         )
     else:
         _show_facts(episode, moved)
-    if out is not None:
-        _draw(episode, out)
+    if sheet.out is not None:
+        _draw(episode, sheet.out)
 
 
 def _show_facts(episode: "Episode", moved: dict[str, float]) -> None:
     verdict, failure, time = episode.meta.verdict, episode.failure, episode.frames.time
     after = verdict.first_success_time
     rows = {
-        "task": f"{episode.task}, seed {episode.seed}, {episode.protocol}",
+        "task": f"{episode.task}, seed {episode.seed}, {episode.config}, {episode.embodiment}",
         "says": "; ".join(episode.instructions.seen[:2]),
         "frames": f"{len(episode)}, {time[-1] - time[0]:.2f} s, 16.67 Hz",
         "cameras": ", ".join(episode.cameras),
-        "success": f"{'-' if after is None else f'after {after:.2f} s'}, held: {verdict.held}",
+        "success": "-" if after is None else f"after {after:.2f} s",
+        "still true": f"{'yes' if verdict.held else 'no'}, 0.5 s after the end",
     }
     strain = verdict.strain
     met, joint = (f" ({name})" if name else "" for name in (strain.pair, strain.joint))
@@ -162,23 +185,15 @@ def _draw(episode: "Episode", out: Path) -> None:
     from rtphys.report.pictures import contact_sheet, joint_plot
 
     make_folder(out)
-    stem = f"{episode.task}_{episode.protocol}_{episode.number}"
+    stem = name_of(episode)
     sheet, plot = out / f"{stem}.png", out / f"{stem}_joints.svg"
     replace_file(sheet, encode_png(contact_sheet(episode)))
     replace_file(plot, joint_plot(episode).encode())
     say(f"{sheet}\n{plot}")
 
 
-def view(
-    path: Annotated[Path, typer.Argument(help="A dataset folder, or any file of an episode.")],
-    episode: Annotated[int, typer.Option(help="Which episode of a dataset folder.")] = 0,
-    failure: Annotated[
-        int | None, typer.Option(help="Instead: which of the failures that were kept.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write an .rrd file instead of opening the viewer.")
-    ] = None,
-) -> None:
+@takes(Shown, One, RerunFile)
+def view(shown: Shown, which: One, file: RerunFile) -> None:
     """Look at an episode in Rerun: cameras, the scene in 3D, forces, joints, physics, stages.
 
     Of a failure that was kept, the instant at which it went wrong is marked.
@@ -188,24 +203,25 @@ def view(
         rtphys view data --episode 3
         rtphys view data --failure 0 --out failure.rrd
     """
+    out = file.out
     if out is not None and out.suffix != SUFFIX:
         raise BadValue("out", str(out), f"its name ends in {SUFFIX}")
-    chosen = find(path, episode, failure)
+    episode = chosen(shown, which)
     from rtphys.assets.pack import pack_with
     from rtphys.data.files import make_folder
     from rtphys.episode.solids import solids
     from rtphys.view import VERSION, show_recording, write_recording
 
-    digest = _assets_digest(chosen)
+    digest = _assets_digest(episode)
     if (pack := pack_with(digest)) is None:
-        raise MissingAsset(f"assets of digest {digest}", path, chosen.task)
-    scene = solids(chosen, pack)
+        raise MissingAsset(f"assets of digest {digest}", shown.path, episode.task)
+    scene = solids(episode, pack)
     if out is None:
         check_viewer(VERSION)
-        show_recording(chosen, scene)
+        show_recording(episode, scene)
         return
     make_folder(out.parent)
-    write_recording(chosen, scene, out)
+    write_recording(episode, scene, out)
     size = f"{out.stat().st_size / 1e6:.1f} MB"
     say(f"{out} ({size}, written by Rerun {VERSION}); to open it: rerun {shlex.quote(str(out))}")
 
@@ -243,21 +259,34 @@ def _assets_digest(episode: "Episode") -> str:
 
 
 def report(
-    dataset: Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")],
+    dataset: Annotated[
+        Path, typer.Argument(help="A dataset, or a folder that rtphys evaluate has written.")
+    ],
     out: Annotated[
-        Path | None, typer.Option(help="HTML file; by default report.html in the dataset.")
+        Path | None, typer.Option(help="HTML file of a dataset; default: report.html in it.")
     ] = None,
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
 ) -> None:
-    """Write one HTML page of a dataset.
+    """Write one HTML page of a dataset, or of a policy's evaluation.
 
-    It shows counts, acceptance, histograms of the physics, and every episode's video.
+    Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
+    evaluation: success rates, which physics breaks the policy, and each failure, with the video
+    that `rtphys evaluate --video failures` has written.
 
-    Example:
+    Examples:
 
         rtphys report data --task click_bell
+        rtphys report eval/random
     """
     from rtphys.data.dataset import Dataset
+    from rtphys.data.layout import MANIFEST
+
+    if not (dataset / MANIFEST).exists() and any(dataset.glob("*/*.ledger")):
+        from rtphys.report.evaluation_page import write_evaluation_report
+        from rtphys.results import read_results
+
+        say(str(write_evaluation_report(read_results(dataset))))
+        return
     from rtphys.report.page import write_report
 
     chosen = Dataset(dataset).where(task)

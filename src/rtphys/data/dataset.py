@@ -167,15 +167,23 @@ class _Part:
     entry: TaskEntry
     # Key, lowest and highest value that every number of the attribute may have.
     spans: tuple[tuple[str, float, float], ...] = ()
+    seeds: frozenset[int] | None = None  # None: of all
 
     def rows(self) -> Iterator[Accepted | Rejected]:
         """Attempts as far as the manifest counts, in order. Raises `BadFile`."""
         place = self.entry.below(self.path)
         place.check_links()
         rows = islice(read_attempts(place.ledger), self.entry.attempts)
-        return filter(self._fits, rows) if self.spans else rows
+        return filter(self._fits, rows) if self.narrowed else rows
+
+    @property
+    def narrowed(self) -> bool:
+        """Whether some attempts are not meant."""
+        return bool(self.spans) or self.seeds is not None
 
     def _fits(self, row: Accepted | Rejected) -> bool:
+        if self.seeds is not None and row.seed not in self.seeds:
+            return False
         for key, low, high in self.spans:
             numbers = _numbers(row.physics.get(key))
             if not numbers or not all(low <= number <= high for number in numbers):
@@ -190,6 +198,12 @@ class _Part:
             if (held := row.on_disk) is not None and isinstance(row, Rejected) is failed:
                 paths, layout = held.paths(place), spec.recording.layout
                 yield Episode(*of, held.number, row.seed, layout, paths, failed)
+
+
+def _both(known: frozenset[int] | None, seeds: Iterable[int] | None) -> frozenset[int] | None:
+    if seeds is None or known is None:
+        return known if seeds is None else frozenset(seeds)
+    return known.intersection(seeds)
 
 
 def _numbers(value: object) -> tuple[float, ...]:
@@ -268,8 +282,9 @@ class Dataset(Sequence[Episode]):
         embodiment: str | None = None,
         config: str | None = None,
         physics: Mapping[str, tuple[float, float]] | None = None,
+        seeds: Iterable[int] | None = None,
     ) -> "Dataset":
-        """The episodes of one task, protocol, robot or configuration, and of a part of the physics.
+        """The episodes of one task, protocol, robot or configuration, of some physics or seeds.
 
         Args:
             physics: attribute -> lowest and highest value, such as {"friction": (0.1, 0.3)}, for
@@ -293,7 +308,7 @@ class Dataset(Sequence[Episode]):
             raise UnknownName("attribute that can act here", key, acting)
         spans = tuple((key, low, high) for key, (low, high) in (physics or {}).items())
         chosen = (
-            replace(part, spans=part.spans + spans)
+            replace(part, spans=part.spans + spans, seeds=_both(part.seeds, seeds))
             for part in self._parts
             for spec in (part.entry.spec,)
             if task in (None, spec.episode.task)
@@ -385,7 +400,7 @@ class Dataset(Sequence[Episode]):
                     yield f"{name}/{path}", facts
 
     def __len__(self) -> int:
-        if any(part.spans for part in self._parts):
+        if any(part.narrowed for part in self._parts):
             return len(self._episodes)
         return sum(part.entry.episodes for part in self._parts)
 

@@ -154,7 +154,7 @@ class _Parts:
     def begin(self, dataset: Dataset) -> None:
         """Take over the episodes of a killed export; those of another one are removed."""
         source = files.facts_of(dataset.path / MANIFEST).sha256
-        order = [[episode.task, episode.protocol, episode.seed] for episode in dataset]
+        order = [[episode.task, episode.config, episode.seed] for episode in dataset]
         text = pretty(plain({"export": asdict(self.spec), "manifest": source, "episodes": order}))
         path = self.root / SPEC
         if not (path.is_file() and files.read(path) == text):

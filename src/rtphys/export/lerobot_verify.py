@@ -47,7 +47,7 @@ def verify_export(out: Path, dataset: Dataset, progress: Progress | None = None)
         raise BadValue("dataset", str(dataset.path), allowed)
     features = tuple(map(str, given.get("features", ())))  # type: ignore[arg-type]
     spec = ExportSpec(**{**given, "features": features})  # type: ignore[arg-type]
-    known = {(one.task, one.protocol, one.seed): one for one in dataset}
+    known = {(one.task, one.config, one.seed): one for one in dataset}
     episodes = [known[tuple(key)] for key in order]  # type: ignore[index, arg-type]
     export, plan = _Export(out, spec.version, len(episodes)), spec.plan(dataset)
     tasks: dict[str, int] = {}

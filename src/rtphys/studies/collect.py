@@ -59,6 +59,7 @@ def collect(
     """
     own = shard_of(specs, run.shard)
     tasks = check(own, run)
+    check_machine(own, run)
     with DatasetWriter(run.out, resume=run.resume) as dataset:
         pack = run.pack(listener.building)
         check_assets(own, tasks, pack)
@@ -170,11 +171,10 @@ class TaskCollection(Series[CollectionTask, Results]):
 
 
 def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
-    """The tasks, one a spec; refuses all that cannot work, in a second or two.
+    """The tasks, one a spec; refuses what no machine could collect.
 
     Raises `RtphysError`: names the nearest match, the place, or the cure.
     """
-    check_unlocked(run.out)
     if not specs:
         raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")
     folders = [TaskDataset.of(run.out, spec).name for spec in specs]
@@ -195,12 +195,20 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
         episode.draw(0)
         check_templates(task.sentences(), task.info, str(task.source))
         tasks.append(task)
-    check_space(run.out, room_needed(specs))
-    run.size()
     if any(drawn(spec.recording.senses) for spec in specs):
         renderer.check_senses(run.shader)
-    check_drawable(shader=run.shader)
     return tasks
+
+
+def check_machine(specs: Sequence[CollectionSpec], run: Run) -> int:
+    """Number of workers; refuses what cannot be done here and now, in a second or two.
+
+    Raises `RtphysError`: names the cure.
+    """
+    check_unlocked(run.out)
+    check_space(run.out, room_needed(specs))
+    check_drawable(shader=run.shader)
+    return run.size()
 
 
 def check_assets(specs: Sequence[CollectionSpec], tasks: Sequence[Task], pack: Pack) -> None:

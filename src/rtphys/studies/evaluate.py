@@ -169,6 +169,7 @@ class EvaluationTask(NamedTuple):
     recipe: Recipe
     setup: PolicySetup
     video: Path | None = None
+    of_failure: bool = False  # write it only if the policy fails
     staging: Path | None = None  # folder for the files of a recorded episode
 
 
@@ -183,6 +184,7 @@ class TaskEvaluation(Series[EvaluationTask, EvaluationResult]):
     """One task under one protocol: its instances in order, and their records in a ledger.
 
     Args:
+        video: of which episodes, as `EvaluationRun` has it.
         writer: of the dataset that takes the episodes, the failed ones as rejections.
     """
 
@@ -191,7 +193,7 @@ class TaskEvaluation(Series[EvaluationTask, EvaluationResult]):
         out: Path,
         header: EvaluationHeader,
         instances: InstanceList,
-        video: bool = False,
+        video: str | None = None,
         writer: TaskWriter | None = None,
         arm_joints: tuple[int, int] = (6, 6),
     ) -> None:
@@ -201,6 +203,8 @@ class TaskEvaluation(Series[EvaluationTask, EvaluationResult]):
             of.task, of.protocol, of.split, spec.seed, spec.options, of.embodiment, arm_joints
         )
         self._out, self._video = out, video
+        count = int(video) if video and video.isdecimal() else len(instances.feasible)
+        self._shown = {one.seed for one in instances.feasible[:count]} if video else set[int]()
         self._all: list[EpisodeRecord] = []
         path = evaluation.ledger_file(out, *spec.key)
         self._ledger = Ledger(path, header, EpisodeRecord, self._all.append)
@@ -222,9 +226,11 @@ class TaskEvaluation(Series[EvaluationTask, EvaluationResult]):
         return self._all[: self.progress.wanted]
 
     def job(self, seed: int) -> EvaluationTask:
-        video = evaluation.video_file(self._out, *self.spec.key, seed) if self._video else None
+        shown = seed in self._shown
+        video = evaluation.video_file(self._out, *self.spec.key, seed) if shown else None
         staging = self.writer.staging(seed) if self.writer else None
-        return EvaluationTask(self.spec.episode.at(seed), self._setup, video, staging)
+        recipe, failures = self.spec.episode.at(seed), self._video == "failures"
+        return EvaluationTask(recipe, self._setup, video, failures, staging)
 
     def commit(self, seed: int, result: EvaluationResult) -> str:
         if self.writer is not None and result.outcome is not None:
@@ -309,7 +315,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         if keep == "hash":
             return EvaluationResult(record)
         instance, recording = episode.instance, episode.rollout.recorder.recording
-        if job.video is not None:
+        if job.video is not None and not (record.success and job.of_failure):
             write_video(instance, recording, self.pack, job.video)
         if job.staging is None:
             return EvaluationResult(record)

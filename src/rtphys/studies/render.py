@@ -14,13 +14,15 @@ from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.dataset import Dataset
 from rtphys.data.encode import VIDEO_CAMERA, encode_images
 from rtphys.data.json_text import plain
 from rtphys.data.layout import MANIFEST, EpisodePaths
-from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
+from rtphys.data.manifest import TaskEntry
 from rtphys.data.rewrite import encoded_episode
+from rtphys.data.selection import seed_set
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
-from rtphys.data.task_writer import Rejection, TaskWriter
+from rtphys.data.task_writer import Rejection
 from rtphys.data.writer import DatasetWriter
 from rtphys.episode.generate import attempt, under_look
 from rtphys.episode.render import StateTrajectory, render_frames
@@ -82,14 +84,10 @@ def render(wanted: RenderSpec, listener: Listener = QUIET) -> Rendered:
     Raises `MissingPack`: the assets of the collection are not on this machine; names their digest;
     `RtphysError`: what else is refused before any work; states that cannot be had.
     """
-    manifest = read_manifest(wanted.data)
-    packs = _check(wanted, manifest)
-    entries = manifest.task_datasets.values()
+    part = wanted.part.of(Dataset(wanted.data))
+    packs = _check(wanted, part)
     with DatasetWriter(wanted.out) as dataset:
-        studies = [
-            Redrawing(wanted, one, dataset.task(_header(wanted, one), one.episodes))
-            for one in entries
-        ]
+        studies = [Redrawing(wanted, one, dataset) for one in part.task_datasets]
         worker = RenderWorker(next(iter(packs.values())), packs, wanted.shader)
         run_here(
             studies,
@@ -102,18 +100,18 @@ def render(wanted: RenderSpec, listener: Listener = QUIET) -> Rendered:
         if halted := next((study.halted for study in studies if study.halted), ""):
             raise RtphysError(halted)
     return Rendered(
-        sum(entry.episodes for entry in entries),
+        len(part),
         sum(study.compared for study in studies),
         sum(study.differing for study in studies),
     )
 
 
-def _check(wanted: RenderSpec, manifest: Manifest) -> dict[str, Pack]:
+def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     """The packs by digest; refuses all that cannot work."""
     if wanted.out.resolve() == wanted.data.resolve():
         raise BadValue("out", str(wanted.out), "it is the dataset itself; name another folder")
     needed, packs = 0.0, dict[str, Pack]()
-    for entry in manifest.task_datasets.values():
+    for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
         recording_spec = wanted.recording_spec(entry)
         check_fits(recording_spec)
@@ -146,6 +144,8 @@ def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
     """That of the source, but for what is drawn otherwise."""
     visual, spec = _visual(wanted, entry), entry.spec
     spec = replace(spec, recording=wanted.recording_spec(entry))
+    if wanted.part.seed:
+        spec = replace(spec, made_by="subset", twin=None)
     if wanted.look is not None:
         # A twin's folder is named after that of its pair, so the look goes before that.
         old = spec.twin_of or spec.name
@@ -159,15 +159,18 @@ def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
 class Redrawing(Series[RenderTask, Redrawn]):
     """One task dataset: its attempts in their order, the accepted ones drawn again."""
 
-    def __init__(self, wanted: RenderSpec, entry: TaskEntry, writer: TaskWriter) -> None:
-        self.wanted, self.entry, self.writer = wanted, entry, writer
+    def __init__(self, wanted: RenderSpec, entry: TaskEntry, dataset: DatasetWriter) -> None:
+        self.wanted, self.entry = wanted, entry
         self.compared = self.differing = 0  # pictures, as in `Rendered`
         source = entry.below(wanted.data)
         source.check_links()
         self._rejections: dict[int, Rejection] = {}
         self._places: dict[int, tuple[EpisodePaths, Mapping[str, JSON]]] = {}
         seeds: list[int] = []
+        only = seed_set("seed", wanted.part.seed)
         for row in islice(read_attempts(source.ledger), entry.attempts):
+            if only and row.seed not in only:
+                continue
             seeds.append(row.seed)
             if isinstance(row, Accepted):
                 self._places[row.seed] = source.episode(row.episode), row.scene_info
@@ -176,9 +179,11 @@ class Redrawing(Series[RenderTask, Redrawn]):
             if row.kept is not None:
                 paths = source.failures.episode(row.kept.number)
                 self._places[row.seed] = paths, row.kept.scene_info
+        accepted = len(seeds) - len(self._rejections)
+        self.writer = writer = dataset.task(_header(wanted, entry), accepted)
         left = [seed for seed in seeds if seed > writer.totals.last_seed]
         task = entry.spec.episode.task
-        progress = Progress(task, entry.episodes, writer.episodes, writer.attempts)
+        progress = Progress(task, accepted, writer.episodes, writer.attempts)
         super().__init__(progress, left, owed=len(left))
 
     def job(self, seed: int) -> RenderTask:

@@ -6,7 +6,10 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from pydantic import BeforeValidator, ValidationInfo
+
 from rtphys.core.errors import BadValue
+from rtphys.data.selection import Selection
 from rtphys.physics.attribute import attribute
 from rtphys.results.evaluation import EvaluationSpec, short_name
 from rtphys.results.instances import FIRST_SEED
@@ -171,6 +174,7 @@ class RenderSpec:
         str | None,
         Option("Textures and lights of this protocol; official_random.3 draws them anew."),
     ] = None
+    part: Selection = Selection()
     shader: Shader = "slim"
     workers: Workers = None
 
@@ -195,6 +199,13 @@ class RenderSpec:
         )
 
 
+def _videos(value: object, info: ValidationInfo) -> str | None:
+    text = str(value)
+    if value is None or text in ("failures", "all") or (text.isdecimal() and text != "0"):
+        return None if value is None else text
+    raise BadValue(str(info.field_name), value, "failures, all, or a positive number")
+
+
 @checked_dataclass(frozen=True)
 class EvaluationRun:
     """On how many instances of what a policy is run, how, and where its results go."""
@@ -213,7 +224,11 @@ class EvaluationRun:
             "of rtphys."
         ),
     ] = None
-    video: Annotated[bool, Option("Also write each episode as an MP4.")] = False
+    video: Annotated[
+        str | None,
+        BeforeValidator(_videos),
+        Option("Also write MP4s: of `failures`, of the first so many episodes of each, or `all`."),
+    ] = None
     record: Annotated[
         Path | None, Option("Also write the episodes, and the failed ones, as a dataset.")
     ] = None
