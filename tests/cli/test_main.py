@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from pages import parse
 from rtphys.cli import lazy
 from rtphys.cli.derived import takes
-from rtphys.cli.main import COMMANDS, app
+from rtphys.cli.main import COMMANDS, GROUPS, app
 from rtphys.cli.terminal import command_line
 from rtphys.core.errors import BadValue, NoRenderer, RtphysError, UnknownName
 from rtphys.spec.option import Option
@@ -139,10 +139,77 @@ def test_former_names_work_and_say_the_new_ones() -> None:
     for line, nearest, note in (
         ("physics prove frictoin", "friction", "`prove` of `rtphys physics` is called `law-test`"),
         ("check click_bel --robots=3", "click_bell", "of `rtphys check` is called `--baselines`"),
+        ("collect click_bel --seed 3", "click_bell", "`--seed` of `rtphys collect` is called"),
+        (
+            "evaluate click_bel --policy idle --protocol clean --seed 3",
+            "click_bell",
+            "`--seed` of `rtphys evaluate` is called `--policy-seed`",
+        ),
+        (
+            "evaluate click_bel --policy idle --protocol clean --set a=b",
+            "click_bell",
+            "`--set` of `rtphys evaluate` is called `--policy-option`",
+        ),
+        (
+            "physics sample click_bel --seed 3",
+            "click_bell",
+            "`--seed` of `rtphys physics` is called `--first-seed`",
+        ),
     ):
         result = RUN.invoke(app, line.split())
         assert result.exit_code == 2 and f"did you mean '{nearest}'" in result.output
-        assert f"{note} now" in result.output
+        assert note in result.output and " now" in result.output
+    result = RUN.invoke(app, ["show", "/no", "--number", "1"])
+    assert "`--number` of `rtphys show` is called `--episode` now" in result.output
+    assert "in any folder above it" in result.output
+
+
+def test_video_without_a_value_is_all_as_it_was() -> None:
+    line = ["evaluate", "click_bel", "--policy", "idle", "--protocol", "clean", "--video"]
+    assert "`--video` of `rtphys evaluate` takes all, failures" in RUN.invoke(app, line).stderr
+    result = RUN.invoke(app, ["evaluate", "click_bell", *line[2:], "some"])
+    assert result.exit_code == 2 and "failures, all, or a positive number" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["collect", "check", "bench", "certify --protocol clean --out x", "sensitivity", "identify",
+     "evaluate --policy idle --protocol clean"],
+)  # fmt: skip
+def test_tasks_are_words_or_an_option(command: str) -> None:
+    for given in (["click_bel"], ["--task", "click_bel"]):
+        result = RUN.invoke(app, [*command.split(), *given])
+        assert result.exit_code == 2 and "did you mean 'click_bell'" in result.stderr
+    result = RUN.invoke(app, command.split())
+    assert "name at least one" in result.stderr or command == "bench"
+
+
+def test_an_option_of_the_program_after_a_command_says_where_it_stands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("RTPHYS_LIBRARY", "")  # set, so that it is put back: the command sets it too
+    result = RUN.invoke(app, ["check", "mine", "--library", "lab"])
+    assert result.exit_code == 2
+    assert "--library stands before the command's name: `rtphys --library" in result.stderr
+    assert "folder does not exist" in RUN.invoke(app, ["--library", "/no", "tasks"]).stderr
+
+
+def test_a_second_value_with_set_leads_to_a_sweep() -> None:
+    result = RUN.invoke(app, ["collect", "click_bell", "--set", "friction=0.2,0.5"])
+    assert "`--sweep friction=0.2,0.5` collects the same with each value" in result.stderr
+    result = RUN.invoke(app, ["collect", "click_bell", "--set", "center_of_mass=0,0"])
+    assert "it is 3 numbers" in result.stderr and "--sweep" not in result.stderr
+
+
+def test_help_is_in_groups_and_common_options_come_first() -> None:
+    whole = RUN.invoke(app, ["--help"], env={"COLUMNS": "80"}).output
+    places = [whole.index(f" {title} ") for title in GROUPS]
+    assert places == sorted(places)
+    found = RUN.invoke(app, ["collect", "--help"], env={"COLUMNS": "80"}).output
+    assert max(map(len, found.splitlines())) <= 80
+    order = ("TASKS", "│ --protocol", "│ --episodes", "What an episode is", "│ --embodiment")
+    places = [found.index(word) for word in order]
+    assert places == sorted(places)
 
 
 def test_library_option_adds_to_the_variable(

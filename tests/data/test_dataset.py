@@ -4,15 +4,16 @@ import pickle
 import shutil
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import numpy as np
 import pytest
 import synthetic
-from collected import FRAMES, collect
+from collected import FRAMES, collect, keep
 
 import rtphys
-from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName
 from rtphys.data.dataset import Dataset, find_episode
 from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.rewrite import convert
@@ -34,6 +35,53 @@ def test_lists_episodes_by_seed(dataset: Dataset) -> None:
     assert dataset.where(task="click_bell", protocol="phys_random")[2].number == 2
     with pytest.raises(UnknownName, match="did you mean 'click_bell'"):
         dataset.where(task="click_bel")
+
+
+def test_a_part_by_physics_and_by_seeds(dataset: Dataset) -> None:
+    values = {one.seed: float(str(one.physics["friction"])) for one in dataset}
+    low, _, high = sorted(values.values())
+    part = dataset.where(physics={"friction": (low, high - 1e-9)})
+    assert len(part) == 2 and max(values, key=lambda seed: values[seed]) not in [
+        one.seed for one in part
+    ]
+    assert [one.seed for one in dataset.where(seeds=(1, 3, 9))] == [1, 3]
+    assert len(part.where(seeds=[one.seed for one in part][:1])) == 1
+    with pytest.raises(UnknownName, match="did you mean 'friction'"):
+        dataset.where(physics={"frictoin": (0, 1)})
+
+
+def test_a_sum_has_the_episodes_of_both_and_no_folder(tmp_path: Path) -> None:
+    collect(tmp_path / "a", 2)
+    collect(tmp_path / "b", 1)
+    both = Dataset(tmp_path / "a") + Dataset(tmp_path / "b")
+    assert [one.seed for one in both] == [0, 1, 0] and len(both) == 3
+    assert both[2].paths.hdf5.is_relative_to(tmp_path / "b") and both[2].instructions.seen
+    assert len(both.where(task="click_bell", seeds=[0])) == 2
+    assert [*both.groups()] == [("click_bell", 0), ("click_bell", 1)]
+    assert len(both.groups()["click_bell", 0]) == 2
+    with pytest.raises(BadValue, match="`rtphys merge` writes one"):
+        _ = both.path
+
+
+def test_a_table_has_a_row_an_attempt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    keep(tmp_path, attempts=3)
+    pandas = types.ModuleType("pandas")
+    pandas.DataFrame = list  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pandas", pandas)
+    rows = Dataset(tmp_path).to_pandas()
+    assert [(row["seed"], row["outcome"]) for row in rows] == [
+        (0, "accepted"),
+        (1, "accepted"),
+        (2, "slipped"),
+    ]
+    facts = {"task": "click_bell", "config": "phys_random", "number": 0, "frames": FRAMES}
+    assert facts.items() <= rows[0].items() and rows[0]["embodiment"] == "aloha-agilex"
+    assert rows[0]["friction"] == Dataset(tmp_path)[0].physics["friction"]
+    groups = Dataset(tmp_path).groups()
+    assert [one.failed for one in groups["click_bell", 2]] == [True]
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(RtphysError, match="pip install pandas"):
+        Dataset(tmp_path).to_pandas()
 
 
 def test_pictures_are_rgb_and_complete(dataset: Dataset) -> None:

@@ -46,8 +46,9 @@ def test_says_what_is_in_the_episode(dataset: Dataset, tmp_path: Path) -> None:
         STRAIN,
     ):
         assert words in result.output
-    assert (tmp_path / "click_bell_phys_random_1.png").read_bytes().startswith(b"\x89PNG")
-    assert (tmp_path / "click_bell_phys_random_1_joints.svg").stat().st_size > 3000
+    stem = "click_bell_phys_random_aloha_agilex_episode_1"
+    assert (tmp_path / f"{stem}.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / f"{stem}_joints.svg").stat().st_size > 3000
 
 
 def test_says_how_a_kept_failure_failed(dataset: Dataset, tmp_path: Path) -> None:
@@ -60,8 +61,9 @@ def test_says_how_a_kept_failure_failed(dataset: Dataset, tmp_path: Path) -> Non
 
 
 def test_by_number(dataset: Dataset) -> None:
-    assert "seed 1" in run(str(dataset.path), "--number", "1").output
-    result = run(str(dataset.path), "--number", "7")
+    assert "seed 1" in run(str(dataset.path), "--episode", "1").output
+    assert "seed 1" in run(str(dataset.path), "--seed", "1").output
+    result = run(str(dataset.path), "--episode", "7")
     assert "episodes 0 to 1" in str(result.exception)
 
 

@@ -12,6 +12,7 @@ from rtphys.cli.check import complaints
 from rtphys.cli.main import app
 from rtphys.policies.baselines import Walk
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.studies import check as check_module
 from rtphys.studies.check import BASELINES, CheckResult, Score, check, solves
 from rtphys.studies.requests import CheckPlan
 from rtphys.task.spec import load_task
@@ -99,6 +100,28 @@ def test_the_random_walk_stays_within_limits_and_is_keyed() -> None:
     assert 0 <= walks[0][:, [6, 13]].min() <= walks[0][:, [6, 13]].max() <= 1
     assert (walks[0] == walks[1]).all()
     assert (walks[0] != walks[2]).any()
+
+
+def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPatch) -> None:
+    ran: list[str] = []
+
+    def run_here(batches, *_) -> None:
+        for batch in batches:
+            ran.append(batch.progress.name)
+            good = GOOD if "click_bell" in batch.progress.name else LOST
+            batch.results.update({0: good})
+
+    monkeypatch.setattr(check_module, "run_here", run_here)
+    plan = CheckPlan(tasks=("click_bell", "lift_pot"), seeds=1)
+    bell, pot = check(plan, default_pack())
+    assert bell.rate("idle") == 1 and pot.rate("idle") is None and not pot.accepted
+    assert ran == [
+        "click_bell, clean (expert)",
+        "click_bell, clean (expert, a second time)",
+        "lift_pot, clean (expert)",
+        "lift_pot, clean (expert, a second time)",
+        *(f"click_bell, clean ({role})" for role in BASELINES),
+    ]
 
 
 @pytest.mark.parametrize(

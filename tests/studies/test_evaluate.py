@@ -351,7 +351,7 @@ def test_a_recorded_dataset_is_of_the_robot_that_acts(tmp_path: Path, pack: Pack
 @pytest.mark.render
 def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None:
     options = ["--task", TASK, "--protocol", "clean", "--episodes", "1", "--workers", "1"]
-    options += ["--instances", str(lists), "--out", str(tmp_path), "--video"]
+    options += ["--instances", str(lists), "--out", str(tmp_path), "--video", "failures"]
     options += ["--policy-option", "actions=2"]
     done = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
     assert done.exit_code == 0, done.output

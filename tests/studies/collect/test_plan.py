@@ -51,7 +51,6 @@ WRONG = {
     "--task click_bell --shard 0/2": "from 1/n to n/n",
     "--task click_bell --workers 0": "--workers = 0 is not allowed",
     "--task click_bell --first-seed -1": "--first-seed = -1 is not allowed",
-    "--task click_bell --episodes 9000000": "GB are needed",
 }
 
 
@@ -83,12 +82,21 @@ def test_without_a_renderer_the_cure_is_named(
     monkeypatch.setattr(resources, "check_renderer", lambda command: broken)
     monkeypatch.setattr(resources, "user_cache", lambda: tmp_path)  # as on a first day
     out = tmp_path / "data"
-    for more in ([], ["--dry-run"]):
-        line = ["collect", "--task", "click_bell", "--out", str(out), *more]
+    for more, code in (([], 3), (["--dry-run"], 0)):
+        line = ["collect", "click_bell", "--out", str(out), *more]
         done = CliRunner().invoke(app, line)
-        assert done.exit_code == 3
+        assert done.exit_code == code
         assert "mesa-vulkan-drivers" in done.stderr
         assert not out.exists()
+
+
+def test_a_dry_run_answers_where_the_disk_is_too_small(tmp_path: Path) -> None:
+    line = ["collect", "click_bell", "--episodes", "9000000", "--out", str(tmp_path / "data")]
+    done = CliRunner().invoke(app, line)
+    assert done.exit_code == 2 and "GB are needed" in done.stderr
+    done = CliRunner().invoke(app, [*line, "--dry-run"])
+    assert done.exit_code == 0 and "9000000 episodes in" in done.stdout
+    assert "here and now it would be refused: " in done.stderr and "GB are needed" in done.stderr
 
 
 def test_a_folder_collected_under_other_conditions_is_refused(
