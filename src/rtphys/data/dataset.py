@@ -358,7 +358,7 @@ class Dataset(Sequence[Episode]):
         Raises `RtphysError`: pandas, which rtphys does not bring, is not installed.
         """
         try:
-            from pandas import DataFrame
+            from pandas import DataFrame  # type: ignore[import-untyped]
         except ImportError as error:
             raise RtphysError(f"{error}; `pip install pandas`") from error
         rows: list[dict[str, object]] = []

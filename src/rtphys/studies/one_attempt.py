@@ -66,7 +66,7 @@ def watch(recipe: Recipe, task: Task, pack: Pack) -> Watched:
             raise
 
     tried = attempt(recipe, replace(task, script=script), pack)
-    return Watched(tried, *(lines or [""]), placed[-1] if placed else None)
+    return Watched(tried, lines[-1] if lines else "", placed[-1] if placed else None)
 
 
 def _is_script(frame: traceback.FrameSummary, task: Task) -> bool:
