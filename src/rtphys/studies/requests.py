@@ -6,8 +6,6 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pydantic import BeforeValidator, ValidationInfo
-
 from rtphys.core.errors import BadValue
 from rtphys.data.selection import Selection
 from rtphys.physics.attribute import attribute
@@ -199,13 +197,6 @@ class RenderSpec:
         )
 
 
-def _videos(value: object, info: ValidationInfo) -> str | None:
-    text = str(value)
-    if value is None or text in ("failures", "all") or (text.isdecimal() and text != "0"):
-        return None if value is None else text
-    raise BadValue(str(info.field_name), value, "failures, all, or a positive number")
-
-
 @checked_dataclass(frozen=True)
 class EvaluationRun:
     """On how many instances of what a policy is run, how, and where its results go."""
@@ -226,7 +217,6 @@ class EvaluationRun:
     ] = None
     video: Annotated[
         str | None,
-        BeforeValidator(_videos),
         Option("Also write MP4s: of `failures`, of the first so many episodes of each, or `all`."),
     ] = None
     record: Annotated[
@@ -240,6 +230,11 @@ class EvaluationRun:
         1800.0
     )
     workers: Workers = None
+
+    def __post_init__(self) -> None:
+        text = self.video or "all"
+        if text not in ("failures", "all") and not (text.isdecimal() and int(text)):
+            raise BadValue("video", text, "failures, all, or a positive number")
 
     def check(self, spec: EvaluationSpec) -> list[Task]:
         """The tasks. Raises UnknownName, BadValue, BadFile, NoRenderer before any work is done."""
