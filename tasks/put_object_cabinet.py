@@ -40,9 +40,9 @@ DAMPING = 2.0  # [N s/m] of the drawer where physics does not vary it
 PULL, MIN_TIME = 8.0, 1.5  # [N] on the handle that damping may cost at most; [s] of the pull
 DISTANCES = (0.15, 0.135, 0.12, 0.105)  # [m] to pull the drawer out, of 0.178
 FOLLOWED = 0.1  # [m] that the drawer is then open, unless the hand has slipped off the handle
-BACK = (0.08, 0.06)  # [m] by which the hand that pulled must be able to leave the handle
-TURNS = (0.0, 0.3)  # [rad] of that hand about the handle
-ASIDE = (0.04, 0.08)  # [m] towards the middle, for a hand that leaves the handle unturned
+BACK = (0.08, 0.06, 0.045)  # [m] by which the hand that pulled must be able to leave the handle
+TURNS = (0.0, 0.3, 0.5)  # [rad] of that hand about the handle
+ASIDE = (0.04, 0.08, 0.12)  # [m] towards the middle, for a hand that leaves the handle unturned
 TILTS = (0.3, 0.4, 0.5, 0.6)  # [rad] of the hand over the drawer, forward
 INTO = Placing(pre=0.11, gap=0.0, along="point")
 BEHIND, DROP = 0.015, 0.06  # [m] from the drawer's point: the hand stays over the drawer's front
@@ -51,7 +51,8 @@ APPROACH, LIFT = 0.05, 0.15  # [m] before the handle; of the object over the dra
 # of the last line down; [wxyz] of a hand straight down whose camera is towards the robot.
 HEIGHTS, BEHINDS, LOWERED = (0.02, 0.05, 0.08), (0.0, -0.02, -0.04), 0.05
 CAMERA_NEAR = Pose.from_matrix(np.column_stack([(0, 0, -1), (1, 0, 0), (0, -1, 0)])).q
-RETREAT, DROPPED = 0.1, 0.08  # [m] up from the handle; up from the object in the drawer
+RETREAT = 0.1  # [m] up from the handle
+DROPPED = (0.08, 0.05, 0.03)  # [m] up from the object in the drawer, or back
 # [m] from the drawer's point to its side walls; to its front and back; to its floor and edge
 WALLS, ENDS, HEIGHT = 0.095, (-0.065, 0.11), (-0.005, 0.11)
 
@@ -150,7 +151,9 @@ def script(robot: Robot) -> None:
         if not robot.tried(lambda: robot.do(turned_down(robot, arm))):
             raise Infeasible("unreachable", "no way over the drawer's front")
         robot.do(arm.open())
-    robot.do(arm.lift(DROPPED))
+    ways = [way(distance) for distance in DROPPED for way in (arm.lift, arm.retreat)]
+    if robot.first_feasible(ways, robot.do) is None:
+        raise Infeasible("unreachable", "no way out of the drawer")
 
 
 task = Task(
