@@ -49,7 +49,7 @@ def test_sample_as_a_table_shows_nominal_values_in_brackets():
 
 @pytest.mark.sim
 def test_sample_of_a_task_is_what_its_episode_has():
-    (row,) = sampled("open_laptop", "--seed", "3")
+    (row,) = sampled("open_laptop", "--first-seed", "3")
     assert row["values"]["center_of_mass_redraws"] > 0
 
 
