@@ -180,8 +180,8 @@ def test_tasks_are_words_or_an_option(command: str) -> None:
     for given in (["click_bel"], ["--task", "click_bel"]):
         result = RUN.invoke(app, [*command.split(), *given])
         assert result.exit_code == 2 and "did you mean 'click_bell'" in result.stderr
-    result = RUN.invoke(app, command.split())
-    assert "name at least one" in result.stderr or command == "bench"
+    if command != "bench":  # it takes all tasks then, which lasts
+        assert "name at least one" in RUN.invoke(app, command.split()).stderr
 
 
 def test_an_option_of_the_program_after_a_command_says_where_it_stands(
