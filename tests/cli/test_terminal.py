@@ -100,7 +100,7 @@ def test_an_error_is_shown_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     def raising(*_: object) -> None:
         raise BadFile("a\x1b[2Jb", "[/]\x07")
 
-    monkeypatch.setattr("rtphys.cli.show.find", raising)
+    monkeypatch.setattr("rtphys.cli.show.chosen", raising)
     result = CliRunner().invoke(app, ["show", "x"])
     assert (result.exit_code, result.stderr) == (2, "rtphys: a\\x1b[2Jb: [/]\\x07\n")
 

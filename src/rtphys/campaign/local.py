@@ -77,11 +77,12 @@ class _Worker(Generic[J, R]):
         return _content(self.prints) + _content(self.log)
 
     def printed(self) -> list[str]:
-        """Lines that a user's code has printed since the last call."""
+        """Whole lines that a user's code has printed since the last call."""
         prints = self.prints.fileno()
         new = os.pread(prints, os.fstat(prints).st_size - self.shown, self.shown)
-        self.shown += len(new)
-        return new.decode(errors="replace").splitlines()
+        whole = new[: new.rfind(b"\n") + 1]  # `print` writes a line and its end one by one
+        self.shown += len(whole)
+        return whole.decode(errors="replace").splitlines()
 
     def close(self) -> None:
         self.line.close()
