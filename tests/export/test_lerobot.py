@@ -14,6 +14,7 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, video
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import CannotWrite, DatasetLocked
+from rtphys.data.manifest import TaskEntry
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter
 
@@ -264,19 +265,25 @@ def test_chosen_cameras(dataset: Dataset, tmp_path: Path) -> None:
     assert [n for n in info(root)["features"] if "images" in n] == ["observation.images.wrist"]
 
 
-def test_what_task_datasets_share_is_exported(dataset: Dataset) -> None:
+def test_what_task_datasets_share_is_exported(
+    dataset: Dataset, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Cameras that all have; robots differ in their joints, so there is no dataset of two."""
+
+    def holds(*entries: TaskEntry) -> None:
+        monkeypatch.setattr(Dataset, "task_datasets", entries)
+
     mixed = Dataset(dataset.path)
     (entry,) = mixed.task_datasets
     spec = entry.spec
     fewer = replace(spec, recording=replace(spec.recording, cameras=("head", "right")))
-    mixed.task_datasets = (entry, replace(entry, spec=fewer))
+    holds(entry, replace(entry, spec=fewer))
     shared = {one.camera for one in plan_for(mixed, "v3.0", "robotwin").videos.values()}
     assert shared == {"head_camera", "right_camera"}
     with pytest.raises(UnknownName, match="left_camera"):
         plan_for(mixed, "v3.0", "left_camera=wrist")
     other = replace(spec, episode=replace(spec.episode, embodiment=MIXED))
-    mixed.task_datasets = (entry, replace(entry, spec=other))
+    holds(entry, replace(entry, spec=other))
     with pytest.raises(BadValue, match=rf"aloha-agilex, {MIXED}.* one robot"):
         plan_for(mixed, "v3.0", "robotwin")
 
