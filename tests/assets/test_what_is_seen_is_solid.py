@@ -14,7 +14,7 @@ NEAR = 0.0021  # [m] from a visible point to the next collision part
 # which a finger passes on its way to a grasp, or to what lies in a vessel.
 BENT = "a bent bar of few straight parts"
 ROUND = "a rounded shape of few faces"
-TRIM = "a raised detail: letters, buttons, laces, a wheel, a leaf"
+TRIM = "a raised detail: letters, buttons, laces, a wheel, foliage"
 EXCEPTIONS = {
     "001_bottle": (5.1, BENT),
     "006_hamburg": (3.3, TRIM),

@@ -95,17 +95,17 @@ def test_restitution_has_acted_unless_the_states_are_the_same_without_it(
             )
             for e in (0.0, 0.5)
         ]
-        told, states = [], []
+        acts, states = [], []
         for one in tried:
             assert one.instance is not None
             assert one.recording is not None
             attributes_of = label_of(one.instance, one.recording.happened)["attributes"]
-            told.append(attributes_of["restitution"]["acted"])  # pyright: ignore[reportIndexIssue]
+            acts.append(attributes_of["restitution"]["acted"])  # pyright: ignore[reportIndexIssue]
             states.append(one.recording.hash)
-        if not all(told):
-            assert told[0] == told[1]
+        if not all(acts):
+            assert acts[0] == acts[1]
             assert states[0] == states[1]
-        acted |= set(told)
+        acted |= set(acts)
     assert acted == {ever}
 
 

@@ -1,4 +1,4 @@
-"""Which episodes of a dataset are meant: what `show`, `view`, `render` and `export` can be told."""
+"""Which episodes of a dataset are meant: the selectors of `show`, `view`, `render` and `export`."""
 
 from pathlib import Path
 from typing import Annotated
