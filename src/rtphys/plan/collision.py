@@ -30,7 +30,7 @@ CARRIED_MARGIN = 0.003  # a carried body to the robot and to what the other hand
 RESTING_MARGIN = -0.002  # a carried body to obstacles: it starts and ends in contact with them
 
 _SLACK = 1e-4  # [m] more than any rounding
-_KEPT_PAIRS = 24_000  # of all models kept for use again: 5 KB each
+_KEPT_PAIRS = 64_000  # of all models and rules kept for use again: 5 KB each
 _KEPT_HULLS = 512  # shapes seen before are not made again; objects change size every episode
 
 
@@ -144,9 +144,10 @@ class PairModel:
         self._broad: dict[Rules, Any] = {}  # and what finds collisions
         self.geometry.setCollisionPairs(np.isfinite(self._margins(Rules())), True)
 
-    def __len__(self) -> int:
-        """How many pairs there are."""
-        return len(self.geometry.collisionPairs)
+    @property
+    def kept(self) -> int:
+        """How many pairs are kept in memory, under all rules that were asked."""
+        return len(self.geometry.collisionPairs) * len(self._data)
 
     def put(self, items: Sequence[Shape]) -> None:
         """Put these items, of the same kinds in the same order, in the place of the present ones.
@@ -370,7 +371,7 @@ class CollisionChecker:
             else:
                 model.put(items)
             self._models[kinds] = self._model = model
-            while sum(map(len, self._models.values())) > _KEPT_PAIRS and len(self._models) > 1:
+            while sum(one.kept for one in self._models.values()) > _KEPT_PAIRS and len(self._models) > 1:
                 del self._models[next(iter(self._models))]
         self._model.enforce(self._rules)
         return self._model
