@@ -370,8 +370,11 @@ class CollisionChecker:
                 model = PairModel(robot, self._own, items)
             else:
                 model.put(items)
+            model.enforce(self._rules)
             self._models[kinds] = self._model = model
-            while sum(one.kept for one in self._models.values()) > _KEPT_PAIRS and len(self._models) > 1:
+            while (
+                len(self._models) > 1 and sum(m.kept for m in self._models.values()) > _KEPT_PAIRS
+            ):
                 del self._models[next(iter(self._models))]
         self._model.enforce(self._rules)
         return self._model
