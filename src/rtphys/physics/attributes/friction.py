@@ -18,7 +18,10 @@ class Friction(Attribute[World, float]):
     valid = Interval(0, 4)
     resolution = 1e-9
     tolerance = 0.03
-    scope = "what stands on a face, on the table or an object"
+    scope = (
+        "what stands on a face, on the table or an object; "
+        "held, below a quarter of what the grip bears: creep of up to 8 mm/s"
+    )
     what = "Coulomb coefficient of object, table top and finger pads"
 
     def apply(self, target: World, value: float) -> None:

@@ -29,7 +29,10 @@ class Restitution(Attribute[World, float]):
     valid = Interval(0, 1)
     resolution = 1e-9
     what = "Newton's coefficient of object, table top and finger pads"
-    scope = "impacts at 1 m/s, at other speeds 0.01 + 0.04 m/s / speed"
+    scope = (
+        "impacts on the table at 1 m/s, at other speeds 0.01 + 0.04 m/s / speed; "
+        "on objects up to 0.5 m/s"
+    )
 
     def deviation(self, value: Value) -> float:
         return deviation_at(STATED)
