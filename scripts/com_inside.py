@@ -11,6 +11,7 @@ from rtphys.core.errors import Infeasible
 from rtphys.core.poses import Array, Pose
 from rtphys.physics import Domain, load_domain
 from rtphys.physics.hull import Solid, inside
+from rtphys.physics.reach import Reach
 from rtphys.physics.values import Vector
 from rtphys.sim.engine import new_scene
 from rtphys.sim.objects import ObjectFactory
@@ -66,7 +67,8 @@ def survival(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) ->
             continue
         physics = domain.sample(seed, task=task)
         drawn.append(physics.vector("center_of_mass"))
-        kept.append(inside(solids, domain.smallest_scale)(drawn[-1]))
+        named = {str(number): solid for number, solid in enumerate(solids)}
+        kept.append(inside(named, domain.smallest_scale)(drawn[-1], Reach()))
     points, survive = np.array(drawn), np.array(kept)
     left = points[survive].std(axis=0) if survive.any() else np.zeros(3)
     return Survival(float(survive.mean()), points.std(axis=0), left)

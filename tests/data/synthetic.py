@@ -8,6 +8,7 @@ import numpy as np
 from rtphys.core.seeds import stream
 from rtphys.data.episode import CameraFrames, Episode, Frames, Images
 from rtphys.physics import after, attributes, could_act, load_domain
+from rtphys.physics.values import REDRAWS
 from rtphys.sim.strain import Strain
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec
@@ -80,8 +81,8 @@ def pictures(seed: int, frames: int = 8) -> Iterator[Images]:
 
 def phys_meta(seed: int) -> dict[str, object]:
     rules = EpisodeSpec("click_bell", "phys_random").rules
-    physics = rules.draw(seed, inside=after(seed % 3))
-    acts = could_act(physics, ("bodies", "joints"))
+    physics = rules.draw(seed, inside=after({REDRAWS: seed % 3}))
+    acts = could_act(physics, {"thing": ("bodies", "joints", "surfaces")})
     return {
         "seed": seed,
         "task": "click_bell",

@@ -32,8 +32,13 @@ def instance_of(name: str, protocol: str = "phys_random") -> Instance:
 def test_the_props_tell_what_the_world_has(name: str) -> None:
     instance = instance_of(name)
     world = instance.world
-    has: dict[Part, bool] = {"bodies": bool(world.bodies), "joints": bool(world.joints)}
-    assert parts(instance.props) == {part for part, there in has.items() if there}
+    objects = world.objects.values()
+    has: dict[str, dict[Part, bool]] = {
+        o.name: {"bodies": bool(o.bodies), "joints": bool(o.joints), "surfaces": bool(o.surfaces)}
+        for o in objects
+    }
+    told = {name: {part for part, there in own.items() if there} for name, own in has.items()}
+    assert parts(instance.props) == told
     readings = {key: bool(a.read(world)) for key, a in attributes().items() if key not in CAMERA}
     acts = could_act(instance.physics, parts(instance.props))
     assert {key for key, read in readings.items() if read} == acts - CAMERA
@@ -58,12 +63,12 @@ def test_a_camera_attribute_acts_in_its_own_modes() -> None:
     spec = EpisodeSpec("click_bell", "phys_random")
     for seed in range(30):
         physics = spec.draw(seed)
-        acts = could_act(physics, ()) & CAMERA
+        acts = could_act(physics, {}) & CAMERA
         turns = physics["camera_mode"] == "rotate"
         assert acts == ({"camera_angle"} if turns else {"camera_distance"})
     held = {"camera_mode": "orbit", "camera_angle": 3.0}
-    assert could_act(EpisodeSpec("click_bell", "phys_random", overrides=held).draw(1), ()) >= CAMERA
-    assert could_act(EpisodeSpec("click_bell", "clean").draw(0), ()) >= CAMERA, (
+    assert could_act(EpisodeSpec("click_bell", "phys_random", overrides=held).draw(1), {}) >= CAMERA
+    assert could_act(EpisodeSpec("click_bell", "clean").draw(0), {}) >= CAMERA, (
         "nominal, and they could be set"
     )
 

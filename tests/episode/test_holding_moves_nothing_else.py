@@ -72,7 +72,7 @@ def test_in_every_task(task: str) -> None:
     """Only the scale changes the bodies in which the centre of mass must lie."""
     for seed in range(1, 41):
         whole = instance(task, seed, {})
-        solids = [Solid(body.hull, body.nominal_com) for body in whole.world.bodies]
+        solids = {b.name: Solid(b.hull, b.nominal_com) for b in whole.world.bodies}
         smallest = whole.domain.smallest_scale / whole.world.blueprint.object_scale
         for key in attributes():
             for value in values(task, key):

@@ -25,11 +25,8 @@ def attempts(accepted):
     ]
 
 
-UNITS = {"friction": "1", "object_mass": "×", "center_of_mass": "m"}
-
-
 def test_a_cut_is_found_where_it_is_and_nowhere_else():
-    found = {s.key: s for s in selections(attempts(MU > 0.25), UNITS)}
+    found = {s.key: s for s in selections(attempts(MU > 0.25))}
     assert found.keys() == {"friction", "object_mass", "center_of_mass.x"}  # y, z do not vary
     assert found["friction"].p < 1e-10
     assert found["friction"].sentence.startswith("low values were cut: of 0.0")
@@ -42,7 +39,7 @@ def test_a_cut_is_found_where_it_is_and_nowhere_else():
 
 def test_a_cut_at_the_other_end_and_in_the_middle():
     def sentence(accepted):
-        return selections(attempts(accepted), UNITS)[1].sentence
+        return selections(attempts(accepted))[1].sentence
 
     assert sentence(MU < 1.0).startswith("high values were cut")
     assert sentence(abs(MU - 0.63) > 0.1).startswith("middle values were cut")
@@ -50,7 +47,7 @@ def test_a_cut_at_the_other_end_and_in_the_middle():
 
 def test_blind_acceptance_shows_no_cut():
     kept = np.random.default_rng(3).random(N) < 0.7
-    for one in selections(attempts(kept), UNITS):
+    for one in selections(attempts(kept)):
         assert one.sentence == "no cut that shows"
         assert one.distance < 0.1
 

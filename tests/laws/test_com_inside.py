@@ -41,7 +41,8 @@ def test_it_lies_inside_every_body(name: str) -> None:
     for seed in SEEDS:
         solids = bodies().solids(task.props(seed))
         scale = domain.sample(seed).scalar("object_scale")
-        physics = domain.sample(seed, inside=inside(solids, domain.smallest_scale))
+        named = {str(number): solid for number, solid in enumerate(solids)}
+        physics = domain.sample(seed, inside=inside(named, domain.smallest_scale))
         assert physics.scalar("object_scale") == scale
         offset = np.array(physics.vector("center_of_mass"))
         for solid in solids:

@@ -7,7 +7,7 @@ from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.physics import after, load_domain
 from rtphys.physics.distribution import Fixed, SameAs, Uniform
 from rtphys.physics.domain import Domain
-from rtphys.physics.values import Interval
+from rtphys.physics.values import REDRAWS, Interval
 
 GLOBAL = load_domain("global")
 SEEDS = range(200)
@@ -111,7 +111,7 @@ def test_overrides_may_leave_the_domain_but_not_the_simulator():
 
 
 def test_center_of_mass_is_redrawn_from_its_own_stream():
-    def in_the_upper_half(com):
+    def in_the_upper_half(com, _):
         return com[2] > 0
 
     counts = []
@@ -122,17 +122,17 @@ def test_center_of_mass_is_redrawn_from_its_own_stream():
         assert (redraws == 0) == (free == physics)
         changed = {k for k in free if free[k] != physics[k]}
         assert changed <= {"center_of_mass", "center_of_mass_redraws"}
-        assert GLOBAL.sample(seed, inside=after(redraws)) == physics
+        assert GLOBAL.sample(seed, inside=after({REDRAWS: redraws})) == physics
         counts.append(redraws)
     assert 0.6 < np.mean(counts) < 1.5  # geometric with p = 1/2 has mean 1
 
 
 def test_a_center_of_mass_that_fits_nowhere():
     with pytest.raises(Infeasible) as caught:
-        GLOBAL.sample(1, inside=lambda com: False)
+        GLOBAL.sample(1, inside=lambda com, _: False)
     assert caught.value.reason == "invalid_physics"
     held = {"center_of_mass": (0.05, 0.0, 0.0)}  # `prepare` says whether it fits
-    assert GLOBAL.sample(1, overrides=held, inside=lambda com: False)["center_of_mass"] == (
+    assert GLOBAL.sample(1, overrides=held, inside=lambda com, _: False)["center_of_mass"] == (
         0.05,
         0,
         0,

@@ -5,6 +5,7 @@ import pytest
 
 from rtphys.physics import load_domain
 from rtphys.physics.hull import Solid, centroid, inside
+from rtphys.physics.reach import Reach
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 
@@ -34,7 +35,7 @@ def test_scale_grows_the_body_not_the_offset():
     solid = box([0.01, 0.05, 0.05])
     assert not solid.holds([0.0095, 0, 0])
     assert solid.holds([0.0095, 0, 0], scale=1.1)
-    assert not inside([solid, box([0.009] * 3)], scale=1.05)((0.0088, 0.0, 0.0))
+    assert not inside({"a": solid, "b": box([0.009] * 3)}, scale=1.05)((0.0088, 0.0, 0.0), Reach())
 
 
 def test_centroid_is_that_of_the_volume_not_of_the_vertices():
@@ -46,7 +47,7 @@ def test_centroid_is_that_of_the_volume_not_of_the_vertices():
 
 def test_a_pack_of_cards_truncates_the_draw_and_keeps_the_label_exact():
     cards = box([0.044, 0.031, 0.01])
-    fits = inside([cards])
+    fits = inside({"cards": cards})
     domain, redrawn = load_domain("global"), 0
     for seed in range(200):
         physics = domain.sample(seed, inside=fits)

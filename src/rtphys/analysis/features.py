@@ -29,7 +29,7 @@ from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.episode.touch import felt
-from rtphys.physics import attributes, could_act
+from rtphys.physics import could_act
 from rtphys.plan.kinematics import ArmKinematics, arm_kinematics
 from rtphys.senses.touch import Touch
 from rtphys.sim.recorder import RECOVER, Recording
@@ -277,7 +277,7 @@ class SenseWorker(StudyWorker[Recipe, Sample]):
         if not tried.accepted or recording is None or instance is None or recording.touch is None:
             return Sample(job.seed, reason=tried.reason)
         physics = instance.physics
-        labelled = could_act(physics, parts(instance.props)) & physics.varied & attributes().keys()
+        labelled = could_act(physics, parts(instance.props)) & physics.varied
         robot = instance.world.robot.embodiment
         return Sample(
             job.seed,

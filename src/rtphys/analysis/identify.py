@@ -277,7 +277,7 @@ class TaskScores(Series[ScoringTask, AttributeScore]):
 def left_out(samples: Sequence[Sample], domain: Domain) -> dict[str, str]:
     """Attribute -> why it is not scored in a task."""
     reasons: dict[str, str] = {}
-    for key in attributes():
+    for key in sorted({*attributes(), *domain.keys}):
         values = [sample.labels[key] for sample in samples if key in sample.labels]
         if key not in domain.keys:
             reasons[key] = "does not vary"

@@ -1,6 +1,6 @@
 """`sensitivity`: how far one attribute at a time may be from nominal before a task is lost."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -21,16 +21,16 @@ from rtphys.episode import begin
 from rtphys.episode.control import actions_of, replay
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.episode.generate import prepare
-from rtphys.physics.attribute import attribute
+from rtphys.physics.attribute import Part, attribute
 from rtphys.physics.distribution import By, Distribution, SameAs, extremes
 from rtphys.physics.domain import Domain
 from rtphys.physics.load import domain_for_task
+from rtphys.physics.reach import reach
 from rtphys.physics.values import Value, Vector
 from rtphys.policies import PolicyGone, PolicySession, PolicySetup
 from rtphys.results.statistics import wilson
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import checked_dataclass
-from rtphys.spec.protocol import ONE_FACTOR
 from rtphys.spec.stored import stored
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
@@ -204,7 +204,7 @@ class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
             if axis is not None:
                 drawn: Vector = ()
                 if axis.vector:
-                    alone = EpisodeSpec(job.task, f"{ONE_FACTOR}{axis.key}").at(job.seed)
+                    alone = EpisodeSpec(job.task, only=(axis.key,)).at(job.seed)
                     value = prepare(alone, task, self.pack).physics[axis.key]
                     assert isinstance(value, tuple)
                     drawn = value
@@ -253,6 +253,10 @@ class Outcome:
     success: bool
 
 
+def _can_act(key: str, has: Mapping[str, Collection[Part]]) -> bool:
+    return attribute(key).could_act(reach(key).parts(has), attribute(key).valid.high)
+
+
 class TaskSensitivity:
     """The bisections of one task, and the outcomes known so far, earlier runs' included.
 
@@ -269,7 +273,7 @@ class TaskSensitivity:
         self.bisections = [
             Bisection(axis, self.search.steps)
             for key in self.search.only or tuple(domain.keys)
-            if key in domain.keys and attribute(key).could_act(has, attribute(key).valid.high)
+            if key in domain.keys and _can_act(key, has)
             for axis in axes(domain, key)
         ]
 

@@ -15,6 +15,7 @@ from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName
 from rtphys.physics import Domain, Value, attributes, domain_for_task, load_domain
+from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY
 from rtphys.spec import protocol
 from rtphys.task.props import Articulated, Mesh
@@ -233,8 +234,8 @@ def _ranges(domain: Domain) -> Table:
     columns = ("range", "unit", "nominal", "from")
     table = fitting_table(["attribute"], columns, f"domain {domain.name}")
     for key in [*domain.keys, *(k for k in AUXILIARY if k in domain.rules)]:
-        attribute = known.get(key)
-        about = (attribute.unit, value_text(attribute.nominal)) if attribute else ("", "")
+        one = attribute(key) if key not in AUXILIARY else None
+        about = (one.unit, value_text(one.nominal)) if one else ("", "")
         source = domain.sources.get(key, domain.name)
         table.add_row(key, str(domain.rules[key]), *about, source)
     for key in sorted(known.keys() - set(domain.keys)):

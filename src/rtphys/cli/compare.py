@@ -10,7 +10,6 @@ from rtphys.cli.derived import Json
 from rtphys.cli.tables import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
 from rtphys.core.errors import counted
-from rtphys.physics import attributes
 
 if TYPE_CHECKING:
     from rtphys.analysis.compare import Column, Comparison
@@ -152,7 +151,7 @@ def _show_identified(results: "Sequence[Result]") -> None:
     columns = [f"{name}{where}" for where in ("", ", beyond") for name in names]
     title = f"mean R2 over {counted(len(tasks), 'tasks')} of all"
     table = fitting_table(["attribute"], columns, title=title, justify="right")
-    for key in attributes():
+    for key in sorted({key for r in results for of in r.tasks.values() for key in of.scores}):
         means = [r.mean(key, tasks, beyond) for beyond in (False, True) for r in results]
         if any(mean is not None for mean in means):
             table.add_row(key, *("-" if mean is None else f"{mean:.2f}" for mean in means))

@@ -16,7 +16,9 @@ from rtphys.cli.tables import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, Infeasible, UnknownName, counted
-from rtphys.physics import Physics, Value, attributes, parse_overrides
+from rtphys.physics import Physics, Value, parse_overrides
+from rtphys.physics.attribute import attribute, is_attribute
+from rtphys.physics.reach import keys_of
 from rtphys.spec.episode import EpisodeSpec, Recipe
 
 if TYPE_CHECKING:
@@ -80,7 +82,7 @@ def sample(
 def _inside_bodies(recipe: Recipe) -> Physics:
     """The draw with the centre of mass that fits; the first one where the episode has none."""
     first = recipe.spec.draw(recipe.seed)
-    if "center_of_mass" not in first.varied:
+    if not keys_of("center_of_mass", first.varied):
         return first
     from rtphys.assets.pack import default_pack
     from rtphys.episode.generate import prepare
@@ -94,12 +96,12 @@ def _inside_bodies(recipe: Recipe) -> Physics:
 
 
 def _table(name: str, drawn: Mapping[int, Physics]) -> Table:
-    known = attributes()
     columns = ("unit", *(f"seed {seed}" for seed in drawn))
     table = fitting_table(["attribute"], columns, f"domain {name}")
-    for key in [*known, "camera_mode", "camera_direction"]:
-        cells = [_cell(values[key], key in values.varied) for values in drawn.values()]
-        table.add_row(key, known[key].unit if key in known else "", *cells)
+    keys = sorted({key for values in drawn.values() for key in filter(is_attribute, values)})
+    for key in [*keys, "camera_mode", "camera_direction"]:
+        cells = [_cell(values.get(key), key in values.varied) for values in drawn.values()]
+        table.add_row(key, attribute(key).unit if key in keys else "", *cells)
     return table
 
 
@@ -249,7 +251,7 @@ def _labels(data: "Dataset", as_json: bool, repeat: int) -> tuple[Facts, bool]:
             for problem in one.problems:
                 say(f"{one.path}: {problem}")
             for m in one.deviations:
-                unit = attributes()[m.key].unit
+                unit = attribute(m.key).unit
                 label, measured = (value_text(v, ".6g") for v in (m.label, m.measured))
                 values = f"label {label}, measured {measured} {unit}"
                 say(f"{one.path}: {m.key} at {m.place}: {values}, tolerance {m.tolerance:.3g}")
@@ -267,7 +269,7 @@ def _labels(data: "Dataset", as_json: bool, repeat: int) -> tuple[Facts, bool]:
                 f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'allowed':>9}  unit"
             )
         for key, m in sorted(totals.worst.items()):
-            deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}  {attributes()[key].unit}"
+            deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}  {attribute(key).unit}"
             say(f"  {key:24} {totals.measured[key]:7} {deviation}")
         for (key, why), count in unmeasured:
             say(f"  {key:24} {count:7} not measured: {why}")
@@ -286,4 +288,4 @@ def _measurement(m: "Measurement") -> Facts:
     facts = facts_of(m.key, m, "place", "label", "measured", "deviation", "tolerance")
     if facts["deviation"] is None:  # a component of a vector may be what is not finite
         facts["measured"] = None
-    return {**facts, "unit": attributes()[m.key].unit}
+    return {**facts, "unit": attribute(m.key).unit}

@@ -12,7 +12,7 @@ from rtphys.cli.progress import campaign, campaign_progress
 from rtphys.cli.tables import fitting_table, print_rows, print_table
 from rtphys.cli.terminal import Incomplete, resumable, say, say_json
 from rtphys.core.errors import counted
-from rtphys.physics import attributes
+from rtphys.physics.attribute import attribute
 from rtphys.spec.option import Option
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def _one_by_one(result: "Result") -> None:
 def _by_attribute(result: "Result") -> None:
     columns = ("tasks", "mean R2", "best", f"R2 >= {GOOD}", "mean shuffled", "carried by")
     table = fitting_table(["attribute"], columns)
-    for key in attributes():
+    for key in sorted({key for of in result.tasks.values() for key in of.scores}):
         scores = {t: f.scores[key] for t, f in result.tasks.items() if key in f.scores}
         if not scores:
             continue
@@ -147,7 +147,7 @@ def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
         for key, answer in cast(Mapping[str, Any], result["attributes"]).items():
             low, high = (f"{bound:.3g}" for bound in answer["tolerance"])
             share = f"{100 * answer['share']:.0f} %"
-            table.add_row(str(result["task"]), key, low, high, share, attributes()[key].unit)
+            table.add_row(str(result["task"]), key, low, high, share, attribute(key).unit)
     print_rows(table, results, output.as_json)
     if without := [str(result["task"]) for result in results if not result["seeds"]]:
         say(f"{', '.join(without)}: nothing measured, since no seed succeeds nominally", err=True)

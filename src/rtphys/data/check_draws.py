@@ -11,8 +11,10 @@ from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.core.untrusted import JSON
 from rtphys.data.manifest import TaskEntry
 from rtphys.data.schema import PhysMeta
-from rtphys.physics import after, attributes, could_act
+from rtphys.physics import after, could_act
+from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.physics.domain import AUXILIARY
+from rtphys.physics.reach import keys_of
 from rtphys.physics.values import REDRAWS, Value, plain_value
 from rtphys.spec.rules import Rules
 from rtphys.task.props import parts
@@ -62,9 +64,12 @@ class DrawCheck:
         return self._physics(meta, self._rules) + self._look(meta, self._rules)
 
     def _physics(self, meta: PhysMeta, rules: Rules) -> list[str]:
-        stated = meta.draws.get(REDRAWS, 0)
-        if not isinstance(stated, int) or isinstance(stated, bool) or stated < 0:
-            return [f"draws.{REDRAWS} = {stated!r} is no count"]
+        stated = dict[str, int]()
+        for key in keys_of(REDRAWS, meta.draws):
+            count = meta.draws[key]
+            if not isinstance(count, int) or isinstance(count, bool) or count < 0:
+                return [f"draws.{key} = {count!r} is no count"]
+            stated[key] = count
         try:
             # How often the centre of mass lay outside a body is the label's word: no geometry here.
             drawn = rules.draw(meta.seed, inside=after(stated))
@@ -75,13 +80,14 @@ class DrawCheck:
         except Infeasible:
             has = None
         found: list[str] = []
-        known, able = attributes(), could_act(drawn, has or ())
+        known = {key: attribute(key) for key in filter(is_attribute, drawn)}
+        able = could_act(drawn, has or {})
         for key in sorted(known.keys() | meta.attributes.keys()):
             label = meta.attributes.get(key)
             if label is None:
                 found.append(f"attributes.{key} is missing")
             elif key not in known:
-                problem = "is no attribute that is known here; is its library loaded?"
+                problem = "is no attribute that is known here, or drawn; is its library loaded?"
                 found.append(f"attributes.{key} {problem}")
             else:
                 scope = known[key].scope.partition(";")[0]

@@ -15,8 +15,12 @@ from rtphys.episode.failure import went_wrong
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, Instance
 from rtphys.episode.render import RenderedFrames
-from rtphys.physics import Physics, attributes, could_act, disagreements, readback
+from rtphys.physics import Physics, could_act, disagreements, readback
+from rtphys.physics.attribute import attribute, is_attribute
+from rtphys.physics.domain import CENTER_OF_MASS
+from rtphys.physics.enforce import acted
 from rtphys.physics.handles import Happened
+from rtphys.physics.reach import keys_of, reach
 from rtphys.sim.feet import off_feet
 from rtphys.sim.recorder import Recording
 from rtphys.sim.world import World
@@ -76,8 +80,10 @@ def assemble(attempt: Attempt, pack: Pack) -> Episode:
         failure["failure"] = {**why, **asdict(instant), "time": rows[instant.frame].time}
     known = label(instance, recording.happened)
     if leaning := _off_feet(instance.world):
-        friction = cast(dict[str, dict[str, object]], known["attributes"])["friction"]
-        friction["scope"] = f"{friction['scope']}; not at the end: {', '.join(leaning)}"
+        labels = cast(dict[str, dict[str, object]], known["attributes"])
+        for key in keys_of("friction", labels):
+            if off := [name for name in leaning if reach(key, labels).has(name)]:
+                labels[key]["scope"] = f"{labels[key]['scope']}; not at the end: {', '.join(off)}"
     return Episode(
         recipe=stored(recipe),
         frames=frames,
@@ -120,14 +126,15 @@ def rejection(tried: Attempt) -> Rejection:
             props = load_task(recipe.task).props(recipe.seed)
             known = values(recipe.spec.draw(recipe.seed), props)
             # It is redrawn until it lies inside bodies that nobody built.
-            known.pop("center_of_mass", None)
+            for key in keys_of(CENTER_OF_MASS, known):
+                del known[key]
     return Rejection(recipe.seed, tried.reason, tried.detail, known)
 
 
 def label(instance: Instance, happened: Happened | None = None) -> dict[str, object]:
     """The part of a label file that is known before anyone acts, and which attributes did act."""
     recipe, physics = instance.recipe, instance.physics
-    known, rules, able = attributes(), recipe.spec.rules, could_act(physics, parts(instance.props))
+    rules, able = recipe.spec.rules, could_act(physics, parts(instance.props))
     return {
         "seed": recipe.seed,
         "task": recipe.task,
@@ -136,17 +143,17 @@ def label(instance: Instance, happened: Happened | None = None) -> dict[str, obj
         "attributes": {
             key: {
                 "value": physics[key],
-                "unit": attribute.unit,
+                "unit": attribute(key).unit,
                 "varied": key in physics.varied,
                 "source": rules.source(key, physics),
                 "could_act": key in able,
-                "acted": (happened and attribute.acted(happened)) if key in able else False,
-                "tolerance": attribute.deviation(physics[key]),
-                "scope": attribute.scope,
+                "acted": (happened and acted(key, physics, happened)) if key in able else False,
+                "tolerance": attribute(key).deviation(physics[key]),
+                "scope": attribute(key).scope,
             }
-            for key, attribute in known.items()
+            for key in filter(is_attribute, physics)
         },
-        "draws": {key: physics[key] for key in physics if key not in known},
+        "draws": {key: physics[key] for key in physics if not is_attribute(key)},
         "readback": readback(instance.world),
         **({} if rules.visual is None else {"visual": instance.look.to_json()}),
     }

@@ -20,6 +20,7 @@ from rtphys.laws.audit.overlaps import overlaps
 from rtphys.laws.audit.specimen import TOLERANCES, Finding, Measurement, Specimen, Unmeasured
 from rtphys.physics import attributes
 from rtphys.physics.enforce import disagreements, enforce
+from rtphys.physics.reach import split
 from rtphys.physics.values import Physics
 from rtphys.sim.rollout import RolloutOptions
 from rtphys.sim.world import World
@@ -92,7 +93,7 @@ def audit_episode(
     problems += [f"{a} lies {1000 * d:.1f} mm deep in {b} at the start" for (a, b), d in deep]
     # Attributes of a user's library, which no experiment knows, are read back instead. Then they
     # are held at their nominal values, because drag would slow a body that is weighed.
-    own = {key: value for key, value in physics.items() if key not in TOLERANCES}
+    own = {key: value for key, value in physics.items() if split(key)[0] not in TOLERANCES}
     problems += disagreements(world, Physics(own))
     nominal = {key: a.nominal for key, a in attributes().items() if key not in TOLERANCES}
     enforce(world, Physics(own | nominal))

@@ -1,5 +1,6 @@
 """One episode, one path: recipe -> physics -> world -> script -> success -> verdict."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from rtphys.assets.pack import Pack
@@ -11,6 +12,7 @@ from rtphys.physics.domain import CENTER_OF_MASS, Domain
 from rtphys.physics.enforce import enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.hull import Solid, inside
+from rtphys.physics.reach import keys_of, reach
 from rtphys.physics.values import Physics
 from rtphys.sim.recorder import FRAME_STEPS, Recording
 from rtphys.sim.rollout import Outcome, Rollout, RolloutOptions
@@ -18,7 +20,7 @@ from rtphys.sim.room import TablePlan
 from rtphys.sim.world import World, WorldPlan
 from rtphys.spec.episode import Recipe
 from rtphys.spec.protocol import VisualRandomization, load_look
-from rtphys.task.props import Ball, Prop
+from rtphys.task.props import Ball, Prop, check_props
 from rtphys.task.spec import Task
 from rtphys.visual.look import CLEAN, Look, draw_look
 
@@ -47,12 +49,15 @@ def prepare(
     Args:
         look: name of the textures and lights that are drawn (`load_look`); None: the recipe's own.
 
-    Raises `Infeasible`: "layout" or "invalid_physics".
+    Raises `Infeasible`: "layout" or "invalid_physics"; `UnknownName`: physics of a prop that the
+    task has not, or that cannot have it.
     """
     arithmetic.warn()
     spec, seed, props = recipe.spec, recipe.seed, tuple(task.props(recipe.seed))
     rules, blueprint = spec.rules, Blueprint()
-    enforce(blueprint, rules.draw(seed))
+    first = rules.draw(seed)
+    check_props(first, props)
+    enforce(blueprint, first)
     shown = rules.visual if look is None else under_look(rules.visual, look)
     drawn = draw_look(shown, rules.chance(seed), (task, props), pack, spec.split)
     table = TablePlan(task.table_shift, task.table_drop)
@@ -64,7 +69,7 @@ def prepare(
     plan = WorldPlan(pack, props, blueprint, table, robot, clutter=clutter, visuals=visuals)
     world = World(plan)
     # The centre of mass may only be drawn once the bodies it must lie in are known.
-    solids = [Solid(body.hull, body.nominal_com) for body in world.bodies]
+    solids = {body.name: Solid(body.hull, body.nominal_com) for body in world.bodies}
     smallest = rules.domain.smallest_scale / blueprint.object_scale
     physics = rules.draw(seed, inside(solids, smallest))
     _check_inside(physics, solids)
@@ -72,11 +77,12 @@ def prepare(
     return Instance(recipe, task, rules.domain, props, physics, world, drawn)
 
 
-def _check_inside(physics: Physics, solids: list[Solid]) -> None:
+def _check_inside(physics: Physics, solids: Mapping[str, Solid]) -> None:
     """A held centre of mass may lie outside a body, or a drawn one outside of a held size."""
-    offset = physics[CENTER_OF_MASS]
-    if isinstance(offset, tuple) and not inside(solids)(offset):
-        raise Infeasible("invalid_physics", f"center_of_mass {offset} lies outside a body")
+    for key in keys_of(CENTER_OF_MASS, physics):
+        offset = physics[key]
+        if isinstance(offset, tuple) and not inside(solids)(offset, reach(key, physics)):
+            raise Infeasible("invalid_physics", f"{key} {offset} lies outside a body")
 
 
 def under_look(own: VisualRandomization | None, look: str) -> VisualRandomization | None:

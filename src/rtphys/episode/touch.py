@@ -106,8 +106,11 @@ def _alike(track: TouchTrack, objects: Sequence[str]) -> dict[str, Array]:
     found["force"][at] = force.mean(axis=1)
     for key, values in (("normal", along), ("tangential", across)):
         found[key][at], found[f"{key}_peak"][at] = values.mean(axis=1), values.max(axis=1)
-    own = cells.press >= 0
-    found["margin"][at] = np.where(own, _margin(along, across, track.friction), 1.0)
+    own, every = cells.press >= 0, track.friction[""]
+    of_pair = np.array([track.friction.get(_object(pair), every) for pair in track.pairs])
+    friction = np.full(own.shape, every)
+    friction[own] = of_pair[presses.pair[cells.press[own]]]
+    found["margin"][at] = np.where(own, _margin(along, across, friction), 1.0)
 
     slides = cells.other >= 0
     on = tuple(rows[slides] for rows in at)
@@ -218,10 +221,10 @@ def _parts(vectors: Array, normal: Array) -> tuple[Array, Array]:
     return along, np.linalg.norm(vectors - along[:, :, None] * normal[:, None], axis=2)
 
 
-def _margin(along: Array, across: Array, friction: float) -> Array:
+def _margin(along: Array, across: Array, friction: Array) -> Array:
     """(C,) least of the steps in which a finger is loaded; 1 where there is none."""
     loaded = along > LEAST
-    margin = 1 - across / (friction * np.where(loaded, along, 1.0))
+    margin = 1 - across / (friction[:, None] * np.where(loaded, along, 1.0))
     least = np.where(loaded, margin, np.inf).min(axis=1)
     return np.where(loaded.any(axis=1), least, 1.0)
 

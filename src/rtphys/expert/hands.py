@@ -188,7 +188,9 @@ class Hands:
         """How many times its weight (in one hand also its turning moment) the grip could bear."""
         bodies = list(self.world.object(prop).bodies)
         weight = max(total(body.mass for body in bodies) * GRAVITY, 1e-6)
-        mu = min((m[0] for pad in self.world.robot.pads for m in pad.materials()), default=0.5)
+        pad = min((m[0] for pad in self.world.robot.pads for m in pad.materials()), default=0.5)
+        own = (m[0] for surface in self.world.object(prop).surfaces for m in surface.materials())
+        mu = (pad + min(own, default=pad)) / 2  # PhysX takes the mean
         arms = [self.world.robot.arm(side) for side in SIDES if self.holding.get(side) == prop]
         friction = total(2 * mu * grip_force(arm.gap(), arm.limb) for arm in arms)
         margin = friction / weight

@@ -14,7 +14,7 @@ from rtphys.data.files import facts_of, replace_file
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST
 from rtphys.export.lerobot_plan import physics_of
-from rtphys.physics import attributes
+from rtphys.physics.attribute import attribute, is_attribute
 
 CARD, CROISSANT = "README.md", "croissant.json"
 SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (10**6, "100K<n<1M"))
@@ -154,13 +154,13 @@ def _task_table(dataset: Dataset) -> str:
 def _physics_table(dataset: Dataset) -> str:
     rows = ["| attribute | unit | varied in | smallest | largest |", "|---|---|---:|---:|---:|"]
     labels = [episode.meta.attributes for episode in dataset]
-    for key, known in attributes().items():
+    for key in sorted({key for label in labels for key in filter(is_attribute, label)}):
         given = [label[key] for label in labels if key in label and label[key].could_act]
         numbers = [np.ravel(label.value) for label in given if label.value is not None]
         values = np.concatenate(numbers) if numbers else np.array([])
         low, high = (f"{values.min():.4g}", f"{values.max():.4g}") if len(values) else ("", "")
         varied = sum(label.varied for label in given)
-        rows.append(f"| `{key}` | {known.unit} | {varied} | {low} | {high} |")
+        rows.append(f"| `{key}` | {attribute(key).unit} | {varied} | {low} | {high} |")
     return "\n".join(rows)
 
 

@@ -288,10 +288,11 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     # On a tilted table a plate that is nearly without friction slides by itself.
     table = {**values, "table_tilt": 0.0} if mu < ROUGH else values
     distance = stopping(lab, table, mu)
+    on = lab.between("friction", mu)  # of two objects
     trials = [
         Trial("stopping distance v²/2μg on the table", RUNWAY, distance, "m"),
         Trial("breakaway push on the table", mu, breakaway(lab, table, mu), "m·g"),
-        Trial("breakaway push on an object", mu, breakaway_on_object(lab, table, mu), "m·g"),
+        Trial("breakaway push on an object", on, breakaway_on_object(lab, table, on), "m·g"),
         Trial("coefficient between finger and object", mu, finger_friction(lab, values, mu), "1"),
     ]
     if mu < ROUGH:  # the fingers lean by more than the angle of friction, as hands do

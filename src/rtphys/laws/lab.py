@@ -1,7 +1,7 @@
 """The laboratory of the law tests: a World with a few simple props and chosen physics."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from rtphys.physics.attribute import attributes
 from rtphys.physics.domain import AUXILIARY
 from rtphys.physics.enforce import enforce
 from rtphys.physics.handles import Blueprint
+from rtphys.physics.pair import of_two
+from rtphys.physics.reach import MARK
 from rtphys.physics.values import Physics, Value
 from rtphys.sim.body import SimBody
 from rtphys.sim.engine import TIME_STEP, from_sapien
@@ -29,21 +31,33 @@ class Lab:
         pack: the asset pack with the robot and the articulated objects.
         visuals: whether there is a renderer, for experiments with pictures.
         embodiment: the robot.
+        elsewhere: attribute -> value of all that is no prop; each prop has its own then, which the
+            experiment sets for all.
     """
 
     pack: Pack
     visuals: bool = False
     embodiment: str = DEFAULT
+    elsewhere: Mapping[str, Value] = field(default_factory=dict[str, Value])
 
-    def physics(self, values: Mapping[str, Value]) -> Physics:
+    def physics(self, values: Mapping[str, Value], props: Sequence[Prop] = ()) -> Physics:
         """Nominal physics except for `values`."""
         nominal: dict[str, Value] = {key: a.nominal for key, a in attributes().items()}
-        nominal |= dict.fromkeys(AUXILIARY)
-        return Physics(nominal | dict(values), values.keys() & attributes().keys())
+        nominal |= dict.fromkeys(AUXILIARY) | dict(values)
+        for key, value in self.elsewhere.items():
+            nominal |= {f"{key}{MARK}{prop.name}": nominal[key] for prop in props}
+            nominal[key] = value
+        return Physics(nominal, values.keys() & attributes().keys())
+
+    def between(self, key: str, label: float) -> float:
+        """Coefficient of two props that have this label."""
+        elsewhere = self.elsewhere.get(key, label)
+        assert isinstance(elsewhere, int | float)
+        return of_two(label, label, min(label, elsewhere))
 
     def world(self, props: Sequence[Prop], values: Mapping[str, Value], steps: int = 0) -> World:
         """A world whose physics is nominal except for `values`, after some steps."""
-        physics, blueprint = self.physics(values), Blueprint()
+        physics, blueprint = self.physics(values, props), Blueprint()
         enforce(blueprint, physics)
         robot, visuals = self.embodiment, self.visuals
         plan = WorldPlan(self.pack, tuple(props), blueprint, embodiment=robot, visuals=visuals)

@@ -10,7 +10,7 @@ from rtphys.core import library
 from rtphys.core.errors import BadFile, RtphysError, UnknownName
 from rtphys.core.library import load_file
 from rtphys.laws.lab import Lab
-from rtphys.physics.attribute import attributes
+from rtphys.physics.attribute import attribute, attributes
 from rtphys.physics.values import Value
 
 Values = Mapping[str, Value]  # attribute or auxiliary key -> value
@@ -141,7 +141,8 @@ def law_tests_of(keys: Sequence[str] | None) -> tuple[list[LawTest], list[str]]:
 def run_trials(lab: Lab, law: LawTest, value: Value, others: Values) -> list[Trial]:
     """All trials of one law at one setting, each with the setting filled in."""
     if others == law.company:
-        setting = f"{law.key} = {_text(value)}, in company with all"
+        own = " of each object, another value elsewhere" if lab.elsewhere else ""
+        setting = f"{law.key} = {_text(value)}{own}, in company with all"
     else:
         setting = ", ".join(f"{k} = {_text(v)}" for k, v in {law.key: value, **others}.items())
     return [replace(trial, setting=setting) for trial in law.run(lab, value, others)]
@@ -149,13 +150,20 @@ def run_trials(lab: Lab, law: LawTest, value: Value, others: Values) -> list[Tri
 
 def trials_of(lab: Lab, key: str) -> Iterator[Trial]:
     """All trials of one attribute: each setting alone and with all others varied, then the last
-    one beside extreme values of a few."""
+    one beside extreme values of a few, and as the own value of each object."""
     law = law_test(key)
     for others in ({}, law.company):
         for value in law.settings:
             yield from run_trials(lab, law, value, others)
     for others in law.others:
         yield from run_trials(lab, law, law.settings[-1], others)
+    if attribute(key).by_prop:
+        yield from run_trials(by_prop(lab, law), law, law.settings[-1], law.company)
+
+
+def by_prop(lab: Lab, law: LawTest) -> Lab:
+    """The laboratory in which each object has its own value, and all else the first setting."""
+    return replace(lab, elsewhere={law.key: law.settings[0]})
 
 
 def _text(value: Value) -> str:

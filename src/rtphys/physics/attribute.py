@@ -4,7 +4,7 @@ import importlib
 import inspect
 import pkgutil
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -17,12 +17,14 @@ from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.library import load_file
 from rtphys.physics.handles import Blueprint, Happened, World
+from rtphys.physics.reach import MARK, split
 from rtphys.physics.values import Interval, Physics, Value, Vector
 
 Target = TypeVar("Target", Blueprint, World)
 Label = TypeVar("Label", float, Vector)
 Reading = float | Vector
-Part = Literal["bodies", "joints"]  # dynamic bodies, and joints of articulated task objects
+# Dynamic bodies, joints of articulated task objects, and surfaces that something can touch.
+Part = Literal["bodies", "joints", "surfaces"]
 
 
 class Attribute(ABC, Generic[Target, Label]):
@@ -36,6 +38,9 @@ class Attribute(ABC, Generic[Target, Label]):
     unit: ClassVar[str]  # of values and labels; `apply` converts to SI
     nominal: ClassVar[float | Vector | None]  # None: the asset's own value
     valid: ClassVar[Interval]  # range of the simulator; a held value may go so far
+    # Range of a value that one prop has; None: no prop has its own. An attribute that allows it
+    # looks at nothing of the world but bodies, surfaces and joints, and finds those of that prop.
+    by_prop: ClassVar[Interval | None] = None
     when: ClassVar[Literal["before_build", "after_build"]] = "after_build"
     # Keys of attributes that write the same quantity and must have written it before this one does.
     applied_after: ClassVar[tuple[str, ...]] = ()
@@ -92,15 +97,20 @@ class Attribute(ABC, Generic[Target, Label]):
         size = float(np.abs(np.asarray(value, float)).max())
         return max(self.tolerance * size, self.resolution)
 
-    def check(self, value: Value, where: str = "") -> None:
-        """Raises `BadValue`: wrong type, wrong number of components, or outside `valid`."""
+    def check(self, value: Value, where: str = "", prop: str = "") -> None:
+        """Raises `BadValue`: wrong type, wrong number of components, or outside `valid`.
+
+        The value of one prop must be in `by_prop`.
+        """
+        key = f"{self.key}{MARK}{prop}" if prop else self.key
+        valid = self.by_prop if prop and self.by_prop else self.valid
         if value is None and self.nominal is None:
             return
         components = len(value) if isinstance(value, tuple) else 1
-        if components != self.size or value not in self.valid:
+        if components != self.size or value not in valid:
             parts = f"{self.size} numbers, each" if self.size > 1 else "a number"
             unit = "" if self.unit == "1" else f" {self.unit}"
-            raise BadValue(self.key, value, f"it is {parts} in {self.valid}{unit}", where)
+            raise BadValue(key, value, f"it is {parts} in {valid}{unit}", where)
 
 
 def agree(a: Reading, b: Reading, resolution: float) -> bool:
@@ -129,12 +139,29 @@ def attributes() -> Attributes:
     return _attributes(tuple(library.names("attributes").values()))
 
 
-def attribute(key: str) -> AnyAttribute:
-    """The attribute of this key. Raises `UnknownName`: no such key; names the nearest match."""
-    known = attributes()
-    if key not in known:
-        raise UnknownName("attribute", key, known)
-    return known[key]
+def attribute(key: str, where: str | Path = "", beside: Iterable[str] = ()) -> AnyAttribute:
+    """The attribute of a key, such as `friction` or `friction@left_block`.
+
+    Args:
+        where: the file that names it.
+        beside: other names that are known there, for the message.
+
+    Raises `UnknownName`: no such attribute, or none that one prop can have.
+    """
+    known, (name, prop) = attributes(), split(key)
+    if name not in known:
+        raise UnknownName("attribute", name, {*known, *beside}, where)
+    if key == f"{name}{MARK}":
+        raise BadValue("key", key, f"write the prop behind {MARK}, or leave both out", where)
+    if prop and not known[name].by_prop:
+        single = {k for k, one in known.items() if one.by_prop}
+        raise UnknownName(f"attribute of one prop in {key!r}:", name, single, where)
+    return known[name]
+
+
+def is_attribute(key: str) -> bool:
+    """Whether it is a key of an attribute that is known here, and of no other draw."""
+    return split(key)[0] in attributes()
 
 
 def in_order() -> tuple[AnyAttribute, ...]:

@@ -2,16 +2,17 @@
 
 import hashlib
 import json
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import repeat
+from pathlib import Path
 from types import MappingProxyType
 from typing import cast
 
 from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.core.seeds import Chance
-from rtphys.physics.attribute import attributes
+from rtphys.physics.attribute import AnyAttribute, attribute, attributes, is_attribute
 from rtphys.physics.distribution import (
     By,
     Choice,
@@ -24,7 +25,8 @@ from rtphys.physics.distribution import (
     parse_rule,
 )
 from rtphys.physics.gaze import MODES
-from rtphys.physics.values import REDRAWS, Physics, Value, Vector
+from rtphys.physics.reach import MARK, Inside, keys_of, reach, split
+from rtphys.physics.values import REDRAWS, Physics, Value
 
 # Rules of a domain that has none of its own for the key; a domain may narrow them.
 AUXILIARY: Mapping[str, Distribution] = MappingProxyType(
@@ -39,7 +41,11 @@ MAX_REDRAWS = 10_000
 
 @dataclass(frozen=True)
 class Domain:
-    """Rules by attribute or auxiliary key. An attribute without a rule is nominal."""
+    """Rules by attribute or auxiliary key. An attribute without a rule is nominal.
+
+    A rule of one prop (`friction@puck`) is a part of its task, as the layout is: every protocol
+    draws it, and none narrows it.
+    """
 
     name: str
     rules: Mapping[str, Distribution]
@@ -68,7 +74,7 @@ class Domain:
         seed: int,
         only: Collection[str] | None = None,
         overrides: Mapping[str, Value] | None = None,
-        inside: Callable[[Vector], bool] | None = None,
+        inside: Inside | None = None,
         task: str = "",
     ) -> Physics:
         """The physics of one episode.
@@ -77,9 +83,10 @@ class Domain:
         `overrides` and new attributes never change the draws of the other keys.
 
         Args:
-            only: attributes to vary; the others are nominal. None: all that have a rule.
+            only: attributes to vary; the others are nominal. None: all that have a rule. An
+                attribute stands for its rules of single props, too.
             overrides: fixed values instead of draws; they may leave the domain, but not `valid`.
-            inside: whether a centre of mass (3,) [m] lies inside every dynamic body; it is drawn
+            inside: whether a centre of mass (3,) [m] lies inside every body it is for; it is drawn
                 again from its own stream until it does. The test must depend on no drawn value,
                 or holding that one would move the centre: see `smallest_scale`.
             task: whose streams; empty for those that all tasks share.
@@ -95,7 +102,7 @@ class Domain:
         active = self._active(only, held)
         values: dict[str, Value] = {key: a.nominal for key, a in known.items()}
         values |= dict.fromkeys(AUXILIARY) | {REDRAWS: 0}
-        needed = {aux for key in active for aux in known[key].auxiliary}
+        needed = {aux for key in active for aux in attribute(key).auxiliary}
         for key in AUXILIARY:
             if key in held:
                 values[key] = held[key]
@@ -114,23 +121,26 @@ class Domain:
                 rule = self.rules[source]
             if isinstance(rule, By):
                 rule = rule.branches[str(values[rule.selector])]
-            values[key] = rule.draw(chance.stream("physics", source), known[key].size)
-        if CENTER_OF_MASS in active and CENTER_OF_MASS not in held and inside is not None:
-            values |= self._center_of_mass(inside, chance)
+            values[key] = rule.draw(chance.stream("physics", source), attribute(key).size)
+        for key in keys_of(CENTER_OF_MASS, active):
+            if key not in held and inside is not None:
+                values |= self._center_of_mass(key, active, inside, chance)
         return Physics(values, active)
 
     def _active(self, only: Collection[str] | None, held: Mapping[str, Value]) -> list[str]:
         """Attributes that an episode sets, drawn or held, sorted."""
-        known = attributes()
-        varied = {key for key in self.rules if key in known}
+        varied = {key for key in self.keys if is_attribute(key)}
         if only is not None:
             for key in only:
-                if key not in known:
-                    raise UnknownName("attribute", key, known)
-                if key not in varied and key not in held:
+                attribute(key)
+                if key not in held and not self._named(key):
                     raise UnknownName(f"attribute of domain {self.name}", key, varied)
-            varied &= set(only)
-        return sorted(varied | (held.keys() & known.keys()))
+            varied = {rule for key in only for rule in self._named(key)}
+        return sorted(varied | (held.keys() - AUXILIARY.keys()))
+
+    def _named(self, key: str) -> list[str]:
+        """Keys of the rules that a key stands for: its own, and for an attribute all of it."""
+        return [rule for rule in self.keys if key in (rule, split(rule)[0])]
 
     def _compatible(
         self, selector: str, rule: Choice, active: Sequence[str], held: Mapping[str, Value]
@@ -166,14 +176,16 @@ class Domain:
 
         return [o for o in options if any(moves(key, o) for key in branches)] or options
 
-    def _center_of_mass(self, inside: Callable[[Vector], bool], chance: Chance) -> dict[str, Value]:
-        """The first draw that lies inside every body."""
-        rng = chance.stream("physics", CENTER_OF_MASS)
+    def _center_of_mass(
+        self, key: str, active: Sequence[str], inside: Inside, chance: Chance
+    ) -> dict[str, Value]:
+        """The first draw that lies inside every body that it is for."""
+        rng, bodies = chance.stream("physics", key), reach(key, active)
         for redraws in range(MAX_REDRAWS):
-            value = self.rules[CENTER_OF_MASS].draw(rng, 3)
-            if isinstance(value, tuple) and inside(value):
-                return {CENTER_OF_MASS: value, REDRAWS: redraws}
-        none = f"no center_of_mass of {MAX_REDRAWS} lies inside every dynamic body"
+            value = self.rules[key].draw(rng, 3)
+            if isinstance(value, tuple) and inside(value, bodies):
+                return {key: value, key.replace(CENTER_OF_MASS, REDRAWS): redraws}
+        none = f"no {key} of {MAX_REDRAWS} lies inside every dynamic body"
         raise Infeasible("invalid_physics", none)
 
     @property
@@ -185,16 +197,25 @@ class Domain:
         rule = self.rules.get("object_scale")
         return min([1.0] if rule is None else [x for x in extremes(rule) if isinstance(x, float)])
 
+    @property
+    def by_prop(self) -> "Domain":
+        """The part of it that a protocol without physics draws: the rules of single props."""
+        return self.of(())
+
     def of(self, keys: Collection[str]) -> "Domain":
         """The part of it that varies these attributes; each keeps its stream, so its draws.
+
+        Rules of single props stay, for the task is nothing without them.
 
         What follows another attribute (`same_as`) that is left out has that one's rule itself.
         Raises `UnknownName`: it has no rule for one of them.
         """
-        kept: dict[str, Distribution] = {k: r for k, r in self.rules.items() if k in AUXILIARY}
+        kept = {k: rule for k, rule in self.rules.items() if k in AUXILIARY or MARK in k}
         for key in keys:
-            if key not in self.keys:
+            if not self._named(key):
                 raise UnknownName(f"attribute of domain {self.name}", key, self.keys)
+            if key not in self.rules:
+                continue
             rule = self.rules[key]
             if isinstance(rule, SameAs) and rule.source not in keys:
                 rule = self.rules[rule.source]
@@ -212,7 +233,7 @@ class Domain:
         if self.width < 1:
             return self
         known = attributes()
-        rules = {
+        rules = {  # auxiliary keys and single props are not among them
             key: rule.narrowed(share, known[key].nominal) if key in known else rule
             for key, rule in self.rules.items()
         }
@@ -256,17 +277,23 @@ def check_overrides(overrides: Mapping[str, Value]) -> None:
 
     Raises `UnknownName`: no such key; `BadValue`: outside what the simulator can do.
     """
-    known = attributes()
     for key, value in overrides.items():
-        if key in known:
-            known[key].check(value)
-        elif key not in AUXILIARY:
-            raise UnknownName("attribute", key, [*known, *AUXILIARY])
+        if key not in AUXILIARY:
+            check_key(key).check(value, prop=split(key)[1])
         elif value not in AUXILIARY[key]:
             raise BadValue(key, value, f"it is {AUXILIARY[key]}")
 
 
-def after(redraws: int) -> Callable[[Vector], bool]:
-    """An `inside` for `Domain.sample` that rejects the first `redraws` draws, without geometry."""
-    rejections = repeat(False, redraws)
-    return lambda _: next(rejections, True)
+def check_key(key: str, where: str | Path = "") -> AnyAttribute:
+    """The attribute of a key that is not auxiliary. Raises `UnknownName`, as `attribute`."""
+    return attribute(key, where, AUXILIARY)
+
+
+def after(redraws: Mapping[str, int]) -> Inside:
+    """An `inside` for `Domain.sample` that rejects so many draws first, without geometry.
+
+    Args:
+        redraws: `center_of_mass_redraws`, or that of one prop, as `Physics` has them.
+    """
+    left = {split(key)[1]: repeat(False, count) for key, count in redraws.items()}
+    return lambda _, reach: next(left.get(reach.prop, repeat(True, 1)), True)

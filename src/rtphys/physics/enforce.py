@@ -1,16 +1,18 @@
 """Writes an episode's physics into the simulator, checks that it has it, and reads it back."""
 
 import inspect
-from collections.abc import Collection, Generator
+from collections.abc import Collection, Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.core.library import line_of
-from rtphys.physics.attribute import AnyAttribute, Part, in_order
-from rtphys.physics.handles import Blueprint, Surface, World
+from rtphys.physics.attribute import AnyAttribute, Part, attribute, in_order
+from rtphys.physics.handles import Blueprint, Happened, Surface, World
+from rtphys.physics.reach import Reach, Reached, keys_of, reach, split
 from rtphys.physics.values import Physics
 
 
@@ -21,31 +23,56 @@ def enforce(target: Blueprint | World, physics: Physics) -> None:
     the asset's own value.
     """
     stage = "before_build" if isinstance(target, Blueprint) else "after_build"
-    for attribute in _for_episode(physics):
-        value = physics[attribute.key]
-        if attribute.when == stage and value is not None:
-            with _naming(attribute, "apply"):
-                attribute.apply(target, value)
+    for key, one in _for_episode(physics):
+        value = physics[key]
+        if one.when == stage and value is not None:
+            with _naming(one, "apply"):
+                one.apply(_part(target, key, physics), value)
 
 
-def could_act(physics: Physics, parts: Collection[Part]) -> frozenset[str]:
-    """Keys of the attributes that may change anything in an episode with these parts."""
-    return frozenset(a.key for a in _for_episode(physics) if a.could_act(parts, physics[a.key]))
+def could_act(physics: Physics, parts: Mapping[str, Collection[Part]]) -> frozenset[str]:
+    """Keys of the attributes that may change anything in an episode.
+
+    Args:
+        parts: prop -> what its world has of it.
+    """
+    return frozenset(
+        key
+        for key, one in _for_episode(physics)
+        if one.could_act(reach(key, physics).parts(parts), physics[key])
+    )
+
+
+def acted(key: str, physics: Physics, happened: Happened) -> bool | None:
+    """Whether another value would have changed an episode; None: it is not measured.
+
+    What happened is known of all props together, so of one only that it did not.
+    """
+    found = attribute(key).acted(happened)
+    return None if found and len(keys_of(split(key)[0], physics)) > 1 else found
 
 
 def disagreements(world: World, physics: Physics) -> list[str]:
     """One sentence for each value of `physics` that the simulator does not have."""
     wrong: list[str] = []
-    for attribute in _for_episode(physics):
-        value = physics[attribute.key]
+    for key, one in _for_episode(physics):
+        value = physics[key]
         if value is not None:
-            with _naming(attribute, "read"):
-                wrong += attribute.disagreements(world, value)
+            with _naming(one, "read"):
+                wrong += one.disagreements(_part(world, key, physics), value)
     return wrong
 
 
-def _for_episode(physics: Physics) -> list[AnyAttribute]:
-    return [a.for_episode(physics) for a in in_order() if a.key in physics]
+def _for_episode(physics: Physics) -> list[tuple[str, AnyAttribute]]:
+    """Keys in the order in which their attributes are applied."""
+    keys = [(key, one) for one in in_order() for key in keys_of(one.key, physics)]
+    return [(key, one.for_episode(physics)) for key, one in keys]
+
+
+def _part(target: Blueprint | World, key: str, physics: Physics) -> Any:
+    """The part of a world that a key is for."""
+    part = reach(key, physics)
+    return target if part == Reach() else Reached(cast(World, target), part)
 
 
 @contextmanager

@@ -169,6 +169,8 @@ class World(Protocol):
     @property
     def surfaces(self) -> Sequence[Surface]: ...  # of task objects, clutter, table, finger pads
     @property
+    def table_and_pads(self) -> Sequence[Surface]: ...  # those that props touch
+    @property
     def scenery(self) -> Sequence[Surface]: ...  # the rest, which no attribute writes
     @property
     def joints(self) -> Sequence[Joint]: ...

@@ -1,6 +1,6 @@
 """Tests whether a centre of mass lies inside a body: in its convex hull, shrunk by a tenth."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,7 +9,7 @@ import scipy  # pyright: ignore[reportMissingTypeStubs]  (its parts wait until t
 from numpy.typing import ArrayLike
 
 from rtphys.core.poses import Array
-from rtphys.physics.values import Vector
+from rtphys.physics.reach import Inside
 
 SHRINK = 0.1  # a real body has a shell, so its centre of mass is never on its surface
 
@@ -45,9 +45,11 @@ def centroid(vertices: Array) -> Array:
     return volumes @ simplices.mean(axis=1) / volumes.sum()
 
 
-def inside(solids: Sequence[Solid], scale: float = 1.0) -> Callable[[Vector], bool]:
-    """The test that `Domain.sample` takes: whether an offset [m] lies inside every solid.
+def inside(solids: Mapping[str, Solid], scale: float = 1.0) -> Inside:
+    """The test that `Domain.sample` takes: whether an offset [m] lies inside every solid it is for.
 
     The offset is in metres and does not scale; the solids are taken `scale` times as large.
     """
-    return lambda offset: all(solid.holds(offset, scale) for solid in solids)
+    return lambda offset, reach: all(
+        solid.holds(offset, scale) for name, solid in solids.items() if reach.has(name)
+    )

@@ -8,7 +8,7 @@ from typing import cast
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName, short_repr
 from rtphys.core.untrusted import plain_name
-from rtphys.physics.attribute import attributes
+from rtphys.physics.attribute import attribute
 from rtphys.physics.distribution import (
     By,
     Choice,
@@ -18,7 +18,8 @@ from rtphys.physics.distribution import (
     narrows,
     parse_rule,
 )
-from rtphys.physics.domain import AUXILIARY, Domain, check_overrides
+from rtphys.physics.domain import AUXILIARY, Domain, check_key, check_overrides
+from rtphys.physics.reach import split
 from rtphys.physics.values import Value
 
 FIELDS = ("extends", "why", "physics")
@@ -55,10 +56,10 @@ def _load(path: Path, children: tuple[Path, ...]) -> Domain:
     raw = content.get("physics")
     if raw is not None and not isinstance(raw, dict):
         raise BadFile(path, "physics must be a mapping of attributes to rules")
-    known = {*attributes(), *AUXILIARY}
-    for key, text in cast(dict[object, object], raw or {}).items():
-        if not isinstance(key, str) or key not in known:
-            raise UnknownName("attribute", str(key), known, path)
+    for name, text in cast(dict[object, object], raw or {}).items():
+        key = str(name)
+        if key not in AUXILIARY:
+            check_key(key, path)
         if text is None:  # nominal
             rules.pop(key, None)
             sources.pop(key, None)
@@ -96,24 +97,27 @@ def _check_possible(key: str, rule: Distribution, path: Path) -> None:
         if not rule.within(AUXILIARY[key]):
             raise BadValue(key, rule.to_json(), f"it is {AUXILIARY[key]}", path)
         return
-    attribute = attributes()[key]
+    varied = attribute(key)
     for value in extremes(rule):
-        if attribute.size > 1 and isinstance(value, float):  # one number for all components
-            value = (value,) * attribute.size
-        attribute.check(value, str(path))
+        if varied.size > 1 and isinstance(value, float):  # one number for all components
+            value = (value,) * varied.size
+        varied.check(value, str(path), split(key)[1])
     if not extremes(rule):
         raise BadValue(key, rule.to_json(), "an attribute needs numbers", path)
 
 
 def _check_narrower(key: str, rule: Distribution, parent: Domain, path: Path) -> None:
-    """Raise unless the rule narrows its parent's; a key that the parent lacks never does."""
-    wide = parent.rule(key)
+    """Raise unless the rule narrows its parent's; a key that the parent lacks never does.
+
+    A rule of one prop narrows that of the same prop, else that of the attribute.
+    """
+    wide = parent.rule(key) or parent.rule(split(key)[0])
     if isinstance(wide, SameAs) and rule != wide:
         wide = parent.rules[wide.source]
     if isinstance(rule, SameAs) and rule != wide:
         rule = parent.rule(rule.source) or rule
     if wide is None:
-        nominal = attributes()[key].nominal
+        nominal = attribute(key).nominal
         fixed = "the asset's own" if nominal is None else f"{nominal}"
         raise BadValue(key, rule.to_json(), f"domain {parent.name} holds it at {fixed}", path)
     if not narrows(rule, wide):
@@ -129,7 +133,7 @@ def _check_references(rules: dict[str, Distribution], path: Path) -> None:
             if rule.source not in plain - AUXILIARY.keys():
                 raise UnknownName("source", rule.source, plain - AUXILIARY.keys(), path)
             for value in extremes(rules[rule.source]):
-                attributes()[key].check(value, str(path))
+                attribute(key).check(value, str(path), split(key)[1])
         elif isinstance(rule, By):
             options = AUXILIARY.get(rule.selector)
             if not isinstance(options, Choice):
@@ -145,20 +149,21 @@ def _check_references(rules: dict[str, Distribution], path: Path) -> None:
 
 
 def parse_overrides(texts: Iterable[str]) -> dict[str, Value]:
-    """Values by key from texts like "friction=0.2", "center_of_mass=0,0,0.01", "camera_mode=orbit".
+    """Values by key from texts like "friction@puck=0.2", "center_of_mass=0,0,0.01".
 
     Raises:
         UnknownName: no such key; names the nearest match.
-        BadValue: not `key=value`, not a number, or outside what the simulator can do.
+        BadValue: not `key=value`, a key twice, not a number, or outside what the simulator can do.
     """
     values: dict[str, Value] = {}
-    known = [*attributes(), *AUXILIARY]
     for text in texts:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise BadValue("set", text, "write key=value, such as friction=0.2")
-        if key not in known:
-            raise UnknownName("attribute", key, known)
+        if key not in AUXILIARY:
+            check_key(key)
+        if key in values:
+            raise BadValue("set", text, f"{key} is held at {values[key]} already")
         if key == "camera_mode":
             values[key] = value
             continue

@@ -15,6 +15,8 @@ REDRAWS = "center_of_mass_redraws"  # key: draws that fell outside a body before
 class Physics(Mapping[str, Value]):
     """Attribute and auxiliary keys -> value, in each attribute's own unit.
 
+    `friction@puck` is there where the puck has a friction of its own; `friction` is for the others.
+
     None means the asset's own value (`object_joint_damping`). For an auxiliary key
     such as `camera_mode` it means that nothing in this episode needs it.
     """
@@ -62,6 +64,10 @@ class Physics(Mapping[str, Value]):
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise TypeError(f"{key} is {value!r}, not a number")
         return float(value)
+
+    def of(self, key: str, prop: str) -> Value:
+        """The value of an attribute for a prop: its own, else that of all."""
+        return self.get(f"{key}@{prop}", self[key])
 
     def vector(self, key: str) -> Vector:
         """The value of a key that holds a vector, such as `center_of_mass`; raises `TypeError`."""

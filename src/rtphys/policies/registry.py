@@ -13,7 +13,7 @@ from urllib.parse import parse_qsl
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
 from rtphys.core.library import load_file
 from rtphys.data.files import facts_of
-from rtphys.physics import attributes
+from rtphys.physics.attribute import is_attribute
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
 from rtphys.sim import renderer
 
@@ -103,7 +103,7 @@ def check_options(spec: str, given: Mapping[str, str]) -> None:
     """
     name, _ = parse_spec(spec)
     for key, value in given.items():
-        if key in attributes():
+        if is_attribute(key):
             cure = "physics follows from the protocol and the seed here, and no option holds it"
             raise BadValue("policy_option", f"{key}={value}", cure)
         if name in WITHOUT_OPTIONS:

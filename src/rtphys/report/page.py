@@ -3,7 +3,7 @@
 import base64
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from itertools import islice
@@ -20,8 +20,9 @@ from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.files import check, make_folder, read, replace_file
-from rtphys.physics import attributes
+from rtphys.physics.attribute import attribute, attributes, is_attribute
 from rtphys.physics.distribution import SameAs, extremes
+from rtphys.physics.reach import split
 from rtphys.spec.rules import Rules
 
 Progress = Callable[[int, int], None]
@@ -96,16 +97,16 @@ class Axis:
         return float(value) if isinstance(value, int | float) else None
 
 
-def axes() -> list[Axis]:
-    """An axis per attribute, or per component of a vector attribute."""
+def axes(keys: Iterable[str] = ()) -> list[Axis]:
+    """An axis per attribute and per key of one prop, or per component of a vector attribute."""
     found: list[Axis] = []
-    for key, attribute in attributes().items():
-        title = key.replace("_", " ")
-        if attribute.size == 1:
-            found.append(Axis(key, None, title, attribute.unit))
+    for key in sorted({*attributes(), *filter(is_attribute, keys)}):
+        title, one = key.replace("_", " "), attribute(key)
+        if one.size == 1:
+            found.append(Axis(key, None, title, one.unit))
         else:
-            names = enumerate("xyz"[: attribute.size])
-            found += [Axis(key, n, f"{title} {name}", attribute.unit) for n, name in names]
+            names = enumerate("xyz"[: one.size])
+            found += [Axis(key, n, f"{title} {name}", one.unit) for n, name in names]
     return found
 
 
@@ -115,7 +116,9 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
     Raises:
         BadFile: an episode is damaged.
     """
-    shown, entries = axes(), dataset.task_datasets
+    entries = dataset.task_datasets
+    rules = [entry.header.rules for entry in entries]
+    shown = axes(key for one in rules for key in (*one.domain.keys, *one.held))
     several = len(dataset.embodiments) > 1
     leaves: list[JSON] = []
     attempts: list[JSON] = []  # task dataset, accepted, one value per axis
@@ -159,7 +162,7 @@ def _span(rules: Rules, key: str) -> JSON:
     rule = rules.domain.rule(key)
     while isinstance(rule, SameAs):
         rule = rules.domain.rule(rule.source)
-    drawn = key not in rules.held and (rules.only is None or key in rules.only)
+    drawn = key not in rules.held and (rules.only is None or {key, split(key)[0]} & {*rules.only})
     ends = [end for end in extremes(rule) if isinstance(end, float)] if rule and drawn else []
     return [min(ends), max(ends)] if ends else None
 

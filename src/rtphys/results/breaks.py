@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from rtphys.core.untrusted import JSON
-from rtphys.physics import attributes
+from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.results.evaluation import EpisodeRecord
 from rtphys.results.statistics import Rate, holm
 
@@ -75,7 +75,7 @@ def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
     """
     columns = dict[str, list[float | None]]()  # values (n,) of each distinct attribute
     same = defaultdict[str, list[str]](list)  # attributes that repeat its values
-    for key in attributes():
+    for key in sorted({key for r in records for key in r.physics if is_attribute(key)}):
         x = [None if key in r.inert else _number(r.physics.get(key)) for r in records]
         first = next((other for other, values in columns.items() if values == x), None)
         if first is None:
@@ -91,7 +91,7 @@ def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
         x, success = [x for x, _ in acting], [r.success for _, r in acting]
         curve = fit(x, success, [tasks.index(r.task) for _, r in acting])
         if curve is not None:
-            unit, others = attributes()[key].unit, tuple(same[key])
+            unit, others = attribute(key).unit, tuple(same[key])
             effects.append(Break(key, unit, curve, curve.p, tuple(bins(x, success)), others))
     adjusted = holm([effect.curve.p for effect in effects])
     effects = [replace(effect, p_holm=p) for effect, p in zip(effects, adjusted, strict=True)]

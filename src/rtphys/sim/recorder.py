@@ -1,6 +1,7 @@
 """Records a row every 15 steps: commands, measurements, packed poses; and hashes the states."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -60,13 +61,13 @@ class Recorder:
         self,
         world: World,
         contacts: Contacts,
-        friction: float | None = None,
+        friction: Mapping[str, float] | None = None,
         all_rows: bool = True,
     ) -> None:
         """Takes the first row.
 
         Args:
-            friction: between a pad and an object; None: nobody asked what the fingers feel.
+            friction: as `TouchTrack` has it; None: nobody asked what the fingers feel.
             all_rows: false: rows after the first are hashed alone, at a tenth of the cost.
         """
         self._world, self._contacts, self._all_rows = world, contacts, all_rows

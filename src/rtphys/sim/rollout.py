@@ -11,6 +11,7 @@ from rtphys.sim.engine import RATE
 from rtphys.sim.happened import HappenedMonitor
 from rtphys.sim.recorder import FRAME_STEPS, Recorder
 from rtphys.sim.strain import Strain, StrainMonitor
+from rtphys.sim.touch import in_hand
 from rtphys.sim.view import SceneView
 from rtphys.sim.world import World
 from rtphys.task.scene import Scene
@@ -91,8 +92,7 @@ class Rollout:
         self.options, self.world, self.condition = options, world, condition
         self._watch = Watch(condition)
         self.scene = SceneView(world, physics)
-        friction = physics["friction"] if options.touch else None
-        assert friction is None or isinstance(friction, float | int)
+        friction = in_hand(physics) if options.touch else None
         self.recorder = Recorder(world, self.scene.contacts, friction, options.keep == "rows")
         self._monitor = StrainMonitor(world)
         self.recorder.recording.strain = self._monitor.strain

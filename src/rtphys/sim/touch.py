@@ -7,6 +7,7 @@ is one of the two, because a point costs 2 us and a scene has dozens. All that c
 `rtphys.episode.touch`, which computes it for all frames at once.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -14,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.core.poses import Array, quat_to_matrix
+from rtphys.physics.reach import keys_of, split
+from rtphys.physics.values import Physics
 from rtphys.sim.contacts import Body, Contacts, impulses
 from rtphys.sim.engine import from_sapien
 from rtphys.sim.world import World
@@ -45,16 +48,22 @@ class TouchTrack:
     fingers: tuple[str, ...]  # names of the F finger links, left hand first
     links: tuple[int, ...]  # their rows of the wrenches
     bodies: tuple[int, ...]  # their rows of the packed poses
-    friction: float  # coefficient between a pad and an object
+    friction: Mapping[str, float]  # object -> coefficient between a pad and it; "": of the others
     joints: Array  # (F, 3, 3) rotation from a finger's joint frame to its link's
     pairs: list[Pair] = field(default_factory=list)  # all that pressed so far
     rows: list[TouchRow] = field(default_factory=list)
 
 
+def in_hand(physics: Physics) -> dict[str, float]:
+    """Coefficient between a pad and each object: `TouchTrack.friction`."""
+    labels = {split(key)[1]: physics.scalar(key) for key in keys_of("friction", physics)}
+    return {"table": min(labels.values()), **labels}
+
+
 class TouchRecorder:
     """Called after every step, and at every frame."""
 
-    def __init__(self, world: World, contacts: Contacts, friction: float) -> None:
+    def __init__(self, world: World, contacts: Contacts, friction: Mapping[str, float]) -> None:
         self._contacts = contacts
         articulation = world.robot.articulation
         fingers = [link for arm in world.robot.arms for link in arm.finger_links]

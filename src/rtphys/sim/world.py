@@ -105,7 +105,11 @@ class World:
     @property
     def surfaces(self) -> Sequence[SimSurface]:
         objects = [s for o in self.scene_objects.values() for s in o.surfaces]
-        return [*objects, self.room.table_surface, *self.robot.pads]
+        return [*objects, *self.table_and_pads]
+
+    @property
+    def table_and_pads(self) -> Sequence[SimSurface]:
+        return [self.room.table_surface, *self.robot.pads]
 
     @property
     def scenery(self) -> Sequence[SimSurface]:

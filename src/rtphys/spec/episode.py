@@ -1,6 +1,6 @@
 """EpisodeSpec: everything that decides an episode but its seed. Recipe: a spec and a seed."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import field, replace
 from functools import cached_property
 from typing import Annotated, cast
@@ -13,7 +13,8 @@ from rtphys.core.errors import BadValue
 from rtphys.core.seeds import Chance
 from rtphys.physics.domain import Domain
 from rtphys.physics.load import domain_for_task, load_domain
-from rtphys.physics.values import Physics, Value, Vector
+from rtphys.physics.reach import Inside
+from rtphys.physics.values import Physics, Value
 from rtphys.spec.option import Option, RobotName, checked_dataclass, one_of
 from rtphys.spec.protocol import (
     ONE_FACTOR,
@@ -104,13 +105,14 @@ class EpisodeSpec:
     def domain(self) -> Domain:
         """What the protocol draws of `ranges`, else of the task's own domain.
 
-        A protocol without physics draws nothing but what `only` picks. Raises `UnknownName`: no
-        such protocol; its one attribute has no rule in the domain.
+        A protocol without physics draws what `only` picks, else the rules of single props. Raises
+        `UnknownName`: no such protocol; its one attribute has no rule in the domain.
         """
         protocol = load_protocol(self.protocol)
-        if self.only is None and not protocol.physics:
-            return NOMINAL
         whole = self.ranges or domain_for_task(self.task)
+        if self.only is None and not protocol.physics:
+            part = whole.by_prop
+            return part if part.keys else NOMINAL
         part = whole.of(protocol.only) if protocol.only else whole
         return part.narrowed(protocol.width) if protocol.width < 1 else part
 
@@ -124,7 +126,7 @@ class EpisodeSpec:
         shared = "" if self.pair_tasks else self.task
         return Rules(self.domain, self.visual(), self.only, self.overrides, shared)
 
-    def draw(self, seed: int, inside: Callable[[Vector], bool] | None = None) -> Physics:
+    def draw(self, seed: int, inside: Inside | None = None) -> Physics:
         """The physics of one episode, as `Domain.sample` draws it."""
         return self.rules.draw(seed, inside)
 

@@ -1,12 +1,13 @@
 """The rules by which a spec draws physics and looks, resolved: what a manifest stores."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 from rtphys.core.seeds import Chance
 from rtphys.physics.domain import Domain
-from rtphys.physics.values import Physics, Value, Vector
+from rtphys.physics.reach import Inside
+from rtphys.physics.values import Physics, Value
 from rtphys.spec.protocol import VisualRandomization
 
 Source = Literal["nominal", "domain", "set", "look"]
@@ -31,7 +32,7 @@ class Rules:
         """The streams of physics and look."""
         return Chance(seed, self.task)
 
-    def draw(self, seed: int, inside: Callable[[Vector], bool] | None = None) -> Physics:
+    def draw(self, seed: int, inside: Inside | None = None) -> Physics:
         """The physics of one episode; arguments and errors are those of `Domain.sample`."""
         held = dict(self.overrides)
         if self.visual is not None and self._look_lowers:

@@ -19,7 +19,8 @@ from rtphys.data.writer import DatasetWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
-from rtphys.physics.attribute import Part, attributes
+from rtphys.physics.attribute import Part, attribute, is_attribute
+from rtphys.physics.reach import reach
 from rtphys.plan.kinematics import check_robot
 from rtphys.senses import drawn
 from rtphys.sim import renderer
@@ -39,7 +40,7 @@ from rtphys.studies.collect_worker import (
 )
 from rtphys.studies.resources import check_drawable, check_fits, check_space, drawn_at_once
 from rtphys.task.instructions import check_templates
-from rtphys.task.props import parts
+from rtphys.task.props import check_props, parts
 from rtphys.task.spec import Task, load_task
 
 DRAWERS = 3  # drawing workers of a GPU: while one reads pictures, it draws those of the others
@@ -192,7 +193,8 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
         if any(side.episode == episode for side in spec.sides[1:]):
             raise BadValue("twin", spec.twin, "it is the protocol itself; name another")
         task = load_task(episode.task)
-        episode.draw(0)
+        with suppress(Infeasible):  # another seed has a layout
+            check_props([*episode.draw(0), *(episode.only or ())], task.props(spec.first_seed))
         check_templates(task.sentences(), task.info, str(task.source))
         tasks.append(task)
     if any(drawn(spec.recording.senses) for spec in specs):
@@ -228,23 +230,21 @@ def check_assets(specs: Sequence[CollectionSpec], tasks: Sequence[Task], pack: P
 def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
     """One sentence for each attribute that is picked or held where it acts on nothing."""
     asked, idle = defaultdict[str, set[str]](set), defaultdict[str, list[str]](list)
-    known, lacking = (
-        attributes(),
-        {"bodies": "object that can move", "joints": "object with joints"},
-    )
+    lacking = {"bodies": "object that can move", "joints": "object with joints"}
     for spec in specs:
-        episode, has = spec.episode, frozenset[Part]()
+        episode, has = spec.episode, dict[str, frozenset[Part]]()
         with suppress(Infeasible):
             has = parts(load_task(episode.task).props(spec.first_seed))
-        for key in sorted({*(episode.only or ()), *episode.overrides} & known.keys()):
+        for key in sorted(filter(is_attribute, {*(episode.only or ()), *episode.overrides})):
             asked[key].add(episode.task)
-            able = known[key].could_act(has, episode.overrides.get(key))
+            part = reach(key).parts(has)
+            able = attribute(key).could_act(part, episode.overrides.get(key))
             if not able and episode.task not in idle[key]:
                 idle[key].append(episode.task)
     sentences: list[str] = []
     for key, tasks in idle.items():
         many = f"{len(tasks)} of {counted(len(asked[key]), 'tasks')}, among them {tasks[0]}"
         place = tasks[0] if len(tasks) == 1 else many
-        what = lacking.get(str(known[key].acts_on), "effect")
+        what = lacking.get(str(attribute(key).acts_on), "effect")
         sentences.append(f"{key} acts on nothing in {place}: there is no {what}")
     return sentences

@@ -14,8 +14,7 @@ from rtphys.campaign.pool import Limits
 from rtphys.core import library
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.physics.attribute import attributes
-from rtphys.physics.domain import AUXILIARY
+from rtphys.physics.domain import AUXILIARY, check_key
 from rtphys.physics.load import parse_overrides
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.option import Option, Workers, at_least, checked_dataclass, from_words, one_of
@@ -159,10 +158,10 @@ def read_specs(path: Path) -> tuple[CollectionSpec, ...]:
             raise BadFile(path, f"{at}.tasks: a list of names or patterns is needed")
         if "episodes" not in given:
             raise BadFile(path, f"{at}.episodes: how many of each task?")
-        held, known = given.get("set", {}), [*attributes(), *AUXILIARY]
+        held = given.get("set", {})
         for key in cast(Mapping[str, object], held) if isinstance(held, Mapping) else ():
-            if key not in known:
-                raise UnknownName("attribute", key, known, place)
+            if key not in AUXILIARY:
+                check_key(str(key), place)
         template = from_words(CollectionSpec, given, f"key of {at}", place)
         tasks = library.matching("tasks", [str(name) for name in cast(list[object], named)], place)
         found += specs_for(template, tasks, sweep)

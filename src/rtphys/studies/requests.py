@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from rtphys.core.errors import BadValue
 from rtphys.data.selection import Selection
 from rtphys.physics.attribute import attribute
+from rtphys.physics.reach import reach
 from rtphys.results.evaluation import EvaluationSpec, short_name
 from rtphys.results.instances import FIRST_SEED
 from rtphys.senses import REDRAWN, SENSES, drawn
@@ -93,7 +94,7 @@ def _acts(task: str, protocol: str) -> bool:
     alone = load_protocol(protocol).only
     if not alone:
         return True
-    has = parts(load_task(task).props(FIRST_SEED))
+    has = reach("").parts(parts(load_task(task).props(FIRST_SEED)))
     return any(attribute(key).could_act(has, attribute(key).valid.high) for key in alone)
 
 

@@ -5,13 +5,15 @@ y-up in their own frame; each orientation (wxyz) says where a model's x, y, z go
 most frequent.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rtphys.core.errors import UnknownName
 from rtphys.core.poses import Array, Pose, axis_angle, quat_multiply
-from rtphys.physics.attribute import Part
+from rtphys.physics.attribute import Part, attribute, is_attribute
+from rtphys.physics.reach import split
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 UP_Y = (0.5, 0.5, 0.5, 0.5)  # x -> +y, y -> up, z -> +x
@@ -119,12 +121,29 @@ class Articulated(Prop):
     opening: float = 0.0
 
 
-def parts(props: Iterable[Prop]) -> frozenset[Part]:
-    """What the props' world has for physical attributes to act on."""
-    found: set[Part] = set()
-    for prop in props:
-        if isinstance(prop, Articulated):
-            found |= {"bodies", "joints"}
-        elif not prop.fixed:
-            found.add("bodies")
-    return frozenset(found)
+def parts(props: Iterable[Prop]) -> Mapping[str, frozenset[Part]]:
+    """Prop -> what its world has of it for physical attributes to act on."""
+    return {prop.name: frozenset(_parts(prop)) for prop in props}
+
+
+def _parts(prop: Prop) -> Iterator[Part]:
+    if not (isinstance(prop, Box) and prop.visual_only):
+        yield "surfaces"
+    if isinstance(prop, Articulated):
+        yield "joints"
+    if isinstance(prop, Articulated) or not prop.fixed:
+        yield "bodies"
+
+
+def check_props(keys: Iterable[str], props: Iterable[Prop]) -> None:
+    """Raise `UnknownName` where a key names no prop, or one without what its attribute changes."""
+    has = parts(props)
+    for key in keys:
+        name, prop = split(key)
+        if not prop or not is_attribute(key):
+            continue
+        needed: Part = attribute(name).acts_on or "surfaces"
+        able = [other for other, own in has.items() if needed in own]
+        if prop not in able:
+            kind = f"prop with {needed}" if prop in has else "prop"
+            raise UnknownName(kind, prop, able, key)

@@ -14,7 +14,8 @@ from rtphys.laws.audit.robot import drag, locate
 from rtphys.laws.audit.specimen import TOLERANCES, Finding, Specimen, Unmeasured, lift
 from rtphys.laws.audit.stands import drop_objects, push_stands
 from rtphys.laws.audit.surfaces import hit_surfaces, survey
-from rtphys.physics.attribute import attributes
+from rtphys.physics.attribute import is_attribute
+from rtphys.physics.reach import split
 
 
 def measure(
@@ -37,8 +38,8 @@ def measure(
     found += [*weigh_bodies(specimen), *weigh_articulated(specimen)]
     lift(specimen.world)  # again at rest
     found += [*survey(specimen), *hit_surfaces(specimen), *drag(specimen)]
-    for key in sorted(attributes().keys() & specimen.values.keys() - {f.key for f in found}):
-        why = "no experiment knows it" if key not in TOLERANCES else "nothing here has it"
+    for key in sorted(set(filter(is_attribute, specimen.values)) - {f.key for f in found}):
+        why = "no experiment knows it" if split(key)[0] not in TOLERANCES else "nothing here has it"
         why = why if key in acting else "acts on nothing in this episode"
         found.append(Unmeasured(key, "", why))
     return found

@@ -37,8 +37,10 @@ class _Trial:
         self._things = specimen.rigid()
         self._components = [thing.bodies[0].component for thing in self._things]
         self._home = [np.array(thing.pose.p) for thing in self._things]
-        f, offset = specimen.number("object_mass"), specimen.offset
-        self._expected = [matter.labelled(f, offset) for matter in sized]
+        self._keys = [specimen.key("object_mass", thing.name) for thing in self._things]
+        labels = zip(self._things, self._keys, strict=True)
+        of_each = [(specimen.number(key), specimen.offset(thing.name)) for thing, key in labels]
+        self._expected = [m.labelled(*label) for m, label in zip(sized, of_each, strict=True)]
 
     def masses(self) -> list[Finding]:
         """Factors on the assets' mass and inertia, from one step under a force and a torque along
@@ -52,16 +54,18 @@ class _Trial:
                 component.add_force_torque(force.tolist(), torque.tolist())
             self._world.step()
             pushed.append(self._velocities())
-        f, speed = self._specimen.number("object_mass"), ACCELERATION * TIME_STEP
+        speed = ACCELERATION * TIME_STEP
         findings: list[Finding] = []
         for i, (thing, matter) in enumerate(zip(self._things, self._expected, strict=True)):
+            key = self._keys[i]
+            f = self._specimen.number(key)
             gained = [float(pushed[axis][i, axis]) for axis in range(3)]
             masses = [f * speed / v if v else np.inf for v in gained]
             mass = float(max(masses, key=lambda m: abs(m - f)))
-            findings.append(Measurement("object_mass", thing.name, f, mass))
+            findings.append(Measurement(key, thing.name, f, mass))
             response = np.array([pushed[axis][i, 3:] for axis in range(3)]).T  # columns: I^-1 τ
             worst = f * max(_principal_ratios(thing, response, matter), key=lambda r: abs(r - 1))
-            findings.append(Measurement("object_mass", f"{thing.name}, inertia", f, worst))
+            findings.append(Measurement(key, f"{thing.name}, inertia", f, worst))
         return findings
 
     def centres(self) -> list[Finding]:
@@ -80,12 +84,13 @@ class _Trial:
                 # The centre stays where it was: p' + R' c = p + c.
                 rows[i].append(X.R - np.eye(3))
                 moved[i].append(self._home[i] - X.p)
-        label = tuple(self._specimen.offset.tolist())
         findings: list[Finding] = []
         for thing, matter, a, b in zip(self._things, self._sized, rows, moved, strict=True):
             c = np.linalg.lstsq(np.vstack(a), np.hstack(b), rcond=None)[0]
             aside = tuple((c - matter.com).tolist())
-            findings.append(Measurement("center_of_mass", thing.name, label, aside))
+            key = self._specimen.key("center_of_mass", thing.name)
+            label = tuple(self._specimen.offset(thing.name).tolist())
+            findings.append(Measurement(key, thing.name, label, aside))
         return findings
 
     def forces(self) -> list[Finding]:

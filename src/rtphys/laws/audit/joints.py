@@ -118,13 +118,17 @@ STILL = 1e-9  # [m/s] per unit speed of a joint: what moves less stands fast
 
 def weigh_articulated(specimen: Specimen) -> list[Finding]:
     """Joint damping, mass, centre of mass and external force of every articulated task object."""
-    f, k = specimen.number("object_mass"), specimen.number("object_scale")
+    k = specimen.number("object_scale")
     findings: list[Finding] = []
     for thing in specimen.world.objects.values():
         prop = thing.prop
         if thing.articulation is None:
             continue
         assert isinstance(prop, Articulated)
+        mass, damped = (
+            specimen.key(key, thing.name) for key in ("object_mass", "object_joint_damping")
+        )
+        f, offset = specimen.number(mass), specimen.offset(thing.name)
         links, dampings = describe(specimen.pack.articulation(prop.category, prop.model))
         matter: dict[str, Matter] = {}  # where the files state anything; no fixed root
         for name, link in links.items():
@@ -132,13 +136,13 @@ def weigh_articulated(specimen: Specimen) -> list[Finding]:
             fast = component is thing.root and prop.fixed
             if link.matter is not None and component is not None and not fast:
                 sized, shapes = link.matter.sized(k), component.collision_shapes
-                matter[name] = sized.labelled(f, specimen.offset) if shapes else sized
+                matter[name] = sized.labelled(f, offset) if shapes else sized
         mechanism = Mechanism(specimen.world, thing, matter)
-        free = specimen.values.get("object_joint_damping") is None
+        free = specimen.values.get(damped) is None
         for index, joint in enumerate(mechanism.joints):
-            label = dampings[joint.name] if free else specimen.number("object_joint_damping")
+            label = dampings[joint.name] if free else specimen.number(damped)
             place, measured = f"{thing.name}/{joint.name}", _damping(mechanism, index, label)
-            findings.append(Measurement("object_joint_damping", place, label, measured))
+            findings.append(Measurement(damped, place, label, measured))
         for joint in mechanism.joints:
             joint.set_drive_properties(0.0, 0.0)
         expected = np.array(np.linalg.inv(mechanism.mass_matrix()), float)
@@ -149,7 +153,7 @@ def weigh_articulated(specimen: Specimen) -> list[Finding]:
         answer = np.array(columns).T  # (n, n), the inverse of the mass matrix
         for i, name in enumerate(mechanism.names):
             factor = f * expected[i, i] / answer[i, i] if answer[i, i] > 0 else np.inf
-            findings.append(Measurement("object_mass", name, f, float(factor)))
+            findings.append(Measurement(mass, name, f, float(factor)))
         findings += _centres(specimen, mechanism, answer)
         findings.append(_force(specimen, mechanism, expected))
     return findings
@@ -186,7 +190,8 @@ def _centres(specimen: Specimen, mechanism: Mechanism, answer: Array) -> list[Fi
         place, (linear, turning) = f"{mechanism.thing.name}/{link}", mechanism.jacobians(link)
         if np.abs(linear).max() < STILL and np.abs(turning).max() < STILL:
             why = "stands fast: its mass and its centre of mass move nothing"
-            findings += [Unmeasured(key, place, why) for key in ("object_mass", "center_of_mass")]
+            lost = (specimen.key(name, place) for name in ("object_mass", "center_of_mass"))
+            findings += [Unmeasured(key, place, why) for key in lost]
             continue
         force = ACCELERATION * mechanism.matter[link].mass
         pushes = [partial(mechanism.push_link, link, force * e) for e in np.eye(3)]
@@ -197,11 +202,12 @@ def _centres(specimen: Specimen, mechanism: Mechanism, answer: Array) -> list[Fi
         off, _, rank, _ = np.linalg.lstsq(levers, gap.T.reshape(-1), rcond=SEEN)
         if not rank:
             why = "only slides: no motion of it tells where its centre of mass is"
-            findings.append(Unmeasured("center_of_mass", place, why))
+            findings.append(Unmeasured(specimen.key("center_of_mass", place), place, why))
             continue
-        aside = specimen.offset + mechanism.X[link].R.T @ off
-        label, measured = tuple(specimen.offset.tolist()), tuple(aside.tolist())
-        findings.append(Measurement("center_of_mass", place, label, measured))
+        offset = specimen.offset(place)
+        aside = offset + mechanism.X[link].R.T @ off
+        label, measured = tuple(offset.tolist()), tuple(aside.tolist())
+        findings.append(Measurement(specimen.key("center_of_mass", place), place, label, measured))
     return findings
 
 

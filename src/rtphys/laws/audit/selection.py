@@ -10,7 +10,7 @@ from scipy.stats import ks_2samp
 from rtphys.core.poses import Array
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset
-from rtphys.physics.attribute import attributes
+from rtphys.physics.attribute import attribute, is_attribute
 
 FIFTHS = 5
 UNLIKELY = 0.01  # p below which a difference is reported
@@ -73,25 +73,22 @@ class Selection:
         )
 
 
-def selections(
-    attempts: Iterable[tuple[Mapping[str, object], bool]], units: Mapping[str, str]
-) -> list[Selection]:
+def selections(attempts: Iterable[tuple[Mapping[str, object], bool]]) -> list[Selection]:
     """One `Selection` for each scalar, and each component of a vector, that varies.
 
     Args:
         attempts: (values by attribute, accepted) of every attempt whose physics was drawn.
-        units: attribute -> unit; also says which keys count.
     """
     columns: dict[str, tuple[str, list[tuple[float, bool]]]] = {}
     for values, accepted in attempts:
-        for key in values.keys() & units.keys():
+        for key in filter(is_attribute, values):
             raw, named = values[key], dict[str, float]()
             if isinstance(raw, list | tuple):
                 named = {f"{key}.{i}": float(x) for i, x in zip("xyz", raw, strict=False)}
             elif isinstance(raw, int | float):
                 named = {key: float(raw)}
             for name, number in named.items():
-                columns.setdefault(name, (units[key], []))[1].append((number, accepted))
+                columns.setdefault(name, (attribute(key).unit, []))[1].append((number, accepted))
     varying = []
     for name, (unit, rows) in sorted(columns.items()):
         attempted, accepted = np.array(rows, float).T
@@ -105,15 +102,14 @@ def selections_by_task_dataset(dataset: Dataset) -> dict[str, list[Selection]]:
 
     Raises `BadFile`: a ledger, the only record of attempts, is missing or damaged.
     """
-    units = {key: attribute.unit for key, attribute in attributes().items()}
     found: dict[str, list[Selection]] = {}
     everything: list[tuple[Mapping[str, object], bool]] = []
     for name, entry in dataset.manifest.task_datasets.items():
         rows = read_attempts(entry.below(dataset.path).ledger)
         # An attempt that was rejected before its physics was drawn has none.
         own = [(row.physics, isinstance(row, Accepted)) for row in rows if row.physics]
-        found[name] = selections(own, units)
+        found[name] = selections(own)
         everything += own
     if len(found) > 1:
-        found["all"] = selections(everything, units)
+        found["all"] = selections(everything)
     return found

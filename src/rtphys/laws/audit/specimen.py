@@ -8,7 +8,8 @@ import numpy as np
 
 from rtphys.assets.pack import Pack
 from rtphys.core.poses import Array, Pose, axis_angle
-from rtphys.physics.attribute import attributes
+from rtphys.physics.attribute import attribute
+from rtphys.physics.reach import MARK, keys_of, split
 from rtphys.physics.values import Value
 from rtphys.sim.engine import to_sapien
 from rtphys.sim.objects import SceneObject
@@ -56,7 +57,7 @@ class Measurement:
         """The deviation that is allowed."""
         if self.allowed is not None:
             return self.allowed
-        relative, absolute = TOLERANCES[self.key]
+        relative, absolute = TOLERANCES[split(self.key)[0]]
         return max(absolute, relative * float(np.max(np.abs(self.label))))
 
     @property
@@ -96,18 +97,26 @@ class Specimen:
     pack: Pack
     values: Mapping[str, Value]
 
+    def key(self, key: str, name: str) -> str:
+        """The key whose value a body, surface or joint has: that of its prop, or of all."""
+        own = f"{key}{MARK}{name.partition('/')[0]}"
+        return own if own in self.values else key
+
     def number(self, key: str) -> float:
         """A label that is a number; where it is null, the attribute's nominal value."""
         value = self.values.get(key)
-        value = attributes()[key].nominal if value is None else value
+        value = attribute(key).nominal if value is None else value
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise TypeError(f"{key} is {value!r}, not a number")
         return float(value)
 
-    @property
-    def offset(self) -> Array:
-        """(3,) [m] the label's centre of mass."""
-        return np.array(self.values["center_of_mass"], float)
+    def smallest(self, key: str) -> float:
+        """The scene's smallest label of an attribute: what table and finger pads have."""
+        return min(self.number(one) for one in keys_of(key, self.values))
+
+    def offset(self, name: str) -> Array:
+        """(3,) [m] centre of mass that a body's label says."""
+        return np.array(self.values[self.key("center_of_mass", name)], float)
 
     def rigid(self) -> list[SceneObject]:
         """Task objects of one dynamic body with shapes."""

@@ -13,6 +13,7 @@ from rtphys.laws.fall import SPEEDS, rebounds
 from rtphys.physics.attribute import attribute
 from rtphys.physics.attributes.restitution import deviation_at
 from rtphys.physics.handles import GRAVITY
+from rtphys.physics.pair import of_two
 from rtphys.sim.engine import RATE, AnyBody, to_sapien
 from rtphys.sim.feet import has_feet
 from rtphys.sim.objects import SceneObject
@@ -42,11 +43,13 @@ def drop_objects(specimen: Specimen) -> list[Finding]:
 
     Each falls where it stood, without the others. What lies on a round side may leave at 0.7 e.
     """
-    world, e, findings = specimen.world, specimen.number("restitution"), list[Finding]()
+    world, findings = specimen.world, list[Finding]()
     homes = [(thing, thing.pose) for thing in specimen.rigid() if has_feet(thing.root)]
     lift(world)
     for thing, home in homes:
         away, body = thing.pose, thing.bodies[0]
+        key = specimen.key("restitution", thing.name)
+        e = specimen.number(key)
         _put(thing, home)
         body.component.set_disable_gravity(False)
         for speed in SPEEDS:
@@ -54,7 +57,7 @@ def drop_objects(specimen: Specimen) -> list[Finding]:
             worst = max(found, key=lambda measured: abs(measured - e))
             place = f"{thing.name}, impact at {speed:g} m/s"
             allowed = deviation_at(speed) * max(1.0, 2 * e)
-            findings.append(Measurement("restitution", place, e, worst, allowed))
+            findings.append(Measurement(key, place, e, worst, allowed))
         _lock(thing, False)
         hang(thing, away.p)
     return findings
@@ -66,11 +69,11 @@ def push_stands(specimen: Specimen, ends: Mapping[str, Pose]) -> list[Finding]:
     Args:
         ends: object -> its last pose, world frame.
     """
-    world, mu = specimen.world, specimen.number("friction")
+    world = specimen.world
     things = {thing.root: thing for thing in specimen.rigid()}
     known = ends.keys() >= {thing.name for thing in things.values()}
     jointed = any(o.articulation is not None for o in world.objects.values())  # how they stood?
-    if mu < RATTLE or not known or jointed:
+    if not known or jointed:
         return []
     starts = [(thing, thing.pose) for thing in things.values() if not thing.prop.fixed]
     for thing, _ in starts:
@@ -80,16 +83,21 @@ def push_stands(specimen: Specimen, ends: Mapping[str, Pose]) -> list[Finding]:
     ends = {thing.name: thing.pose for thing in things.values()}
     findings: list[Finding] = []
     for stand in _stands(world, things):
+        key = specimen.key("friction", stand.top.name)
+        below = specimen.number(specimen.key("friction", stand.below.name))
+        mu = of_two(specimen.number(key), below, specimen.smallest("friction"))
+        if mu < RATTLE:
+            continue
         for thing, _ in starts:
             _lock(thing, thing is not stand.top)
         found = [_slips_at(world, stand, ends, mu, along) for along in ABOUT]
         worst = min((mu * share for share in found if share is not None), default=None)
         place = f"{stand.top.name} on {stand.below.name}"
         if worst is None:
-            findings.append(Unmeasured("friction", place, "it would tip before it slides"))
+            findings.append(Unmeasured(key, place, "it would tip before it slides"))
         else:
             allowed = attribute("friction").deviation(mu)
-            findings.append(Measurement("friction", place, mu, worst, allowed))
+            findings.append(Measurement(key, place, mu, worst, allowed))
     for thing, start in starts:
         _lock(thing, False)
         _put(thing, start)

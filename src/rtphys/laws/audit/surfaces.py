@@ -48,15 +48,19 @@ def hit_surfaces(specimen: Specimen) -> list[Finding]:
                 targets[name] = component
     for arm in world.robot.arms:
         targets |= {f"{arm.side}_gripper/{link.name}": link for link in arm.finger_links}
-    findings: list[Finding] = []
+    findings, shared = list[Finding](), {surface.name for surface in world.table_and_pads}
     for name in (surface.name for surface in world.surfaces):
         thrown = (_throw(world, spot) for spot in islice(_spots(world, targets[name]), MAX_THROWS))
         outcome = next((outcome for outcome in thrown if outcome is not None), None)
         for i, key in enumerate(("friction", "restitution")):
+            own, smallest = specimen.key(key, name), specimen.smallest(key)
             if outcome is None:
-                findings.append(Unmeasured(key, name, "no flat spot of it could be hit"))
-            else:
-                findings.append(Measurement(key, name, specimen.number(key), outcome[i]))
+                findings.append(Unmeasured(own, name, "no flat spot of it could be hit"))
+            elif name in shared:
+                findings.append(Measurement(own, name, smallest, outcome[i]))
+            else:  # a label is that of the pair with table or pad
+                pair = (outcome[i] + smallest) / 2
+                findings.append(Measurement(own, name, specimen.number(own), pair))
     return findings
 
 

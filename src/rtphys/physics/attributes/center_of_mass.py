@@ -16,7 +16,7 @@ class CenterOfMass(Attribute[World, Vector]):
     key = "center_of_mass"
     unit = "m"
     nominal = (0.0, 0.0, 0.0)
-    valid = Interval(-0.1, 0.1)
+    valid = by_prop = Interval(-0.1, 0.1)
     size = 3
     resolution = 1e-8  # single precision at offsets and hulls of decimetres
     acts_on = "bodies"

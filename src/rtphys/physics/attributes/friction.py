@@ -1,21 +1,21 @@
 """Coulomb friction of task objects, table top and finger pads."""
 
-from rtphys.physics.attribute import Attribute, Reading
-from rtphys.physics.handles import World
+from rtphys.physics.handles import Material
+from rtphys.physics.pair import PairCoefficient
 from rtphys.physics.values import Interval
 
 
-class Friction(Attribute[World, float]):
-    """Coefficient of friction [1], the same on task objects, table top and finger pads.
+class Friction(PairCoefficient):
+    """Coefficient of friction [1] of task objects with table top and finger pads.
 
-    PhysX averages the coefficients of two surfaces in contact, so both must have the value for the
-    pair to have it. Static and dynamic friction are equal: PhysX blends unequal ones.
+    Static and dynamic friction are equal: PhysX blends unequal ones.
     """
 
     key = "friction"
     unit = "1"
     nominal = 0.5
     valid = Interval(0, 4)
+    by_prop = Interval(0, 2)  # beside a table with none its surface needs twice as much
     resolution = 1e-9
     tolerance = 0.03
     scope = (
@@ -24,15 +24,8 @@ class Friction(Attribute[World, float]):
     )
     what = "Coulomb coefficient of object, table top and finger pads"
 
-    def apply(self, target: World, value: float) -> None:
-        for surface in target.surfaces:
-            _, _, restitution = surface.materials()[0]
-            surface.set_material(value, value, restitution)
+    def numbers(self, material: Material) -> tuple[float, ...]:
+        return material[:2]
 
-    def read(self, world: World) -> dict[str, Reading]:
-        """Coefficient of each surface; a tuple for a surface with several."""
-        out: dict[str, Reading] = {}
-        for surface in world.surfaces:
-            numbers = {mu for s, d, _ in surface.materials() for mu in (s, d)}
-            out[surface.name] = numbers.pop() if len(numbers) == 1 else tuple(sorted(numbers))
-        return out
+    def changed(self, material: Material, number: float) -> Material:
+        return number, number, material[2]

@@ -15,7 +15,7 @@ class ObjectJointDamping(Attribute[World, float]):
     key = "object_joint_damping"
     unit = "N·m·s/rad or N·s/m"
     nominal = None
-    valid = Interval(0, 1000)
+    valid = by_prop = Interval(0, 1000)
     resolution = 1e-9
     acts_on = "joints"
     tolerance = 0.05

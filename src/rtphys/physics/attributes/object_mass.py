@@ -13,7 +13,7 @@ class ObjectMass(Attribute[World, float]):
     key = "object_mass"
     unit = "×"
     nominal = 1.0
-    valid = Interval(0.01, 100)
+    valid = by_prop = Interval(0.01, 100)
     acts_on = "bodies"
     what = "mass and inertia of every dynamic task body"
 

@@ -1,7 +1,7 @@
 """Coefficient of restitution of task objects, table top and finger pads."""
 
-from rtphys.physics.attribute import Attribute, Reading
-from rtphys.physics.handles import Happened, World
+from rtphys.physics.handles import Happened, Material
+from rtphys.physics.pair import PairCoefficient
 from rtphys.physics.values import Interval, Value
 
 STATED = 1.0  # [m/s] at which a label states its tolerance: a fall from 5 cm
@@ -16,17 +16,18 @@ def deviation_at(speed: float) -> float:
     return 0.01 + 0.04 / speed
 
 
-class Restitution(Attribute[World, float]):
-    """Newton's coefficient [1], the same on task objects, table top and finger pads.
+class Restitution(PairCoefficient):
+    """Newton's coefficient [1] of task objects with table top and finger pads.
 
-    PhysX averages the coefficients of two surfaces. Slower than the scene's bounce threshold
-    (2 m/s by default, 0.2 m/s in every rtphys scene) nothing bounces.
+    Slower than the scene's bounce threshold (2 m/s by default, 0.2 m/s in every rtphys scene)
+    nothing bounces.
     """
 
     key = "restitution"
     unit = "1"
     nominal = 0.0
     valid = Interval(0, 1)
+    by_prop = Interval(0, 0.5)  # beside a table with none its surface needs twice as much
     resolution = 1e-9
     what = "Newton's coefficient of object, table top and finger pads"
     scope = (
@@ -40,15 +41,8 @@ class Restitution(Attribute[World, float]):
     def acted(self, happened: Happened) -> bool:
         return happened.impact
 
-    def apply(self, target: World, value: float) -> None:
-        for surface in target.surfaces:
-            static, dynamic, _ = surface.materials()[0]
-            surface.set_material(static, dynamic, value)
+    def numbers(self, material: Material) -> tuple[float, ...]:
+        return material[2:]
 
-    def read(self, world: World) -> dict[str, Reading]:
-        """Coefficient of each surface; a tuple for a surface with several."""
-        out: dict[str, Reading] = {}
-        for surface in world.surfaces:
-            numbers = {e for _, _, e in surface.materials()}
-            out[surface.name] = numbers.pop() if len(numbers) == 1 else tuple(sorted(numbers))
-        return out
+    def changed(self, material: Material, number: float) -> Material:
+        return material[0], material[1], number
