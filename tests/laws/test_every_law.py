@@ -9,7 +9,7 @@ from global_domain import GLOBAL, ends_of
 
 from rtphys.assets.pack import builtin_pack
 from rtphys.laws.lab import Lab
-from rtphys.laws.law import COMPANY, Trial, Values, law_test, run_trials, trials_of
+from rtphys.laws.law import COMPANY, Trial, Values, by_prop, law_test, run_trials, trials_of
 from rtphys.physics import attributes, gaze
 from rtphys.physics.values import Value
 
@@ -43,6 +43,26 @@ def test_law(lab: Lab, key: str, value: Value, company: str) -> None:
 )
 def test_law_beside_other_attributes(lab: Lab, key: str, others: Values) -> None:
     assert_passed(run_trials(lab, law_test(key), law_test(key).settings[-1], others))
+
+
+BY_PROP = [law for law in LAWS if attributes()[law.key].by_prop]
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [(law.key, value) for law in BY_PROP for value in law.settings[1:]], ids=str
+)
+def test_law_of_each_object_while_all_else_has_another_value(
+    lab: Lab, key: str, value: Value
+) -> None:
+    """Also between two objects, whose pair has the sum of their labels less the smallest."""
+    law = law_test(key)
+    assert_passed(run_trials(by_prop(lab, law), law, value, law.company))
+
+
+def test_every_attribute_of_an_object_can_be_of_one() -> None:
+    assert {law.key for law in BY_PROP} == {
+        "center_of_mass", "friction", "object_joint_damping", "object_mass", "restitution",
+    }  # fmt: skip
 
 
 # What acts on the robot itself, and what its fingers do to a thing between them.

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -81,12 +82,16 @@ def sample(
 
 def _inside_bodies(recipe: Recipe) -> Physics:
     """The draw with the centre of mass that fits; the first one where the episode has none."""
+    from rtphys.task.props import check_props
+    from rtphys.task.spec import load_task
+
     first = recipe.spec.draw(recipe.seed)
+    with suppress(Infeasible):  # no layout: no episode either
+        check_props(first, load_task(recipe.task).props(recipe.seed))
     if not keys_of("center_of_mass", first.varied):
         return first
     from rtphys.assets.pack import default_pack
     from rtphys.episode.generate import prepare
-    from rtphys.task.spec import load_task
 
     try:
         return prepare(recipe, load_task(recipe.task), default_pack()).physics

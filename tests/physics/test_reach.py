@@ -1,0 +1,141 @@
+"""Physics of single props: keys, draws, domains, and what is refused by name."""
+
+from pathlib import Path
+
+import pytest
+
+from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.poses import Pose
+from rtphys.physics import after, could_act, load_domain, parse_overrides
+from rtphys.physics.pair import of_two
+from rtphys.physics.reach import keys_of, reach
+from rtphys.physics.values import REDRAWS
+from rtphys.task.props import Articulated, Box, check_props, parts
+
+GLOBAL = load_domain("global")
+BLOCK = Box(name="block", pose=Pose((0, 0, 0)), half_size=(0.02, 0.02, 0.02))
+MARK = Box(name="mark", pose=Pose((0, 0, 0)), half_size=(0.02, 0.02, 0.0), visual_only=True)
+DOOR = Articulated(name="door", pose=Pose((0, 0, 0)), category="015_laptop", model=0, fixed=True)
+
+
+def domain(folder: Path, rules: str, name: str = "own"):
+    path = folder / f"{name}.yaml"
+    path.write_text(f"extends: global\nphysics:\n{rules}")
+    return load_domain(path)
+
+
+def test_a_key_is_for_its_prop_or_for_all_without_one() -> None:
+    keys = ("friction", "friction@a", "object_mass", "object_mass@b")
+    assert keys_of("friction", keys) == ["friction", "friction@a"]
+    assert [n for n in ("a", "a/lid", "ab", "table") if reach("friction@a", keys).has(n)] == [
+        "a",
+        "a/lid",
+    ]
+    assert [n for n in ("a", "a/lid", "ab", "table") if reach("friction", keys).has(n)] == [
+        "ab",
+        "table",
+    ]
+
+
+def test_a_prop_draws_from_its_own_stream(tmp_path: Path) -> None:
+    own = domain(
+        tmp_path, "  friction@a: {uniform: [0.1, 0.2]}\n  friction@b: {uniform: [1, 1.2]}\n"
+    )
+    for seed in range(20):
+        before, drawn = GLOBAL.sample(seed), own.sample(seed)
+        assert 0.1 <= drawn.scalar("friction@a") <= 0.2 < 1 <= drawn.scalar("friction@b") <= 1.2
+        assert all(drawn[key] == value for key, value in before.items())
+        assert drawn.varied == before.varied | {"friction@a", "friction@b"}
+        held = own.sample(seed, overrides={"friction@a": 0.7})
+        assert held["friction@b"] == drawn["friction@b"]
+        assert (held.of("friction", "a"), held.of("friction", "c")) == (0.7, drawn["friction"])
+
+
+def test_only_names_a_prop_or_the_whole_attribute(tmp_path: Path) -> None:
+    own = domain(tmp_path, "  friction@a: 0.1\n  friction@b: 0.2\n  object_mass@a: 2\n")
+    assert own.sample(1, only=["friction@a"]).varied == {"friction@a"}
+    assert own.sample(1, only=["friction"]).varied == {"friction", "friction@a", "friction@b"}
+    hidden = {"friction@a", "friction@b", "object_mass@a"}
+    assert {*own.of(["restitution"]).keys} == {"restitution", *hidden}
+    assert {*own.by_prop.keys} == hidden, "every protocol draws them"
+    assert own.narrowed(0.25).rules["friction@b"] == own.rules["friction@b"], "and none narrows"
+    with pytest.raises(UnknownName, match="did you mean 'friction@b'"):
+        own.sample(1, only=["friction@bb"])
+
+
+def test_a_centre_of_mass_is_redrawn_for_the_bodies_that_it_is_for(tmp_path: Path) -> None:
+    own = domain(tmp_path, "  center_of_mass@bar: {uniform: [-0.01, 0.01]}\n")
+
+    def fits(offset, of) -> bool:
+        return offset[0] > 0 if of.has("bar/end") else offset[2] > 0
+
+    for seed in range(20):
+        drawn = own.sample(seed, inside=fits)
+        assert drawn.vector("center_of_mass@bar")[0] > 0 < drawn.vector("center_of_mass")[2]
+        redraws = {key: int(drawn.scalar(key)) for key in keys_of(REDRAWS, drawn)}
+        assert redraws.keys() == {REDRAWS, f"{REDRAWS}@bar"}
+        assert own.sample(seed, inside=after(redraws)) == drawn
+
+
+def test_what_acts_is_asked_of_each_prop() -> None:
+    held = {"object_mass@block": 2.0, "object_joint_damping@door": 3.0, "friction@block": 0.2}
+    physics = GLOBAL.sample(1, only=[], overrides=held)
+    acts = could_act(physics, parts([BLOCK, MARK]))
+    assert {"object_mass@block", "friction@block", "friction"} <= acts
+    assert "object_joint_damping@door" not in acts
+    assert "object_mass" in acts, "the mark has what is left"
+    assert "object_mass" not in could_act(physics, parts([BLOCK]))
+
+
+def test_two_props_that_differ() -> None:
+    assert of_two(0.2, 0.8, 0.2) == pytest.approx(0.8)
+    assert of_two(0.5, 0.5, 0.5) == 0.5
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("frition@a=1", "unknown attribute 'frition'; did you mean 'friction'"),
+        ("table_tilt@a=1", "attribute of one prop in 'table_tilt@a'"),
+        ("friction@=1", "write the prop behind @"),
+        ("restitution@a=0.7", r"restitution@a = 0.7 is not .* in \[0, 0.5\]"),
+        ("friction@a=0.1,0.2", "friction@a = .* a number in"),
+    ],
+)
+def test_a_key_that_cannot_be_is_refused_by_name(text: str, words: str) -> None:
+    with pytest.raises((UnknownName, BadValue), match=words):
+        parse_overrides([text])
+
+
+def test_two_values_of_one_prop_are_refused() -> None:
+    with pytest.raises(BadValue, match=r"friction@a is held at 0.1 already"):
+        parse_overrides(["friction@a=0.1", "friction@a=0.2"])
+
+
+@pytest.mark.parametrize(
+    ("rule", "words"),
+    [
+        ("friction@a: {uniform: [1, 1.5]}", r"own.yaml: friction@a .* domain global allows"),
+        ("camera_angle@a: 1", "own.yaml: unknown attribute of one prop"),
+        ("friction@a: 0.1\n  friction@a: 0.2", "own.yaml: broken YAML"),
+    ],
+)
+def test_a_rule_that_cannot_be_is_refused_with_its_file(
+    tmp_path: Path, rule: str, words: str
+) -> None:
+    with pytest.raises(Exception, match=words):
+        domain(tmp_path, f"  {rule}\n")
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("friction@blok", "friction@blok: unknown prop 'blok'; did you mean 'block'"),
+        ("friction@mark", "unknown prop with surfaces 'mark'"),
+        ("object_joint_damping@block", "unknown prop with joints 'block'.* Known: door"),
+    ],
+)
+def test_a_prop_that_is_not_there_is_refused_with_the_nearest(key: str, words: str) -> None:
+    with pytest.raises(UnknownName, match=words):
+        check_props([key], [BLOCK, MARK, DOOR])
+    check_props(["friction@block", "object_joint_damping@door", "camera_mode"], [BLOCK, DOOR])
