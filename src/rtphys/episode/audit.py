@@ -23,6 +23,7 @@ from rtphys.physics.enforce import disagreements, enforce
 from rtphys.physics.reach import split
 from rtphys.physics.values import Physics
 from rtphys.sim.rollout import RolloutOptions
+from rtphys.sim.touch import in_hand
 from rtphys.sim.world import World
 from rtphys.spec.episode import Recipe
 from rtphys.spec.stored import load
@@ -114,11 +115,10 @@ def repeated(meta: PhysMeta, pack: Pack) -> list[str]:
     recipe = load(Recipe, meta.recipe, "its recipe")
     task = load_task(recipe.task)
     instance = prepare(recipe, task, pack)
-    friction = float(np.asarray(instance.physics["friction"]))
     try:
         settle(instance)
         rollout = start(instance, RolloutOptions(task.step_limit, POLL))
-        seen = Demonstration(instance.world, friction)
+        seen = Demonstration(instance.world, in_hand(instance.physics))
         task.script(ExpertRobot(rollout, recipe.stream("expert"), recipe.spec.recovery))
         rollout.finish()
     except Infeasible as problem:
@@ -129,7 +129,8 @@ def repeated(meta: PhysMeta, pack: Pack) -> list[str]:
     if meta.attributes[RESTITUTION].acted is False:
         other = prepare(recipe, task, pack)
         e = 0.0 if instance.physics[RESTITUTION] else 0.5
-        attributes()[RESTITUTION].apply(other.world, e)  # it would wake what has settled
+        # Before it settles: it would wake what has.
+        enforce(other.world, Physics({**instance.physics, RESTITUTION: e}))
         settle(other)
         if (step := replay(other.world, seen.commands, seen.states)) is not None:
             why = f"the label says that it did not act, but with {e:g} step {step} has other bits"

@@ -1,6 +1,6 @@
 """Measures what happens in a demonstration: forces on links, creep in the hands, bits."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,10 +36,10 @@ class Demonstration:
     """Watches a world from the moment on at which it is made.
 
     Args:
-        friction: the label's coefficient.
+        friction: thing -> the label's coefficient; "": of the others.
     """
 
-    def __init__(self, world: World, friction: float) -> None:
+    def __init__(self, world: World, friction: Mapping[str, float]) -> None:
         self._world, self._friction = world, friction
         self._joints = world.robot.articulation.active_joints
         # Keyed by the component itself: held here, it is the same object in every contact.
@@ -134,7 +134,8 @@ class Demonstration:
         load = body.mass * GRAVITY * np.array([self._world.external_force, 0.0, -1.0])
         across = float(np.linalg.norm(load - (load @ along) * along))
         place = X.R.T @ (thing.pose @ body.com - (a + b) / 2)
-        share = across / (self._friction * normal) if self._friction else np.inf
+        friction = self._friction.get(thing.name, self._friction[""])
+        share = across / (friction * normal) if friction else np.inf
         return Held(len(self.states), X.p, arm.gap(), place, share)
 
 
