@@ -55,6 +55,29 @@ def test_patterns_match_in_the_order_given_and_once() -> None:
         library.find("tasks", "clik_bell")
 
 
+def test_a_suite_is_found_by_its_name_and_by_whole_names_alone(own: Path) -> None:
+    (own / "tasks" / "mine").mkdir()
+    for name in ("shake_two", "shake_one", "_shared"):
+        (own / "tasks" / "mine" / f"{name}.py").touch()
+    assert library.suites()["mine"] == ["shake_one", "shake_two"]
+    assert library.matching("tasks", ["suite:mine"]) == ("shake_one", "shake_two")
+    assert library.matching("tasks", ["shake_two"]) == ("shake_two",)
+    assert "shake_two" not in library.matching("tasks", ["*", "shake*"])
+    assert "shake_two" not in library.names("tasks") and "shake_two" in library.names("tasks", None)
+    assert library.find("tasks", "shake_two") == own / "tasks" / "mine" / "shake_two.py"
+    with pytest.raises(UnknownName, match=r"unknown suite 'mien'.*'mine'"):
+        library.matching("tasks", ["suite:mien"])
+    with pytest.raises(UnknownName, match="did you mean 'shake_two'"):
+        library.matching("tasks", ["shake_tow"])
+
+
+def test_a_name_in_a_suite_and_beside_it_is_refused(own: Path) -> None:
+    (own / "tasks" / "mine").mkdir()
+    (own / "tasks" / "mine" / "click_bell.py").touch()
+    with pytest.raises(library.AmbiguousName, match="task 'click_bell' exists twice"):
+        library.find("tasks", "click_bell")
+
+
 def test_yaml_is_read_anew_when_the_file_changes(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text("x: [1]\n")

@@ -7,6 +7,7 @@ import pytest
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.poses import Pose
 from rtphys.physics import after, could_act, load_domain, parse_overrides
+from rtphys.physics.domain import Domain
 from rtphys.physics.pair import of_two
 from rtphys.physics.reach import keys_of, reach
 from rtphys.physics.values import REDRAWS
@@ -49,6 +50,44 @@ def test_a_prop_draws_from_its_own_stream(tmp_path: Path) -> None:
         held = own.sample(seed, overrides={"friction@a": 0.7})
         assert held["friction@b"] == drawn["friction@b"]
         assert (held.of("friction", "a"), held.of("friction", "c")) == (0.7, drawn["friction"])
+
+
+DEAL = "  friction@a,b: {deal: [{uniform: [0.1, 0.2]}, {uniform: [1, 1.2]}]}\n"
+
+
+def test_props_are_dealt_one_rule_each(tmp_path: Path) -> None:
+    own = domain(tmp_path, DEAL)
+    drawn = [own.sample(seed) for seed in range(200)]
+    slippery = [p.scalar("friction@a") < p.scalar("friction@b") for p in drawn]
+    assert 70 < sum(slippery) < 130, "either prop, as often"
+    for seed, physics in enumerate(drawn):
+        low, high = sorted(physics.scalar(f"friction@{prop}") for prop in "ab")
+        assert 0.1 <= low <= 0.2 < 1 <= high <= 1.2
+        held = own.sample(seed, overrides={"friction@a": 0.7})
+        assert held["friction@b"] == physics["friction@b"]
+        assert physics["friction"] == GLOBAL.sample(seed)["friction"]
+    again = Domain.from_json(own.to_json())
+    assert again.digest == own.digest and [again.sample(s) for s in range(200)] == drawn
+
+
+@pytest.mark.parametrize(
+    ("rules", "problem"),
+    [
+        ("  friction@a: {deal: [0.1, 0.2]}\n", "as many rules as its key names props"),
+        ("  friction@a,b: {deal: [0.1]}\n", "as many rules as its key names props"),
+        ("  friction@a,b: {deal: 3}\n", "as many rules as its key names props"),
+        ("  friction@a,b: {deal: [0.1, {same_as: friction}]}\n", "plain distributions"),
+        ("  friction@a,b: {deal: [0.1, 9]}\n", r"friction@a = 9.0 .* a number in \[0, 2\]"),
+    ],
+)
+def test_a_deal_that_cannot_be_is_refused(tmp_path: Path, rules: str, problem: str) -> None:
+    with pytest.raises(BadValue, match=problem):
+        domain(tmp_path, rules)
+
+
+def test_several_props_may_share_a_rule_and_draw_by_themselves(tmp_path: Path) -> None:
+    own = domain(tmp_path, "  friction@a,b: {uniform: [0.1, 0.2]}\n")
+    assert own.sample(1)["friction@a"] != own.sample(1)["friction@b"]
 
 
 def test_only_names_a_prop_or_the_whole_attribute(tmp_path: Path) -> None:
@@ -112,10 +151,19 @@ def test_two_values_of_one_prop_are_refused() -> None:
         parse_overrides(["friction@a=0.1", "friction@a=0.2"])
 
 
+def test_a_rule_of_a_prop_narrows_that_of_the_same_prop_alone(tmp_path: Path) -> None:
+    wide = "  friction@a: {uniform: [1, 1.5]}\n"  # wider than the global domain's friction
+    assert domain(tmp_path, wide, "parent").sample(1).scalar("friction@a") >= 1
+    child = tmp_path / "child.yaml"
+    child.write_text("extends: parent\nphysics:\n  friction@a: {uniform: [0.9, 1.5]}\n")
+    with pytest.raises(BadValue, match=r"friction@a .* domain parent allows \[1, 1.5\]"):
+        load_domain(child)
+
+
 @pytest.mark.parametrize(
     ("rule", "words"),
     [
-        ("friction@a: {uniform: [1, 1.5]}", r"own.yaml: friction@a .* domain global allows"),
+        ("friction@a: {uniform: [1, 2.5]}", r"own.yaml: friction@a = 2.5 .* in \[0, 2\]"),
         ("camera_angle@a: 1", "own.yaml: unknown attribute of one prop"),
         ("friction@a: 0.1\n  friction@a: 0.2", "own.yaml: broken YAML"),
     ],

@@ -163,7 +163,7 @@ def new_task(
     if not re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name):
         raise BadValue("name", name, "a name is words of a-z and 0-9 joined by _")
     path = folder / "tasks" / f"{name}.py"
-    if name in library.names("tasks") or path.exists():
+    if name in library.names("tasks", None) or path.exists():
         raise BadValue("name", name, "there is a task of that name already", path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -221,7 +221,7 @@ def domain_named(name: str) -> Domain:
     Raises:
         UnknownName: neither a task nor a domain; names the nearest match.
     """
-    known, of_tasks = library.names("domains"), library.names("tasks")
+    known, of_tasks = library.names("domains"), library.names("tasks", None)
     if name in known or name.endswith((".yaml", ".yml")):
         return load_domain(name)
     if name not in of_tasks:

@@ -65,7 +65,7 @@ def sample(
     overrides = parse_overrides(assignments or [])
     drawn: dict[int, Physics] = {}
     for s in range(first_seed, first_seed + episodes):
-        if task in library.names("tasks"):
+        if task in library.names("tasks", None):
             drawn[s] = _inside_bodies(EpisodeSpec(task, "phys_random", wanted, overrides).at(s))
         else:
             drawn[s] = domain.sample(s, wanted, overrides)
@@ -207,7 +207,7 @@ def audit(
     from rtphys.laws.audit.selection import selections_by_task_dataset
 
     data = Dataset(dataset)
-    known = library.names("tasks")
+    known = library.names("tasks", None)
     for task in data.tasks if labels else ():
         if task not in known:
             raise UnknownName("task", task, known, dataset)

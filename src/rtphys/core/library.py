@@ -2,6 +2,8 @@
 
 The bundled library is the checkout (editable install) or the package folder (wheel). A user's own
 library is a folder with the same subfolders, added by `$RTPHYS_LIBRARY` or the option `library`.
+A folder in `tasks/` is a suite: its tasks have names like all others, but only `suite:FOLDER` and
+their whole names find them, so that no pattern mixes them with the tasks beside it.
 """
 
 import fnmatch
@@ -14,6 +16,7 @@ import traceback
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from types import ModuleType
 
@@ -31,6 +34,9 @@ KINDS = {  # how the file of an entry ends; a robot's is in a folder of its name
     "protocols": ".yaml",
     "robots": "/config.yml",
 }
+
+
+SUITE = "suite:"  # before the name of a suite, where a task may stand
 
 
 class AmbiguousName(RtphysError):
@@ -56,17 +62,21 @@ def roots() -> tuple[Path, ...]:
     return (bundled(), *[p.resolve() for p in own])
 
 
-def names(kind: str) -> dict[str, Path]:
+def names(kind: str, suite: str | None = "") -> dict[str, Path]:
     """Name -> file (of a robot: folder) of every entry of one kind in all libraries, by name.
 
     It reads file names only, so that a broken file cannot break the list.
+
+    Args:
+        suite: of tasks, the folder in `tasks/`; empty: those of no suite; None: all.
 
     Raises:
         AmbiguousName: two libraries define the same name.
     """
     files: dict[str, Path] = {}
     for root in roots():
-        for path in (root / kind).glob(f"*{KINDS[kind]}"):
+        folders = [root / kind / suite] if suite is not None else [root / kind, *_suites(root)]
+        for path in chain.from_iterable(folder.glob(f"*{KINDS[kind]}") for folder in folders):
             entry = path.parent if KINDS[kind].startswith("/") else path
             name = entry.name.removesuffix(KINDS[kind])
             if name in files:
@@ -76,25 +86,45 @@ def names(kind: str) -> dict[str, Path]:
     return dict(sorted(files.items()))
 
 
+def suites() -> dict[str, list[str]]:
+    """Name of each suite of tasks -> its tasks."""
+    found = sorted({folder.name for root in roots() for folder in _suites(root)})
+    return {suite: list(names("tasks", suite)) for suite in found}
+
+
+def _suites(root: Path) -> list[Path]:
+    files = (root / "tasks").glob(f"[!_.]*/*{KINDS['tasks']}")
+    return sorted({file.parent for file in files})
+
+
 def matching(kind: str, patterns: Iterable[str], where: str | Path = "") -> tuple[str, ...]:
     """All names that match the patterns (`*`, `?`), each once, in the order of the patterns.
+
+    Of tasks, `suite:NAME` stands for all of a suite.
 
     Raises:
         UnknownName: a pattern that matches nothing; names the nearest match, and the file `where`.
     """
-    known = names(kind)
+    known, by_suite = names(kind), suites() if kind == "tasks" else {}
+    in_suites = list(chain.from_iterable(by_suite.values()))
     matched: dict[str, None] = {}
     for pattern in patterns:
-        matches = fnmatch.filter(known, pattern)
+        if pattern.startswith(SUITE) and by_suite:
+            suite = pattern.removeprefix(SUITE)
+            if suite not in by_suite:
+                raise UnknownName("suite", suite, by_suite, where)
+            matches = by_suite[suite]
+        else:
+            matches = [pattern] if pattern in in_suites else fnmatch.filter(known, pattern)
         if not matches:
-            raise UnknownName(kind[:-1], pattern, known, where)
+            raise UnknownName(kind[:-1], pattern, [*known, *in_suites], where)
         matched |= dict.fromkeys(matches)
     return tuple(matched)
 
 
 def find(kind: str, name: str) -> Path:
     """The file of the entry of this name. Raises `UnknownName`, which names the nearest match."""
-    known = names(kind)
+    known = names(kind, None if kind == "tasks" else "")
     if name not in known:
         raise UnknownName(kind[:-1], name, known)
     return known[name]

@@ -27,7 +27,7 @@ def env_id(task: str) -> str:
 
 def register_all() -> None:
     """Register every task of the libraries, without loading SAPIEN or a task file."""
-    for task in library.names("tasks"):
+    for task in library.names("tasks", None):
         if env_id(task) not in gymnasium.registry:
             # No max_episode_steps: the environment truncates by the limit in the task file.
             entry = "rtphys.gym.env:TaskEnv"

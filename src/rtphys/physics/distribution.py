@@ -8,6 +8,7 @@ from typing import Protocol, cast
 import numpy as np
 
 from rtphys.core.errors import BadValue
+from rtphys.physics.reach import MARK
 from rtphys.physics.values import Interval, Value, Vector, components
 
 JsonRule = object  # in JSON or YAML: a number, a name, a list or a mapping with one key
@@ -236,6 +237,38 @@ class SameAs:
         return f"same as {self.source}"
 
 
+@dataclass(frozen=True)
+class Deal:
+    """One of several rules, of which props that share them get a different one each.
+
+    Which prop gets which is drawn once for all, from the stream of `source`.
+    """
+
+    source: str  # the key that names all of them: `friction@left_block,right_block`
+    place: int  # of this prop among them
+    rules: tuple[Distribution, ...]
+
+    def draw(self, rng: np.random.Generator, size: int) -> Value:
+        order = rng.permutation(len(self.rules))
+        return [rule.draw(rng, size) for rule in self.rules][order[self.place]]
+
+    def __contains__(self, value: object) -> bool:
+        return any(value in rule for rule in self.rules)
+
+    def within(self, other: Distribution) -> bool:
+        return self == other or all(rule.within(other) for rule in self.rules)
+
+    def narrowed(self, share: float, centre: Value) -> Distribution:
+        return self  # a part of its task, as all that single props have
+
+    def to_json(self) -> JsonRule:
+        rules = [rule.to_json() for rule in self.rules]
+        return {"deal": {"source": self.source, "place": self.place, "rules": rules}}
+
+    def __str__(self) -> str:
+        return f"one of {', '.join(map(str, self.rules))}, each to another prop"
+
+
 def _towards(centre: float, end: float, share: float) -> float:
     return centre + share * (end - centre) if share < 1 else end
 
@@ -265,12 +298,14 @@ def extremes(rule: Distribution) -> list[Value]:
         return list(rule.options)
     if isinstance(rule, By):
         return [value for branch in rule.branches.values() for value in extremes(branch)]
+    if isinstance(rule, Deal):
+        return [value for part in rule.rules for value in extremes(part)]
     return [rule.value] if isinstance(rule, Fixed) else []
 
 
 SPELLING = (
     "write a number, {uniform: [low, high]}, {log_uniform: [low, high]}, {choice: [a, b, ...]}, "
-    "{same_as: key} or {by: {key: {value: rule, ...}}}"
+    "{same_as: key}, {by: {key: {value: rule, ...}}}, or, for key@a,b, {deal: [rule, rule]}"
 )
 
 
@@ -317,6 +352,10 @@ def _parse(key: str, kind: str, argument: object, where: str) -> Distribution:
             return Direction()
         case "same_as", str():
             return SameAs(argument)
+        case "deal", {"source": str(source), "place": int(place), "rules": list(rules)}:
+            return _deal(source, place, cast(list[object], rules), where)
+        case "deal", _:
+            return _deal(key, 0, [], where)
         case "by", Mapping() if len(cast(Mapping[object, object], argument)) == 1:
             ((selector, rules),) = cast(Mapping[object, object], argument).items()
             if not isinstance(rules, Mapping) or not rules:
@@ -329,6 +368,16 @@ def _parse(key: str, kind: str, argument: object, where: str) -> Distribution:
             return By(str(selector), branches)
         case _:
             raise ValueError(f"{kind!r} is no distribution that fits {argument!r}")
+
+
+def _deal(source: str, place: int, rules: list[object], where: str) -> Deal:
+    props = source.partition(MARK)[2].split(",")
+    if not len(props) == len(rules) > 1 or not 0 <= place < len(rules):
+        raise ValueError("deal has as many rules as its key names props: key@a,b: {deal: [r, s]}")
+    parsed = tuple(parse_rule(source, rule, where) for rule in rules)
+    if any(isinstance(rule, By | SameAs | Deal) for rule in parsed):
+        raise ValueError("a deal is of plain distributions")
+    return Deal(source, place, parsed)
 
 
 def _finite(raw: object) -> float:

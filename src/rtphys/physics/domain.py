@@ -16,6 +16,7 @@ from rtphys.physics.attribute import AnyAttribute, attribute, attributes, is_att
 from rtphys.physics.distribution import (
     By,
     Choice,
+    Deal,
     Direction,
     Distribution,
     Fixed,
@@ -121,6 +122,8 @@ class Domain:
                 rule = self.rules[source]
             if isinstance(rule, By):
                 rule = rule.branches[str(values[rule.selector])]
+            if isinstance(rule, Deal):
+                source = rule.source
             values[key] = rule.draw(chance.stream("physics", source), attribute(key).size)
         for key in keys_of(CENTER_OF_MASS, active):
             if key not in held and inside is not None:

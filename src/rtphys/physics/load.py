@@ -1,7 +1,7 @@
 """Reads domains from YAML files, with inheritance, and values from texts such as `friction=0.2`."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import cast
 
@@ -19,7 +19,7 @@ from rtphys.physics.distribution import (
     parse_rule,
 )
 from rtphys.physics.domain import AUXILIARY, Domain, check_key, check_overrides
-from rtphys.physics.reach import split
+from rtphys.physics.reach import MARK, split
 from rtphys.physics.values import Value
 
 FIELDS = ("extends", "why", "physics")
@@ -56,8 +56,7 @@ def _load(path: Path, children: tuple[Path, ...]) -> Domain:
     raw = content.get("physics")
     if raw is not None and not isinstance(raw, dict):
         raise BadFile(path, "physics must be a mapping of attributes to rules")
-    for name, text in cast(dict[object, object], raw or {}).items():
-        key = str(name)
+    for key, text in _of_each_prop(cast(dict[object, object], raw or {})):
         if key not in AUXILIARY:
             check_key(key, path)
         if text is None:  # nominal
@@ -71,6 +70,19 @@ def _load(path: Path, children: tuple[Path, ...]) -> Domain:
         rules[key], sources[key] = rule, path.stem
     _check_references(rules, path)
     return Domain(path.stem, dict(sorted(rules.items())), sources, str(content.get("why", "")))
+
+
+def _of_each_prop(raw: Mapping[object, object]) -> Iterator[tuple[str, object]]:
+    """Keys and rules; one for several props (`friction@left,right`) becomes a rule of each."""
+    for name, rule in raw.items():
+        key, props = str(name), split(str(name))[1].split(",")
+        if len(props) == 1:
+            yield key, rule
+            continue
+        dealt = cast(Mapping[object, object], rule).get("deal") if isinstance(rule, dict) else None
+        for place, prop in enumerate(props):
+            deal = {"deal": {"source": key, "place": place, "rules": dealt}}
+            yield f"{split(key)[0]}{MARK}{prop.strip()}", rule if dealt is None else deal
 
 
 def _parent(extends: object, path: Path, children: tuple[Path, ...]) -> Domain | None:
@@ -109,9 +121,11 @@ def _check_possible(key: str, rule: Distribution, path: Path) -> None:
 def _check_narrower(key: str, rule: Distribution, parent: Domain, path: Path) -> None:
     """Raise unless the rule narrows its parent's; a key that the parent lacks never does.
 
-    A rule of one prop narrows that of the same prop, else that of the attribute.
+    A rule of one prop is a part of its task, so it narrows none but that of the same prop.
     """
-    wide = parent.rule(key) or parent.rule(split(key)[0])
+    wide = parent.rule(key)
+    if wide is None and split(key)[1]:
+        return
     if isinstance(wide, SameAs) and rule != wide:
         wide = parent.rules[wide.source]
     if isinstance(rule, SameAs) and rule != wide:

@@ -131,5 +131,5 @@ def load_task(name: str) -> Task:
 
 
 def task_names() -> list[str]:
-    """Names of all tasks, from file names alone."""
+    """Names of all tasks of no suite, from file names alone."""
     return list(library.names("tasks"))
