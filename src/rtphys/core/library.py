@@ -130,6 +130,11 @@ def find(kind: str, name: str) -> Path:
     return known[name]
 
 
+def top_of(kind: str, path: Path) -> Path:
+    """The library's folder of this kind that an entry is in, directly or in a suite."""
+    return next(top for root in roots() if (top := root / kind) in path.parents)
+
+
 def read_yaml(path: Path) -> dict[str, object]:
     """Read a YAML file that holds one mapping.
 
@@ -157,12 +162,15 @@ def read_yaml(path: Path) -> dict[str, object]:
 # ---- a user's Python files -----------------------------------------------------------------------
 
 
-def load_file(path: Path, kind: str) -> ModuleType:
+def load_file(path: Path, kind: str, top: Path | None = None) -> ModuleType:
     """Run a file as a module of its own, anew at each call.
 
     It is not imported by its bare name: another file of that name, or a package, would be taken
     in its stead without a word. It may import its neighbours (`from ._bowls import nest`), which
     are loaded once.
+
+    Args:
+        top: the folder above the file's own whose files it may import (`from .._bowls import nest`).
 
     Raises:
         BadFile: no such file, not a Python file, or it raises.
@@ -171,11 +179,12 @@ def load_file(path: Path, kind: str) -> ModuleType:
     if not path.is_file():
         raise BadFile(path, f"no such {kind} file")
     # A package is made up for the folder, whose members its files are.
-    package = f"rtphys_{kind}_{hashlib.sha256(str(path.parent).encode()).hexdigest()[:12]}"
-    if package not in sys.modules:
-        sys.modules[package] = ModuleType(package)
-        sys.modules[package].__path__ = [str(path.parent)]
-        importlib.invalidate_caches()  # files may have been written since Python last looked
+    top = path.parent if top is None else top.absolute()
+    package = f"rtphys_{kind}_{hashlib.sha256(str(top).encode()).hexdigest()[:12]}"
+    _make_package(package, top)
+    if top != path.parent:
+        package = f"{package}.{path.parent.name}"
+        _make_package(package, path.parent)
     name = f"{package}.{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
@@ -189,6 +198,13 @@ def load_file(path: Path, kind: str) -> ModuleType:
         what = f"{type(error).__name__}: {error}".replace(package, "")
         raise BadFile(path, f"cannot be loaded: {what}{line_of(error, path)}") from error
     return module
+
+
+def _make_package(name: str, folder: Path) -> None:
+    if name not in sys.modules:
+        sys.modules[name] = ModuleType(name)
+        sys.modules[name].__path__ = [str(folder)]
+        importlib.invalidate_caches()  # files may have been written since Python last looked
 
 
 def line_of(error: Exception, path: Path) -> str:

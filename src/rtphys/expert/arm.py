@@ -230,6 +230,17 @@ class ExpertArm(Arm):
         hands = [[pose @ X_PE for pose in path] for path in paths]
         return self.sweep(*hands, seconds=seconds, prop=prop, speed=speed)
 
+    def felt(self) -> Array:
+        rows = self._feasibility.rollout.recorder.recording.rows[self._feasibility.felt_from :]
+        arm, world = self._world.robot.arm(self.side), self._world
+        kinematics, tcp = self._feasibility.planner.kinematics[self.side], (self.hand.tcp, 0.0, 0.0)
+        wrenches = [
+            kinematics.wrench(row.qpos[arm.index], row.effort[arm.index], np.array(tcp))
+            for row in rows
+        ]
+        R_TW = world.X_WT.R.T
+        return np.array([np.concatenate([R_TW @ w[:3], R_TW @ w[3:]]) for w in wrenches])
+
     def open(self, opening: float = 1.0) -> Motion:
         load = self._hands.holding.get(self.side, "")
         return self.motion("open", Grip(opening, releases=load))

@@ -45,6 +45,7 @@ class Feasibility:
     def __init__(self, rollout: Rollout, planner: DualArmPlanner, hands: Hands) -> None:
         self.rollout, self.planner, self.hands = rollout, planner, hands
         self.world, self.scene = rollout.world, rollout.scene
+        self.felt_from = 0  # row of the recording with which the last `robot.do` began
         self._known: tuple[int, set[str]] | None = None  # step and loads at the last `refresh`
 
     def refresh(self) -> None:

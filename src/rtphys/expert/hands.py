@@ -39,6 +39,7 @@ class Hands:
         # Side -> prop. Not a set of props: the order of a set differs between processes.
         self.holding: dict[str, str] = {}
         self.grasped: dict[str, Pose] = {}  # side -> the load in the commanded ee's frame, at first
+        self.belief = self.scene.physics  # what it takes the physics to be
         self.care = 1.0  # share of the usual pace, for a load that has slipped before
         self._known: dict[str, Pose] = {}  # as `grasped`, where the planner has the load
 
@@ -185,18 +186,28 @@ class Hands:
         return self.care * min(paces, default=1.0)
 
     def _margin(self, prop: str) -> float:
-        """How many times its weight (in one hand also its turning moment) the grip could bear."""
+        """How many times its weight (in one hand also its turning moment) the grip could bear.
+
+        Where the belief is the truth, what it adds is 0, and its factor 1, to the last bit.
+        """
+        true, taken = (
+            (p.scalar(p.key_of("object_mass", prop)), p.scalar(p.key_of("friction", prop)),
+             np.array(p.vector(p.key_of("center_of_mass", prop))))
+            for p in (self.scene.physics, self.belief)
+        )  # fmt: skip
         bodies = list(self.world.object(prop).bodies)
         weight = max(total(body.mass for body in bodies) * GRAVITY, 1e-6)
+        weight *= taken[0] / true[0]
         pad = min((m[0] for pad in self.world.robot.pads for m in pad.materials()), default=0.5)
         own = (m[0] for surface in self.world.object(prop).surfaces for m in surface.materials())
-        mu = (pad + min(own, default=pad)) / 2  # PhysX takes the mean
+        mu = (pad + min(own, default=pad)) / 2 + (taken[1] - true[1])  # PhysX takes the mean
         arms = [self.world.robot.arm(side) for side in SIDES if self.holding.get(side) == prop]
         friction = total(2 * mu * grip_force(arm.gap(), arm.limb) for arm in arms)
         margin = friction / weight
         if len(arms) == 1:
             masses = np.array([body.mass for body in bodies])
-            points = [from_sapien(b.component.entity_pose) @ b.com for b in bodies]
+            shift = taken[2] - true[2]
+            points = [from_sapien(b.component.entity_pose) @ (b.com + shift) for b in bodies]
             centre = masses @ np.array(points) / masses.sum()  # (3,) world frame [m]
             offset = centre - arms[0].tcp().p
             lever = float(np.hypot(offset[0], offset[1]))

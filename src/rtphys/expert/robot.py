@@ -11,6 +11,7 @@ from rtphys.expert.arm import ExpertArm
 from rtphys.expert.feasibility import Feasibility, Intent
 from rtphys.expert.hands import Hands
 from rtphys.expert.planner import ArmGoal, DualArmPlanner
+from rtphys.physics.values import Physics
 from rtphys.plan.trajectory import Trajectory
 from rtphys.sim.recorder import RECOVER
 from rtphys.sim.rollout import Rollout
@@ -29,15 +30,21 @@ class ExpertRobot(Robot):
     """Both arms of one rollout, driven through the same targets that a policy sets."""
 
     def __init__(
-        self, rollout: Rollout, rng: np.random.Generator, may_recover: bool = True
+        self,
+        rollout: Rollout,
+        rng: np.random.Generator,
+        may_recover: bool = True,
+        belief: Physics | None = None,
     ) -> None:
         """
         Args:
             may_recover: false ends the attempt ("recovered") where a second try is due.
+            belief: what it takes the physics to be; None: it knows it.
         """
-        self.rollout, self.scene, self.world = rollout, rollout.scene, rollout.world
+        self.rollout, self.world = rollout, rollout.world
         self.planner = DualArmPlanner(self.world.robot.embodiment, rng)
         self.hands = Hands(rollout, self.planner)
+        self.believe(belief or rollout.scene.physics)
         self._feasibility = Feasibility(rollout, self.planner, self.hands)
         self._may_recover, self._recovering = may_recover, False
         self._intents: dict[str, Intent] = {}  # by side, of verbs called since the last `do`
@@ -46,6 +53,11 @@ class ExpertRobot(Robot):
         )
         self._feasibility.refresh()
 
+    def believe(self, physics: Physics) -> None:
+        """Take the physics to be this from now on."""
+        self.scene = self.rollout.scene.believing(physics)
+        self.hands.belief = physics
+
     # ---- what scripts say ------------------------------------------------------------------------
 
     def do(self, *motions: Motion) -> None:
@@ -53,10 +65,16 @@ class ExpertRobot(Robot):
         for motion in motions:
             queues[motion.side].extend(motion.steps)
         self._intents.clear()
+        self._feasibility.felt_from = len(self.rollout.recorder.recording.rows)
         stage = " + ".join(dict.fromkeys(m.stage for m in motions))
         self.rollout.recorder.enter(f"{RECOVER} {stage}" if self._recovering else stage)
         for i in range(max((len(q) for q in queues.values()), default=0)):
             self._together({side: q[i] for side, q in queues.items() if i < len(q)})
+
+    def seen(self, prop: str) -> Array:
+        rows = self.rollout.recorder.recording.rows[self._feasibility.felt_from :]
+        X_TW = self.world.X_WT.inverse()
+        return np.array([X_TW @ row.objects[prop][:3] for row in rows])
 
     def tried(self, action: Callable[[], object]) -> bool:
         before = self.rollout.steps

@@ -250,7 +250,7 @@ class Deal:
 
     def draw(self, rng: np.random.Generator, size: int) -> Value:
         order = rng.permutation(len(self.rules))
-        return [rule.draw(rng, size) for rule in self.rules][order[self.place]]
+        return [rule.draw(rng, size) for rule in self.rules][int(order[self.place])]
 
     def __contains__(self, value: object) -> bool:
         return any(value in rule for rule in self.rules)
@@ -352,7 +352,7 @@ def _parse(key: str, kind: str, argument: object, where: str) -> Distribution:
             return Direction()
         case "same_as", str():
             return SameAs(argument)
-        case "deal", {"source": str(source), "place": int(place), "rules": list(rules)}:
+        case "deal", {"source": str(source), "place": int(place), "rules": list() as rules}:
             return _deal(source, place, cast(list[object], rules), where)
         case "deal", _:
             return _deal(key, 0, [], where)

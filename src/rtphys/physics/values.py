@@ -65,9 +65,14 @@ class Physics(Mapping[str, Value]):
             raise TypeError(f"{key} is {value!r}, not a number")
         return float(value)
 
+    def key_of(self, key: str, prop: str) -> str:
+        """The key whose value of an attribute a prop has: its own, else that of all."""
+        own = f"{key}@{prop}"
+        return own if own in self else key
+
     def of(self, key: str, prop: str) -> Value:
-        """The value of an attribute for a prop: its own, else that of all."""
-        return self.get(f"{key}@{prop}", self[key])
+        """The value of an attribute for a prop."""
+        return self[self.key_of(key, prop)]
 
     def vector(self, key: str) -> Vector:
         """The value of a key that holds a vector, such as `center_of_mass`; raises `TypeError`."""

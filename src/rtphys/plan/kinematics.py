@@ -116,6 +116,23 @@ class ArmKinematics:
         """Points (k, 3) that the TCP, `tcp` ahead of the ee, has in the postures of the atlas."""
         return self._atlas_p + tcp * self._atlas_R[:, 0::3]
 
+    def wrench(self, q: Array, efforts: Array, point: Array) -> Array:
+        """(6,) force [N] and moment [N m] about a point that things exert on the end effector.
+
+        Args:
+            q: (n,) posture at rest.
+            efforts: (n,) what the joints exert [N m]; the arm itself weighs nothing.
+            point: (3,) [m] in the end-effector frame.
+
+        World axes. It is the least one that explains the efforts.
+        """
+        pin.computeJointJacobians(self._model, self._data, q)
+        X_WE = pin.updateFramePlacement(self._model, self._data, self._frame)
+        axes = pin.LOCAL_WORLD_ALIGNED
+        J = pin.getFrameJacobian(self._model, self._data, self._frame, axes)
+        J[:3] -= np.cross(X_WE.rotation @ point, J[3:], axisb=0, axisc=0)
+        return np.linalg.lstsq(J.T, -efforts, rcond=None)[0]
+
     def _descend(
         self,
         goal: pin.SE3,

@@ -1,20 +1,17 @@
-"""Policies that learn nothing: reference values of a task, from no motion to its own expert."""
+"""Policies that learn nothing: reference values of a task, from no motion to a recording."""
 
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from rtphys.assets.embodiment import DEFAULT
-from rtphys.core.errors import BadFile, BadValue, Infeasible, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.poses import Array
 from rtphys.core.seeds import stream
 from rtphys.data.dataset import Dataset
 from rtphys.data.dataset import Episode as Stored
 from rtphys.episode import Observation, PolicyEpisode
-from rtphys.expert.robot import ExpertRobot
 from rtphys.policies.policy import PolicyGone, PolicySetup, Stepwise
-from rtphys.sim.recorder import FRAME_STEPS
 
 # Of `random`: standard deviations of the step from one action to the next. An arm completes a step
 # of 0.013 rad within one frame; with the drift, 400 actions move a joint by about 0.6 rad.
@@ -91,27 +88,6 @@ class Jitter(Stepwise):
     def act(self, observation: Observation) -> Array:
         target = observation.vector + self._rng.normal(scale=SPREAD, size=len(observation.vector))
         return np.clip(target, self._low, self._high)
-
-
-class Expert:
-    """`expert` runs the task's script to its end, as in a demonstration.
-
-    It reads the simulator's full state and commands the servos at 250 Hz. It is therefore not
-    comparable with other policies, but proves that an instance can be solved. Each frame counts
-    as one action.
-    """
-
-    needs_images = False
-
-    def play(self, episode: PolicyEpisode) -> None:
-        rollout, outcome = episode.rollout, None
-        robot = ExpertRobot(rollout, episode.recipe.stream("expert"))
-        with suppress(Infeasible):  # possible if the instance's certification fingerprint differs
-            episode.instance.task.script(robot)
-            outcome = rollout.finish()
-        episode.conclude(rollout.steps // FRAME_STEPS, outcome)
-
-    def close(self) -> None: ...
 
 
 class Replay:

@@ -25,7 +25,8 @@ BUILTIN: dict[str, str] = {
     "idle": "rtphys.policies.baselines:Idle",
     "random": "rtphys.policies.baselines:RandomWalk",
     "jitter": "rtphys.policies.baselines:Jitter",
-    "expert": "rtphys.policies.baselines:Expert",
+    "expert": "rtphys.policies.experts:open_expert",
+    "feels": "rtphys.policies.experts:open_feels",
     "replay": "rtphys.policies.baselines:open_replay",
     "robotwin": "rtphys.policies.robotwin_plugin:open_robotwin",
     "openpi": "rtphys.policies.openpi:open_openpi",
@@ -36,7 +37,7 @@ BUILTIN: dict[str, str] = {
 """Name of a policy -> "module:name" of its `Opener`, or of its class if it takes no argument."""
 
 OF_SERVERS = ("websockets", "msgpack")  # modules of the only extra that a policy needs
-WITHOUT_OPTIONS = ("idle", "random", "jitter", "expert", "replay")
+WITHOUT_OPTIONS = ("idle", "random", "jitter", "expert", "feels", "replay")
 
 
 def parse_spec(spec: str) -> tuple[str, str]:

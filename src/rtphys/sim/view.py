@@ -1,6 +1,7 @@
 """The measured scene that scripts and success conditions see (`rtphys.task.scene.Scene`)."""
 
 from collections.abc import Callable, Iterable
+from copy import copy
 from functools import cache
 from typing import TypeVar
 
@@ -70,6 +71,12 @@ class SceneView:
         self._lowest_of, self._limits_of = cache(self._follow_lowest), cache(self._limits)
         self._rows_of = cache(lambda prop: rows_of(world.object(prop).bodies, world.rows))
         self._start = {name: self.pose(name) for name in world.objects}
+
+    def believing(self, physics: Physics) -> "SceneView":
+        """The same view, for one who takes the physics in force to be other than it is."""
+        other = copy(self)
+        other.physics = physics
+        return other
 
     @property
     def time(self) -> float:

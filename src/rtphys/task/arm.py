@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from rtphys.assets.embodiment import Hand
 from rtphys.core.errors import Infeasible
-from rtphys.core.poses import Pose
+from rtphys.core.poses import Array, Pose
 from rtphys.task.scene import Scene
 
 T = TypeVar("T")  # an option of `Robot.first_feasible`
@@ -206,6 +206,14 @@ class Arm(ABC):
     def open(self, opening: float = 1.0) -> Motion:
         """Open the fingers, releasing whatever is held."""
 
+    @abstractmethod
+    def felt(self) -> Array:
+        """(T, 6) force [N] and moment [N m] that things exert on the hand, task frame.
+
+        One row a frame (60 ms) of the last `robot.do`, as joint efforts say it. The moment is about
+        the TCP. While the arm accelerates, its own inertia is in it.
+        """
+
     def close(self, opening: float = 0.0, holds: str = "") -> Motion:
         """Close the fingers; `holds` names what must then be between them."""
         return self.motion("close", Grip(opening, holds=holds))
@@ -274,6 +282,10 @@ class Robot(ABC):
         Raises:
             Infeasible: with the reason; it ends the attempt.
         """
+
+    @abstractmethod
+    def seen(self, prop: str) -> Array:
+        """(T, 3) places of a prop's origin, task frame, one a frame (60 ms) of the last `do`."""
 
     @abstractmethod
     def tried(self, action: Callable[[], object]) -> bool:

@@ -16,7 +16,7 @@ class Scene(Protocol):
 
     @property
     def physics(self) -> Physics:
-        """The physics in force in this episode."""
+        """The physics in force in this episode; for a script, what its robot takes it to be."""
         ...
 
     @property

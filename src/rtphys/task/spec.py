@@ -1,7 +1,7 @@
 """A task: pure data and two functions, loaded by path from a library."""
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
@@ -10,6 +10,7 @@ from rtphys.core import library
 from rtphys.core.code_digest import code_digest, imported_files
 from rtphys.core.errors import BadFile, Infeasible
 from rtphys.core.library import load_file
+from rtphys.physics.values import Value
 from rtphys.task.arm import Robot
 from rtphys.task.draw import Draw
 from rtphys.task.props import Prop
@@ -36,6 +37,8 @@ class Task:
         layout: yields the props of one episode from its draws.
         script: the expert; raises Infeasible, returns nothing.
         success: the condition, task frame, measured quantities.
+        feel: finds out the physics that the script asks for, by acting: what the robot feels alone
+            (`Arm.felt`) may decide; returns values by key.
         step_limit: policy actions of an evaluation episode (RoboTwin's own limit).
         info: placeholder values by placeholder letter: a prop name for `A`..; for `a`.. "left" or
             "right", "arm:<prop>" (the side of the table on which that prop starts) or
@@ -49,6 +52,7 @@ class Task:
     script: Callable[[Robot], None]
     success: Condition | Callable[[list[Prop]], Condition]
     step_limit: int
+    feel: Callable[[Robot], Mapping[str, Value]] | None = None
     phrases: Phrases = field(default_factory=lambda: Phrases((), ()))
     info: dict[str, str] = field(default_factory=dict[str, str])
     arms: str = "single"  # "single" | "dual" | "dual, in step" | "dual, in sequence"
@@ -101,7 +105,7 @@ class Task:
     @property
     def digest(self) -> str:
         """Digest of the task's code, its family's and its sentences, 16 hex digits."""
-        files = imported_files(self.source, self.source.parent)
+        files = imported_files(self.source, library.top_of("tasks", self.source))
         source = hashlib.sha256(code_digest(files).encode())
         if (phrases := self.source.with_suffix(".yaml")).is_file():
             source.update(phrases.read_bytes())
@@ -120,7 +124,7 @@ def load_task(name: str) -> Task:
         BadFile: the file does not define `task = Task(...)` or raises on import.
     """
     path = library.find("tasks", name)
-    module = load_file(path, "task")
+    module = load_file(path, "task", library.top_of("tasks", path))
     task = getattr(module, "task", None)
     if not isinstance(task, Task):
         raise BadFile(path, "must define `task = Task(...)`")
