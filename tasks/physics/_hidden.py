@@ -7,6 +7,7 @@ import numpy as np
 from rtphys.task import DOWN, Arm, Placing, Pose, Robot, Scene
 
 G = 9.81  # [m/s^2]
+PINE = 450.0  # [kg/m^3] of toy blocks
 HELD_UP, HOLD = 0.04, 0.5  # [m], [s] at which a load is weighed
 BACK = Placing(mode="free", pre=0.04, gap=0.003, along="point")
 APPROACH, OFF = 0.08, 0.06  # [m] before a grasp; up from what was set down
@@ -33,11 +34,11 @@ def hold_up(robot: Robot, prop: str, contacts: Sequence[int] = ()) -> tuple[Arm,
     return arm, arm.felt()[-1]
 
 
-def weigh(robot: Robot, prop: str) -> float:
-    """Mass of a prop [kg]: it is lifted, and set down where it was."""
+def weigh(robot: Robot, prop: str, usual: float) -> float:
+    """`object_mass` of a prop that usually has that many kg: it is lifted, and set down again."""
     place = robot.scene.functional(prop, 0)
     arm, felt = hold_up(robot, prop)
     robot.do(arm.place(prop, Pose(place.p, DOWN), point=0, how=BACK))
     robot.do(arm.lift(OFF))
     robot.do(arm.home())
-    return -float(felt[2]) / G
+    return -float(felt[2]) / G / usual

@@ -7,7 +7,7 @@ and both hands are open.
 from rtphys.task import BLUE, Draw, Robot, Scene, Task, condition
 
 from .._blocks import Block, line_up, lined_up, scattered
-from ._hidden import ranked, weigh
+from ._hidden import PINE, ranked, weigh
 
 NAMES = ("first", "second", "third")
 HALF = 0.02  # [m] half an edge
@@ -27,7 +27,7 @@ def script(robot: Robot) -> None:
 
 
 def feel(robot: Robot) -> dict[str, float]:
-    return {f"object_mass@{name}": weigh(robot, name) for name in NAMES}
+    return {f"object_mass@{name}": weigh(robot, name, PINE * (2 * HALF) ** 3) for name in NAMES}
 
 
 task = Task(
