@@ -1,0 +1,102 @@
+"""Lift a beam level with both hands: its load is hidden, and a hand that bears most of it slips.
+
+Success: the beam is in both hands, level, and 6 cm above the table.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from rtphys.task import (
+    BLUE,
+    TABLE_TOP,
+    Arm,
+    Box,
+    Draw,
+    Infeasible,
+    Motion,
+    Pose,
+    Robot,
+    Scene,
+    Task,
+    condition,
+    held_by,
+    lifted,
+)
+
+HALF = (0.24, 0.0125, 0.0125)  # [m] of the beam
+MASS = 2.0  # [kg]: a hand slips that bears 60 % of it with this friction
+APART = 0.11  # [m] of each hand from the load
+PRE, LOW = 0.08, 0.004  # [m] above the grasp, before it; of the fingertips above the table
+RISE = 0.09  # [m] the beam is lifted
+NUDGE = 0.05  # [m] that hands go up to feel the load: they yield by 2 mm a newton
+TRIES, FARTHEST = 4, 0.08  # of finding the load; [m] from the middle, where it is at most
+HOLD = 0.4  # [s]
+LEVEL = 0.07  # sine of the beam's tilt, at most
+
+
+def layout(draw: Draw):
+    spot = draw.spot("beam", x=(-0.03, 0.03), y=(-0.19, -0.13), yaw=(-0.15, 0.15))
+    yield Box(name="beam", half_size=HALF, colour=BLUE, mass_kg=MASS, pose=spot.pose())
+
+
+def level(scene: Scene) -> bool:
+    return abs(float(scene.pose("beam").R[2, 0])) < LEVEL
+
+
+def take(robot: Robot, arm: Arm, x: float) -> Motion:
+    """Grasp the beam from above, `x` [m] from its middle."""
+    beam = robot.scene.pose("beam")
+    down, across = np.array([0.0, 0.0, -1.0]), beam.R[:, 1] * (1.0, 1.0, 0.0)
+    across /= np.linalg.norm(across)
+    turned = Pose.from_matrix(np.column_stack([down, across, np.cross(down, across)])).q
+    place = beam @ np.array([x, 0.0, 0.0])
+    at = Pose((place[0], place[1], TABLE_TOP + LOW + arm.hand.tip), turned)
+    before = arm.reach(at.moved((0.0, 0.0, PRE)))
+    return before.then(arm.line(at)).then(arm.close(holds="beam"))
+
+
+def script(robot: Robot) -> None:
+    left, right = robot.left, robot.right
+    load = robot.scene.physics.vector("center_of_mass@beam")[0]
+    robot.do(take(robot, left, load - APART), take(robot, right, load + APART))
+    robot.do(left.shift(z=RISE), right.shift(z=RISE))
+
+
+def feel(robot: Robot) -> Mapping[str, tuple[float, ...]]:
+    """Lift it, and where it slips out of one hand, once more with both nearer to that end."""
+    left, right = robot.left, robot.right
+    low, high, load, slips = -FARTHEST, FARTHEST, 0.0, True
+    for _ in range(TRIES):
+        robot.do(take(robot, left, load - APART), take(robot, right, load + APART))
+        try:
+            robot.do(left.shift(z=NUDGE), right.shift(z=NUDGE))
+            robot.do(left.wait(HOLD), right.wait(HOLD))
+            on_left, on_right = (-float(arm.felt()[-1, 2]) for arm in (left, right))
+            load += APART * (on_right - on_left) / (on_right + on_left)
+            slips = False
+        except Infeasible as problem:
+            if problem.reason != "slipped":
+                raise
+            right_is_down = robot.scene.pose("beam").R[2, 0] < 0
+            low, high = (load, high) if right_is_down else (low, load)
+            load = (low + high) / 2
+        robot.do(left.shift(z=-NUDGE), right.shift(z=-NUDGE))
+        robot.do(left.open(), right.open())
+        robot.do(left.shift(z=PRE), right.shift(z=PRE))
+        if not slips:
+            break
+    return {"center_of_mass@beam": (load, 0.0, 0.0)}
+
+
+task = Task(
+    layout=layout,
+    script=script,
+    feel=feel,
+    success=lifted("beam", 0.06)
+    & held_by("beam", "left", "right")
+    & condition("the beam is level", level),
+    step_limit=800,
+    arms="dual, in step",
+    mechanism="hidden centre of mass: lift",
+)
