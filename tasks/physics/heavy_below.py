@@ -6,13 +6,13 @@ Success: the light block rests centred on the heavy one, and both hands are open
 from rtphys.task import BLUE, Draw, Robot, Scene, Task, at_rest, condition, hands_open
 
 from .._blocks import HALF, Block, scattered, stack, stacked
-from ._hidden import PINE, ranked, weigh
+from ._hidden import PINE, alike, ranked, weigh
 
 BLOCKS = {name: Block(name, HALF, BLUE) for name in ("first", "second")}
 
 
 def layout(draw: Draw):
-    yield from scattered(draw, list(BLOCKS.values()), clear=0.15)
+    yield from alike(scattered(draw, list(BLOCKS.values()), clear=0.15))
 
 
 def light_on_heavy(scene: Scene) -> bool:

@@ -7,7 +7,7 @@ and both hands are open.
 from rtphys.task import BLUE, Draw, Robot, Scene, Task, condition
 
 from .._blocks import Block, line_up, lined_up, scattered
-from ._hidden import PINE, ranked, weigh
+from ._hidden import PINE, alike, ranked, weigh
 
 NAMES = ("first", "second", "third")
 HALF = 0.02  # [m] half an edge
@@ -15,7 +15,7 @@ PLACES = (-0.105, 0.0, 0.105)  # [m] x; open fingers fit between neighbours
 
 
 def layout(draw: Draw):
-    yield from scattered(draw, [Block(name, HALF, BLUE) for name in NAMES], clear=0.15)
+    yield from alike(scattered(draw, [Block(name, HALF, BLUE) for name in NAMES], clear=0.15))
 
 
 def sorted_by_weight(scene: Scene) -> bool:
