@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import default_pack
-from rtphys.cli.check import complaints
+from rtphys.cli.authoring import complaints
 from rtphys.cli.main import app
 from rtphys.policies.baselines import Walk
 from rtphys.spec.episode import EpisodeSpec

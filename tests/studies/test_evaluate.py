@@ -45,9 +45,9 @@ from rtphys.studies.evaluate import (
     ChangedSinceCertified,
     EvaluateWorker,
     EvaluationResult,
+    EvaluationSeries,
     EvaluationTask,
     NotCertified,
-    TaskEvaluation,
     evaluate,
     recording_header,
 )
@@ -70,20 +70,20 @@ MANY = [FIRST_SEED, FIRST_SEED + 2, FIRST_SEED + 3]  # the one between them is i
 IDLE = EvaluationHeader(EvaluationSpec("idle").of("clean", "lift_pot"), FINGERPRINT)
 
 
-def opened(out: Path, episodes: int = 3) -> TaskEvaluation:
+def opened(out: Path, episodes: int = 3) -> EvaluationSeries:
     rows = tuple(
         BenchmarkInstance(seed, "" if seed in MANY else "slipped")
         for seed in range(MANY[0], MANY[-1] + 1)
     )
     listed = InstanceList("lift_pot", "clean", FINGERPRINT, rows)
-    return TaskEvaluation(out, IDLE, listed.first(episodes))
+    return EvaluationSeries(out, IDLE, listed.first(episodes))
 
 
 def record(seed: int, success: bool = False) -> EpisodeRecord:
     return EpisodeRecord("lift_pot", "clean", seed, success, steps=seed % 7)
 
 
-def take(made: TaskEvaluation, *seeds: int) -> None:
+def take(made: EvaluationSeries, *seeds: int) -> None:
     while len(made.running) < len(seeds):
         made.begin()
     for seed in seeds:
@@ -117,10 +117,10 @@ def test_records_of_other_instances_are_refused(tmp_path: Path) -> None:
     take(opened(tmp_path), *MANY)
     rows = (BenchmarkInstance(MANY[1]),)
     with pytest.raises(BadFile, match=r"lift_pot.ledger: its seeds are not those of the instance"):
-        TaskEvaluation(tmp_path, IDLE, InstanceList("lift_pot", "clean", FINGERPRINT, rows))
+        EvaluationSeries(tmp_path, IDLE, InstanceList("lift_pot", "clean", FINGERPRINT, rows))
     other = replace(IDLE, fingerprint=FINGERPRINT.model_copy(update={"assets": "else"}))
     with pytest.raises(DatasetMismatch, match=r"fingerprint.assets was '', now 'else'"):
-        TaskEvaluation(tmp_path, other, opened(tmp_path).instances)
+        EvaluationSeries(tmp_path, other, opened(tmp_path).instances)
 
 
 def test_a_lost_episode_is_a_failure_with_its_reason(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from rtphys.assets.pack import default_pack
 from rtphys.core.library import bundled
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.studies.one_attempt import watch
+from rtphys.studies.check import watch
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim

@@ -15,9 +15,8 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import render as module
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
 from rtphys.studies.render import MissingPack, RenderTask, RenderWorker, render
-from rtphys.studies.requests import RenderSpec
+from rtphys.studies.requests import RenderSpec, Run
 
 TASK = "click_bell"
 

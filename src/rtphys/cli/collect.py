@@ -19,7 +19,7 @@ from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import Option
 from rtphys.spec.protocol import load_protocol
-from rtphys.studies.collect_request import (
+from rtphys.studies.requests import (
     Run,
     find_collection,
     read_specs,
@@ -70,9 +70,20 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
     from rtphys.studies.collect import collect as run_collection
     from rtphys.studies.collect import without_effect
 
-    specs = _specs(request, template, context)
-    if not request.manifest:  # which says it itself
+    if request.manifest:
+        beside = {"manifest", "dry_run", "as_json", *(field.name for field in fields(Run))}
+        for name in context.params.keys() - beside:
+            source = context.get_parameter_source(name)
+            if source is not None and source.name == "COMMANDLINE":
+                allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
+                raise BadValue(name, context.params[name], allowed)
+        specs = read_specs(find_collection(request.manifest))
+    elif request.task:
+        specs = specs_for(template, library.matching("tasks", request.task), request.sweep)
         say(_what_varies(template.episode), err=request.as_json)
+    else:
+        allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
+        raise BadValue("task", None, allowed)
     for sentence in without_effect(specs):
         say(sentence, err=True)
     if request.dry_run:
@@ -108,23 +119,6 @@ def _what_varies(spec: EpisodeSpec) -> str:
         what = f"of the attributes {', '.join(spec.only) or 'none'} alone; {looks}"
     held = ", ".join(f"{key} is held" for key in spec.overrides)
     return f"protocol {spec.variation}: {what}{'; ' + held if held else ''}"
-
-
-def _specs(
-    request: Request, template: CollectionSpec, context: typer.Context
-) -> tuple[CollectionSpec, ...]:
-    if request.manifest:
-        beside = {"manifest", "dry_run", "as_json", *(field.name for field in fields(Run))}
-        for name in context.params.keys() - beside:
-            source = context.get_parameter_source(name)
-            if source is not None and source.name == "COMMANDLINE":
-                allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
-                raise BadValue(name, context.params[name], allowed)
-        return read_specs(find_collection(request.manifest))
-    if not request.task:
-        allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
-        raise BadValue("task", None, allowed)
-    return specs_for(template, library.matching("tasks", request.task), request.sweep)
 
 
 def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> None:

@@ -1,16 +1,15 @@
 """`rtphys physics`: draw values, test the laws, audit a dataset's labels."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from rtphys.assets.embodiment import DEFAULT
-from rtphys.cli.catalogue import domain_named, value_text
+from rtphys.cli.authoring import domain_named, value_text
 from rtphys.cli.derived import Json, names_in
 from rtphys.cli.tables import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
@@ -72,9 +71,15 @@ def sample(
         ]
         say_json([{"domain": domain.name, **row} for row in rows])
         return
-    seeds = list(drawn)
+    known, seeds = attributes(), list(drawn)
     for start in range(0, len(seeds), SEEDS):
-        print_table(_table(domain.name, {s: drawn[s] for s in seeds[start : start + SEEDS]}))
+        few = seeds[start : start + SEEDS]
+        columns = ("unit", *(f"seed {seed}" for seed in few))
+        table = fitting_table(["attribute"], columns, f"domain {domain.name}")
+        for key in [*known, "camera_mode", "camera_direction"]:
+            cells = [_cell(drawn[s][key], key in drawn[s].varied) for s in few]
+            table.add_row(key, known[key].unit if key in known else "", *cells)
+        print_table(table)
 
 
 def _inside_bodies(recipe: Recipe) -> Physics:
@@ -91,16 +96,6 @@ def _inside_bodies(recipe: Recipe) -> Physics:
     except Infeasible as problem:
         say(f"seed {recipe.seed} gives no episode: {problem}", err=True)
         return first
-
-
-def _table(name: str, drawn: Mapping[int, Physics]) -> Table:
-    known = attributes()
-    columns = ("unit", *(f"seed {seed}" for seed in drawn))
-    table = fitting_table(["attribute"], columns, f"domain {name}")
-    for key in [*known, "camera_mode", "camera_direction"]:
-        cells = [_cell(values[key], key in values.varied) for values in drawn.values()]
-        table.add_row(key, known[key].unit if key in known else "", *cells)
-    return table
 
 
 def _cell(value: Value, varied: bool) -> str:
@@ -145,8 +140,15 @@ def law_test(
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
         shown = trials if every else worst(trials)
         rows += [facts_of(law.key, trial, *names) for trial in shown]
-        if not as_json:
-            _print_law(law.key, law.law, shown)
+        if as_json:
+            continue
+        # Not a table, whose cells would wrap on a narrow terminal.
+        say(f"\n{law.key}:  {law.law}")
+        say(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
+        for t in shown:
+            numbers = f"{t.expected:10.4g} {t.measured:10.4g} {t.unit:6} {100 * t.error:7.2g}%"
+            setting = t.setting.removeprefix(f"{law.key} = ")
+            say(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
     if as_json:
         say_json(rows)
     else:
@@ -164,16 +166,6 @@ def worst(trials: "Sequence[Trial]") -> "list[Trial]":
         if known is None or trial.error / trial.tolerance > known.error / known.tolerance:
             worst_of[trial.setting] = trial
     return list(worst_of.values())
-
-
-def _print_law(key: str, law: str, trials: "Sequence[Trial]") -> None:
-    """One line a trial; not a table, whose cells would wrap on a narrow terminal."""
-    say(f"\n{key}:  {law}")
-    say(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
-    for t in trials:
-        numbers = f"{t.expected:10.4g} {t.measured:10.4g} {t.unit:6} {100 * t.error:7.2g}%"
-        setting = t.setting.removeprefix(f"{key} = ")
-        say(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
 
 
 @physics.command()

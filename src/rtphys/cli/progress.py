@@ -101,13 +101,10 @@ class Lines(_Counts):
 
     def started(self, progresses: Sequence[Progress]) -> None:
         super().started(progresses)
-        for progress in progresses if len(progresses) <= MAX_ROWS else ():
-            if progress.wanted:
-                there = f", {progress.accepted} there already" if progress.attempts else ""
-                say(
-                    f"{progress.name}: {counted(progress.wanted, self.noun)} wanted{there}",
-                    err=True,
-                )
+        for one in progresses if len(progresses) <= MAX_ROWS else ():
+            if one.wanted:
+                there = f", {one.accepted} there already" if one.attempts else ""
+                say(f"{one.name}: {counted(one.wanted, self.noun)} wanted{there}", err=True)
 
     def ticked(self) -> None:
         if self.due(LINE_EVERY):

@@ -39,11 +39,6 @@ class StagedEpisode:
     phys_meta: Mapping[str, JSON]
     scene_info: Mapping[str, JSON]
 
-    def at(self, folder: Path) -> "StagedEpisode":
-        """With its files in that folder of this machine, where they are already."""
-        assert folder == self.folder
-        return self
-
 
 @dataclass(frozen=True, eq=False)
 class EncodedEpisode:

@@ -108,12 +108,12 @@ def evaluate(
         for protocol in run.protocols:
             copied = [one for one in lists if one.protocol == protocol]
             write_lists(list_file(out / evaluation.INSTANCES, protocol), copied)
-        studies = list[TaskEvaluation]()
+        studies = list[EvaluationSeries]()
         for cell, one in zip(cells, lists, strict=True):
             writer = None
             if dataset is not None:
                 writer = dataset.task(recording_header(cell.spec, one, tasks[one.task], pack))
-            studies.append(TaskEvaluation(out, cell, one, run.video, writer, joints))
+            studies.append(EvaluationSeries(out, cell, one, run.video, writer, joints))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
         worker = EvaluateWorker(pack, spec.policy, spec.recording)
@@ -140,7 +140,7 @@ def _check_others(out: Path, now: EvaluationHeader, resume: bool) -> None:
             raise DatasetMismatch(out, clauses)
 
 
-def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[TaskEvaluation]") -> Summary:
+def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeries]") -> Summary:
     """Writes the summary, figures of it, and RoboTwin's result files."""
     summary = summarise(
         {study.spec.key: study.records for study in studies},
@@ -180,7 +180,7 @@ class EvaluationResult(NamedTuple):
     outcome: StagedEpisode | Rejection | None = None
 
 
-class TaskEvaluation(Series[EvaluationTask, EvaluationResult]):
+class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
     """One task under one protocol: its instances in order, and their records in a ledger.
 
     Args:

@@ -9,7 +9,7 @@ from quick_pool import QuickPool
 
 from rtphys.studies import collect as collect_module
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 
 
 @pytest.fixture(scope="session")

@@ -18,9 +18,8 @@ from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run, specs_for
 from rtphys.studies.render import render
-from rtphys.studies.requests import RenderSpec
+from rtphys.studies.requests import RenderSpec, Run, specs_for
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 

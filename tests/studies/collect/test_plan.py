@@ -19,7 +19,7 @@ from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import resources
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 

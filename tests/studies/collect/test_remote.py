@@ -16,8 +16,8 @@ from rtphys.campaign.ray import connect  # noqa: E402
 from rtphys.spec.collection import CollectionSpec  # noqa: E402
 from rtphys.spec.episode import EpisodeSpec  # noqa: E402
 from rtphys.studies.collect import collect  # noqa: E402
-from rtphys.studies.collect_request import Run, specs_for  # noqa: E402
 from rtphys.studies.collect_worker import CollectWorker, OtherMachine, RemoteWorker  # noqa: E402
+from rtphys.studies.requests import Run, specs_for  # noqa: E402
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 

@@ -15,7 +15,7 @@ from killing import survive
 from rtphys.data.dataset import Dataset
 from rtphys.data.verify import verify
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
