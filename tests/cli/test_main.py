@@ -194,6 +194,9 @@ def test_an_option_of_the_program_after_a_command_says_where_it_stands(
     result = RUN.invoke(app, ["check", "mine", "--library", "lab"])
     assert result.exit_code == 2
     assert "--library stands before the command's name: `rtphys --library" in result.stderr
+    monkeypatch.delenv("RTPHYS_ASSETS", raising=False)
+    alone = RUN.invoke(app, ["--fallback", "builtin", "tasks"])
+    assert alone.exit_code == 2 and "it needs --assets" in alone.stderr
     assert "folder does not exist" in RUN.invoke(app, ["--library", "/no", "tasks"]).stderr
 
 

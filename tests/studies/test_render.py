@@ -71,7 +71,7 @@ class TestDrawnAgain:
             paths,
             "legacy",
             scene,
-            plan.recording_spec(entry),
+            plan.recording(entry),
             True,
             entry.resolved.assets["digest"],
             tmp_path,

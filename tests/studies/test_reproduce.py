@@ -241,6 +241,7 @@ KINDS = {
     "only": replace(BELL, protocol="clean", only=("friction",), recovery=False),
     "held": replace(BELL, overrides={"friction": 0.3}, pair_tasks=True),
     "own domain": replace(BELL, ranges=load_domain("global")),
+    "shader": replace(PLAN, episode=BELL, recording=replace(HEAD, shader="default")),
     "unseen": replace(BELL, protocol="official_random", split="unseen"),
 }
 

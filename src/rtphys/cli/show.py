@@ -213,7 +213,7 @@ def view(shown: ShownInRerun, which: One) -> None:
     from rtphys.data.files import make_folder
     from rtphys.data.layout import MANIFEST
     from rtphys.episode.solids import solids
-    from rtphys.view import VERSION, show_recording, write_recording
+    from rtphys.view import VERSION, record
 
     for folder in episode.paths.hdf5.parents:
         entries = Dataset(folder).task_datasets if (folder / MANIFEST).is_file() else ()
@@ -228,10 +228,10 @@ def view(shown: ShownInRerun, which: One) -> None:
     scene = solids(episode, pack)
     if out is None:
         check_viewer(VERSION)
-        show_recording(episode, scene)
+        record(episode, scene)
         return
     make_folder(out.parent)
-    write_recording(episode, scene, out)
+    record(episode, scene, out)
     size = f"{out.stat().st_size / 1e6:.1f} MB"
     say(f"{out} ({size}, written by Rerun {VERSION}); to open it: rerun {shlex.quote(str(out))}")
 

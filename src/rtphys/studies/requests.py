@@ -391,9 +391,6 @@ def read_specs(path: Path) -> tuple[CollectionSpec, ...]:
         template = from_words(CollectionSpec, given, f"key of {at}", place)
         tasks = library.matching("tasks", [str(name) for name in cast(list[object], named)], place)
         found += specs_for(template, tasks, sweep)
-    names = [(spec.name, spec.episode.task, spec.recording.layout) for spec in found]
-    if twice := next((name for name in names if names.count(name) > 1), None):
-        raise BadFile(path, f"{'/'.join(twice[:2])} is collected by two runs")
     return tuple(found)
 
 

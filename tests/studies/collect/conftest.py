@@ -41,5 +41,5 @@ def _do_without_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     monkeypatch.setattr(collect_module, "check_drawable", lambda shader: 0)
     monkeypatch.setattr(collect_module, "check_assets", lambda plans, tasks, pack: None)
-    monkeypatch.setattr(Run, "pack", lambda self, progress=None: None)
+    monkeypatch.setattr(collect_module, "default_pack", lambda progress: None)
     monkeypatch.setattr(collect_module, "header_of", robotless.header)

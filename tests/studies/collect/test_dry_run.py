@@ -108,10 +108,3 @@ def test_folder_and_first_line_say_what_varies(options: str, tmp_path: Path) -> 
     assert f"{folder}/click_bell/aloha_agilex " in done.stdout
     first = done.stdout.splitlines()[0]
     assert first.startswith(f"protocol {folder}: ") and said in first
-
-
-def test_the_former_name_of_an_option_works_and_says_the_new_one(tmp_path: Path) -> None:
-    line = ["collect", "--task", "click_bell", "--seed", "7", "--dry-run", "--json"]
-    done = CliRunner().invoke(app, [*line, "--out", str(tmp_path / "data")])
-    assert done.exit_code == 0 and '"first_seed": 7' in done.stdout
-    assert "`--seed` of `rtphys collect` is called `--first-seed` now" in done.stderr

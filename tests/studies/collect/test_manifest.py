@@ -101,10 +101,6 @@ WRONG = {
     RUN % ", layout: natve": (BadFile, "collect.0.*did you mean 'native'"),
     RUN % ", set: {frction: 1}": (UnknownName, "did you mean 'friction'"),
     RUN % ", sweep: friction": (BadValue, "key=value,value"),
-    "collect: [{tasks: [lift_pot, lift_pot], episodes: 1}, {tasks: [lift_pot], episodes: 2}]": (
-        BadFile,
-        "phys_random_all/lift_pot is collected by two runs",
-    ),
 }
 
 
@@ -173,21 +169,6 @@ def test_a_vector_is_swept_with_semicolons() -> None:
     plans = swept(PLAN, "center_of_mass=0,0,0;0,0,0.01")
     held = [plan.episode.overrides["center_of_mass"] for plan in plans]
     assert held == [(0, 0, 0), (0, 0, 0.01)]
-
-
-@pytest.mark.parametrize(
-    ("text", "error"),
-    [
-        ("friction", BadValue),
-        ("friction=", BadValue),
-        ("friction=0.1,0.1", BadValue),
-        ("friction=0.1,-3", BadValue),
-        ("frction=0.1", UnknownName),
-    ],
-)
-def test_what_no_sweep_is(text: str, error: type[Exception]) -> None:
-    with pytest.raises(error):
-        swept(PLAN, text)
 
 
 def test_what_is_held_is_not_swept() -> None:

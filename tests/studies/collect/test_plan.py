@@ -12,11 +12,13 @@ from typer.testing import CliRunner
 
 from rtphys.campaign.series import Bug
 from rtphys.cli.main import app
+from rtphys.core.errors import BadValue
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.verify import verify
 from rtphys.doctor import Finding
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import resources
 from rtphys.studies.collect import collect
 from rtphys.studies.requests import Run
@@ -34,8 +36,7 @@ WRONG = {
     "--task click_bell --split sen": "did you mean 'seen'?",
     "--task click_bell --twin cleen": "did you mean 'clean'?",
     "--task click_bell --protocol clean --twin clean": "it is the protocol itself",
-    "--task click_bell --fallback builtin": "is not allowed; it needs --assets",
-    "--task click_bell --assets / --fallback bultin": "did you mean 'builtin'?",
+    "--task click_bell --fallback builtin": "--fallback stands before the command's name",
     "--task click_bell --shader slm": "did you mean 'slim'?",
     "--task click_bell --set frction=1": "did you mean 'friction'?",
     "--task click_bell --set friction=-1": "friction = -1.0 is not allowed",
@@ -99,14 +100,31 @@ def test_a_dry_run_answers_where_the_disk_is_too_small(tmp_path: Path) -> None:
     assert "here and now it would be refused: " in done.stderr and "GB are needed" in done.stderr
 
 
+OTHER_SHADER = RecordingSpec(shader="default")
+
+
+@pytest.mark.parametrize(
+    ("spec", "clause"),
+    [
+        (replace(PLAN, first_seed=1), "first_seed was 0, now 1"),
+        (replace(PLAN, recording=OTHER_SHADER), "recording.shader was 'slim', now 'default'"),
+    ],
+)
 def test_a_folder_collected_under_other_conditions_is_refused(
-    undisturbed: Path, tmp_path: Path
+    spec: CollectionSpec, clause: str, undisturbed: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "data"
     shutil.copytree(undisturbed, out)
-    with pytest.raises(DatasetMismatch, match="first_seed was 0, now 1"):
-        collect([replace(PLAN, first_seed=1)], Run(out))
+    with pytest.raises(DatasetMismatch, match=clause):
+        collect([spec], Run(out))
     assert content(out) == content(undisturbed)
+
+
+def test_one_run_draws_with_one_shader(tmp_path: Path) -> None:
+    other = replace(PLAN, episode=EpisodeSpec("lift_pot", "clean"), recording=OTHER_SHADER)
+    with pytest.raises(BadValue, match="shader = 'default' .*draws with 'slim' already"):
+        collect([PLAN, other], Run(tmp_path / "data"))
+    assert not (tmp_path / "data").exists()
 
 
 HOPELESS = '''

@@ -76,9 +76,7 @@ def test_one_runner_continues_the_other(cluster: None, alone: Path, tmp_path: Pa
 
 def test_a_node_with_other_assets_or_versions_is_refused() -> None:
     pack = default_pack()
-    remote = RemoteWorker.of(
-        CollectWorker(pack, "slim"), None, "", [CollectionSpec(EpisodeSpec("click_bell"))]
-    )
+    remote = RemoteWorker.of(CollectWorker(pack), [CollectionSpec(EpisodeSpec("click_bell"))])
     with pytest.raises(OtherMachine, match="its assets are"):
         replace(remote, digest="0" * 64)()
     ((key, found),) = remote.versions.items()

@@ -1,10 +1,6 @@
 """A collection that is killed, resumed or repeated: the same files whatever happens."""
 
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +9,6 @@ from collecting import PLAN, Striker, complete, content, kill_one, worker_proces
 from killing import survive
 
 from rtphys.data.dataset import Dataset
-from rtphys.data.verify import verify
 from rtphys.studies.collect import collect
 from rtphys.studies.requests import Run
 
@@ -47,27 +42,8 @@ def test_a_complete_dataset_is_left_alone(undisturbed: Path, tmp_path: Path) -> 
     assert content(out) == content(undisturbed)
 
 
-COMMAND = ["--task", "click_bell", "--episodes", "2", "--protocol", "phys_random", "--workers", "2"]
-
-
 @pytest.mark.slow
 def test_killed_runs_end_in_the_same_files(tmp_path: Path) -> None:
     """`python tests/studies/collect/killing.py 200` does it two hundred times."""
     count = survive(8, tmp_path, seed=1)
     assert count.kills["supervisor"] > 0 and count.kills["worker"] > 0
-
-
-@pytest.mark.slow
-def test_ctrl_c_stops_cleanly_and_says_how_to_go_on(undisturbed: Path, tmp_path: Path) -> None:
-    out = tmp_path / "data"
-    command = [sys.executable, "-m", "rtphys.cli.main", "collect", *COMMAND, "--out", str(out)]
-    running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    while not (out / "phys_random").exists():
-        time.sleep(0.1)
-    time.sleep(2)
-    running.send_signal(signal.SIGINT)
-    _, said = running.communicate(timeout=20)
-    assert running.returncode == 130
-    assert "To go on, repeat: rtphys collect" in said.splitlines()[-1]
-    assert "Traceback" not in said
-    assert verify(out).problems == []
