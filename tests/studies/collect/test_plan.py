@@ -122,7 +122,7 @@ def test_a_folder_collected_under_other_conditions_is_refused(
 
 def test_one_run_draws_with_one_shader(tmp_path: Path) -> None:
     other = replace(PLAN, episode=EpisodeSpec("lift_pot", "clean"), recording=OTHER_SHADER)
-    with pytest.raises(BadValue, match="shader = 'default' .*draws with 'slim' already"):
+    with pytest.raises(BadValue, match=r"shader = 'default' .*draws with 'slim' already"):
         collect([PLAN, other], Run(tmp_path / "data"))
     assert not (tmp_path / "data").exists()
 
