@@ -8,7 +8,7 @@ import pytest
 from servers import serving
 from websockets.sync.server import ServerConnection
 
-from rtphys.core.errors import BadValue
+from rtphys.core.errors import BadFile
 from rtphys.episode import PolicyEpisode
 from rtphys.policies import PolicySetup, ServerFailed
 from rtphys.policies.websocket import MSGPACK_NUMPY
@@ -150,5 +150,5 @@ def test_a_bad_answer_is_the_policys_failure_and_the_next_episode_goes_on(
 
 
 def test_wrong_options_are_named() -> None:
-    with pytest.raises(BadValue, match="action_type"):
+    with pytest.raises(BadFile, match="unknown action_type 'torque'"):
         open_xpolicylab("localhost:1?action_type=torque", PolicySetup())

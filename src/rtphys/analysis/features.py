@@ -181,19 +181,14 @@ def tool_wrench(arm: ArmRows, q: Array, effort: Array) -> Array:
     By virtual work, effort = -JᵀF. Directions in which the arm is nearly straight say little and
     count as zero.
     """
-    jacobian = np.array([_twist(arm, q, k) for k in range(len(q))])  # (n, 6)
+    jacobian = np.empty((len(q), 6))  # velocity and angular velocity per unit speed of a joint
+    for row, nudge in zip(jacobian, NUDGE * np.eye(len(q)), strict=True):
+        ahead, behind = (arm.kinematics.ee_matrix(q + sign * nudge) for sign in (1, -1))
+        change = (ahead - behind) / (2 * NUDGE)
+        spin = change[:3, :3] @ behind[:3, :3].T
+        turn = (spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1])
+        row[:3], row[3:] = (change @ (arm.tcp, 0, 0, 1))[:3], 0.5 * np.array(turn)
     return -np.linalg.pinv(jacobian, rcond=WEAKEST) @ effort
-
-
-def _twist(arm: ArmRows, q: Array, joint: int) -> Array:
-    """Velocity of the tool centre point and angular velocity (6,) per unit speed of a joint."""
-    nudge = np.zeros(len(q))
-    nudge[joint] = NUDGE
-    ahead, behind = (arm.kinematics.ee_matrix(q + sign * nudge) for sign in (1, -1))
-    change = (ahead - behind) / (2 * NUDGE)
-    spin = change[:3, :3] @ behind[:3, :3].T
-    turn = (spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1])
-    return np.array([*(change @ (arm.tcp, 0, 0, 1))[:3], *(0.5 * np.array(turn))])
 
 
 def features_of(
@@ -213,17 +208,13 @@ def features_of(
     sensed = {role: signals(arms[i]) for role, i in zip(ROLES, order, strict=False)}
     values: dict[str, float | list[float]] = {f"{WHOLE}/side": float(order[0])}
     for stage, rows in _stages(recording):
-        values[f"{stage}/duration"] = _kept(float(time[rows[-1]] - time[rows[0]]))
+        values[f"{stage}/duration"] = _kept(time[rows[-1]] - time[rows[0]])
         for role, named in sensed.items():
             for name, signal in named.items():
-                values[f"{stage}/{role}/{name}"] = statistics(signal[rows])
+                x = signal[rows]
+                statistics = (x.mean(), x.std(), x.min(), x.max(), x[-1], x[-1] - x[0])
+                values[f"{stage}/{role}/{name}"] = [*map(_kept, statistics)]  # as `STATISTICS`
     return values
-
-
-def statistics(x: Array) -> list[float]:
-    """The numbers of a signal (T,) within a stage, in the order of `STATISTICS`."""
-    values = (x.mean(), x.std(), x.min(), x.max(), x[-1], x[-1] - x[0])
-    return [_kept(float(value)) for value in values]
 
 
 def _kept(value: float) -> float:
@@ -325,7 +316,7 @@ def sense(plan: IdentifyPlan, pack: Pack, listener: Listener = QUIET) -> None:
     code = code_digest([Path(__file__)])
     files.make_folder(plan.out)
     with FolderLock(plan.out):
-        studies: list[TaskEpisodes] = []
+        studies = list[TaskEpisodes]()
         for spec in plan.specs():
             ground = fingerprint_of(load_task(spec.task), spec.protocol, pack).to_json()
             studies.append(TaskEpisodes(plan, FeaturesSpec(spec, plan.first_seed, ground, code)))

@@ -12,7 +12,7 @@ from rtphys.core import library
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.episode import PolicyEpisode
 from rtphys.policies.policy import PolicySetup
-from rtphys.policies.registry import split_options
+from rtphys.policies.registry import literal, split_options
 from rtphys.policies.robotwin_env import TaskEnv
 
 CONTRACT = ("get_model", "eval", "reset_model")
@@ -169,8 +169,8 @@ def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
         BadFile: no such plug-in.
         BrokenPlugin: it cannot be imported, or its model cannot be created.
     """
-    path, given = split_options(argument, setup.options)
-    file = Path(path)
+    path, texts = split_options(argument, setup.options)
+    file, given = Path(path), {key: literal(text) for key, text in texts.items()}
     plugin = load_plugin(file, str(given.get("policy_name", "")))
     beside = file.with_suffix(".yml")
     named = given.pop("config", beside if beside.is_file() else "")
