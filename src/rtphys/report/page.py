@@ -38,14 +38,11 @@ def write_report(dataset: Dataset, out: Path, progress: Progress | None = None) 
         out: the HTML file.
         progress: called with (steps done, total steps).
 
-    Raises:
-        BadFile: an episode is damaged.
-        CannotWrite: the page cannot be written.
+    Raises `BadFile`: an episode is damaged; `CannotWrite`: the page cannot be written.
     """
     total = 2 * len(dataset)
     facts = gather(dataset, lambda done: progress(done, total) if progress else None)
-    embedded = 0
-    rows = facts["episodes"] + facts["failures"]
+    embedded, rows = 0, facts["episodes"] + facts["failures"]
     episodes = (*dataset, *dataset.failures())
     for number, (row, episode) in enumerate(zip(rows, episodes, strict=True), start=1):
         check(video := episode.paths.video)
@@ -112,8 +109,7 @@ def axes() -> list[Axis]:
 def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> dict[str, Any]:
     """What the page's script reads: every label and trajectory of a dataset, but no picture.
 
-    Raises:
-        BadFile: an episode is damaged.
+    Raises `BadFile`: an episode is damaged.
     """
     shown, entries = axes(), dataset.task_datasets
     several = len(dataset.embodiments) > 1
