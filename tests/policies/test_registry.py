@@ -27,8 +27,6 @@ class Mine:
     def __init__(self, setup): self.speed = SPEED * float(setup.options["gain"])
     def play(self, episode): ...
     def close(self): ...
-
-def broken(setup): return 3
 """
 
 
@@ -97,15 +95,23 @@ def test_a_wrong_option_is_named(given: str, problem: str) -> None:
 
 
 def test_a_policy_of_the_users_own_may_import_its_neighbours(tmp_path: Path) -> None:
+    """Its file may be called as a module of Python's own, and as one in another folder."""
     (tmp_path / "helper.py").write_text("SPEED = 2.0\n")
-    mine = tmp_path / "mine.py"
+    mine, other = tmp_path / "random.py", tmp_path / "other" / "random.py"
     mine.write_text(MINE)
     policy = open_policy(f"python:{mine}:Mine", PolicySetup(options={"gain": "3"}))
     assert policy.speed == 6.0  # type: ignore[attr-defined]
+    other.parent.mkdir()
+    other.write_text("x = 1\ndef broken(setup): return 3\nclass Mine: ...\n")
     with pytest.raises(BadValue, match=r"returned type int, which has no play\(episode\)"):
-        open_policy(f"python:{mine}:broken")
+        open_policy(f"python:{other}:broken")
     with pytest.raises(UnknownName, match="did you mean 'Mine'"):
-        open_policy(f"python:{mine}:Mime")
+        open_policy(f"python:{other}:Mime")
+    other.write_text("x = 1\nmake = y\n")
+    with pytest.raises(BadFile, match=r"NameError.*\(line 2\)"):
+        open_policy(f"python:{other}:make")
+    with pytest.raises(BadFile, match="no such policy file"):
+        open_policy(f"python:{tmp_path / 'absent.py'}:make")
 
 
 @pytest.mark.parametrize(

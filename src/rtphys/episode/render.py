@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
@@ -194,13 +195,11 @@ def write_video(instance: Instance, recording: Recording, pack: Pack, path: Path
     renderer.hold_anchor()
     recipe, task, states = instance.recipe, instance.task, StateTrajectory.of(recording)
     rendered = render_frames(recipe, task, pack, states, RecordingSpec(CAMERAS))
-    writer = None
-    for picture in map(montage, rendered.images):
-        if writer is None:
-            height, width, _ = picture.shape
-            writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    pictures = map(montage, rendered.images)
+    first = next(pictures)
+    writer = VideoWriter(*first.shape[:2], Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    for picture in chain([first], pictures):
         writer.add(picture)
-    assert writer is not None
     make_folder(path.parent)
     replace_file(path, writer.finish())
 

@@ -1,8 +1,7 @@
 """Pushes what stands on something else at an episode's end, and drops what stands on the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from scipy.spatial import Delaunay, QhullError
@@ -28,8 +27,7 @@ UPRIGHT = 0.996  # cosine between a contact's normal and the vertical: 5 deg
 RATTLE = 0.1  # coefficient below which the ways are too short to tell
 
 
-@dataclass(frozen=True, eq=False)
-class Stand:
+class Stand(NamedTuple):
     """An object that stands on another, and on nothing else."""
 
     top: SceneObject
