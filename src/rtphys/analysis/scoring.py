@@ -132,8 +132,7 @@ class Score:
 def score(table: Table, key: str, bounds: tuple[float, float], make: Make) -> Score:
     """Judges an estimator on one attribute of one task.
 
-    Args:
-        bounds: the range from which each component of the attribute is drawn.
+    `bounds`: the range from which each component of the attribute is drawn.
 
     Raises `NotFinite`: the estimator returned no finite numbers. Whatever else it raises passes.
     """

@@ -153,8 +153,7 @@ def draw_together(
     """Draws several trajectories row by row, so that a GPU is asked for all pictures of a row
     before the first is read; each is the one that is drawn alone.
 
-    Args:
-        use: what becomes of each one's pictures, in a thread of its own.
+    `use`: what becomes of each one's pictures, in a thread of its own.
     """
     lines = [queue.Queue[Images | None](1) for _ in group]  # None ends it
 

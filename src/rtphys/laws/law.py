@@ -104,10 +104,8 @@ class NoLawTest(RtphysError):
 def law_test(key: str) -> LawTest:
     """The law test of one attribute: a bundled one, or `LAW` of a library's `laws/<key>.py`.
 
-    Raises:
-        UnknownName: there is no such attribute.
-        NoLawTest: it has none.
-        BadFile: the file raises when it is imported, or has no `LAW` of this key.
+    Raises `UnknownName`: there is no such attribute; `NoLawTest`: it has none; `BadFile`: the file
+    raises when it is imported, or has no `LAW` of this key.
     """
     if key not in attributes():
         raise UnknownName("attribute", key, attributes())

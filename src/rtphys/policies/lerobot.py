@@ -58,9 +58,8 @@ class LeRobotOptions:
 class LeRobot:
     """Policy in a process of its own; `path` is a folder, or a name on the Hub.
 
-    Raises:
-        PolicyGone: that Python does not start, lacks lerobot, or cannot open the checkpoint.
-        BadValue, UnknownName: the checkpoint is another robot's, or wants what no policy sees.
+    Raises `PolicyGone`: that Python does not start, lacks lerobot, or cannot open the checkpoint;
+    `BadValue`, `UnknownName`: the checkpoint is another robot's, or wants what no policy sees.
     """
 
     needs_images = True
@@ -193,9 +192,8 @@ def physics_vector(physics: Physics) -> np.ndarray:
 def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
     """Camera of ours by name of a picture among the checkpoint's inputs.
 
-    Raises:
-        BadValue: `given` is spelled otherwise.
-        UnknownName: no such camera of ours, or the checkpoint wants one that we do not have.
+    Raises `BadValue`: `given` is spelled otherwise; `UnknownName`: no such camera of ours, or the
+    checkpoint wants one that we do not have.
     """
     named = {name: ours for ours, names in CAMERAS.items() for name in names}
     for pair in filter(None, given.split(",")):
@@ -245,10 +243,9 @@ def open_lerobot(argument: str, setup: PolicySetup) -> LeRobot:
 
     PATH is what `lerobot-train` wrote, one of its checkpoints, or a name on the Hub.
 
-    Raises:
-        PolicyGone: that Python does not start, lacks lerobot, or cannot open the checkpoint.
-        BadFile, UnknownName: an option is wrong, or the folder has no checkpoint.
-        BadValue: the checkpoint does not fit.
+    Raises `PolicyGone`: that Python does not start, lacks lerobot, or cannot open the checkpoint;
+    `BadFile`, `UnknownName`: an option is wrong, or the folder has no checkpoint; `BadValue`: the
+    checkpoint does not fit.
     """
     path, given = split_options(argument, setup.options)
     if not path:

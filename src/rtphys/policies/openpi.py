@@ -92,10 +92,8 @@ def request(observation: Observation, instruction: str) -> dict[str, object]:
 def open_openpi(argument: str, setup: PolicySetup) -> OpenPi:
     """Opener of `openpi:[ws://]HOST:PORT[?execute=N&reply_s=S&connect_s=S]`.
 
-    Raises:
-        PolicyGone: no server answers.
-        BadFile, UnknownName: an option is wrong.
-        BadValue: the robot has other than six joints an arm.
+    Raises `PolicyGone`: no server answers; `BadFile`, `UnknownName`: an option is wrong;
+    `BadValue`: the robot has other than six joints an arm.
     """
     if sum(setup.arm_joints) + len(setup.arm_joints) != ACTION_SIZE:
         allowed = f"openpi's aloha policies command {ACTION_SIZE} numbers, six joints an arm"

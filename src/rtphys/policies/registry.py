@@ -106,11 +106,9 @@ def files_digest(spec: str) -> str:
 def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
     """Open the policy of a specification.
 
-    Raises:
-        UnknownName: no such policy.
-        PolicyGone: an optional dependency of rtphys is not installed.
-        PolicyBroken: the policy raises, or lacks `needs_images`.
-        RtphysError: the policy refuses its argument.
+    Raises `UnknownName`: no such policy; `PolicyGone`: an optional dependency of rtphys is not
+    installed; `PolicyBroken`: the policy raises, or lacks `needs_images`; `RtphysError`: the policy
+    refuses its argument.
     """
     name, argument = parse_spec(spec)
     module, _, attribute = BUILTIN[name].partition(":")
@@ -168,10 +166,9 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
 
     MODULE is the path of a Python file or a dotted name; the working directory is searched too.
 
-    Raises:
-        BadValue: not `python:MODULE:ATTRIBUTE`, no such module, or its result is no policy.
-        BadFile: the file does not exist, or raises when it is imported.
-        UnknownName: the module has no such attribute.
+    Raises `BadValue`: not `python:MODULE:ATTRIBUTE`, no such module, or its result is no policy;
+    `BadFile`: the file does not exist, or raises when it is imported; `UnknownName`: the module has
+    no such attribute.
     """
     name, _, attribute = argument.rpartition(":")
     if not name or not attribute:

@@ -44,8 +44,7 @@ def official(now: Observation, pictures: bool = True) -> Robotwin:
     `touch`, which RoboTwin does not have, is there if the episode was begun with it: fingers and
     objects by name, and an array of each quantity, a row a finger (`rtphys.senses.touch`).
 
-    Args:
-        pictures: False leaves `observation` empty and draws nothing.
+    `pictures`: False leaves `observation` empty and draws nothing.
     """
     joints: Robotwin = {}
     ends: Robotwin = {}

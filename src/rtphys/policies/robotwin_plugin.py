@@ -62,9 +62,8 @@ def load_plugin(file: Path, name: str = "") -> Plugin:
         file: its `deploy_policy.py`, or another module that has the three functions.
         name: dotted policy_name, as a launcher gives it; by default the name of the file's folder.
 
-    Raises:
-        BadFile: no such file, or `name` does not lead to it.
-        BrokenPlugin: importing it fails, or it lacks one of the three.
+    Raises `BadFile`: no such file, or `name` does not lead to it; `BrokenPlugin`: importing it
+    fails, or it lacks one of the three.
     """
     # Launchers link a policy's folder into RoboTwin's root, so links must not be resolved.
     file = Path(os.path.abspath(file))  # noqa: PTH100 - Path has nothing that keeps links
@@ -165,9 +164,8 @@ def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
     Options override the plug-in's YAML (`deploy_policy.yml` beside it, or `?config=PATH`);
     `?policy_name=a.b.c` is the dotted name under which a launcher would import it.
 
-    Raises:
-        BadFile: no such plug-in.
-        BrokenPlugin: it cannot be imported, or its model cannot be created.
+    Raises `BadFile`: no such plug-in; `BrokenPlugin`: it cannot be imported, or its model cannot be
+    created.
     """
     path, texts = split_options(argument, setup.options)
     file, given = Path(path), {key: literal(text) for key, text in texts.items()}

@@ -168,8 +168,7 @@ class Results:
 def read_results(out: str | Path) -> Results:
     """Reads a result folder, finished or not.
 
-    Raises:
-        BadFile: it is no result folder, or a file in it is damaged.
+    Raises `BadFile`: it is no result folder, or a file in it is damaged.
     """
     out = Path(out)
     known = headers(out)

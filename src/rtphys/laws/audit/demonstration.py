@@ -35,8 +35,7 @@ class Held:
 class Demonstration:
     """Watches a world from the moment on at which it is made.
 
-    Args:
-        friction: the label's coefficient.
+    `friction`: the label's coefficient.
     """
 
     def __init__(self, world: World, friction: float) -> None:

@@ -61,8 +61,7 @@ def drop_objects(specimen: Specimen) -> list[Finding]:
 def push_stands(specimen: Specimen, ends: Mapping[str, Pose]) -> list[Finding]:
     """Friction of what stands on another object at an episode's end.
 
-    Args:
-        ends: object -> its last pose, world frame.
+    `ends`: object -> its last pose, world frame.
     """
     world, mu = specimen.world, specimen.number("friction")
     things = {thing.root: thing for thing in specimen.rigid()}
