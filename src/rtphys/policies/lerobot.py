@@ -72,7 +72,15 @@ class LeRobot:
             asked = {"device": given.device, "execute": given.execute, "threads": given.threads}
             about, _ = self._ask({"do": "open", "path": path, **asked})
             if "error" in about:
-                raise PolicyGone(self._name, self._why_not_opened(about))
+                version, missing = about.get("lerobot"), about.get("missing") or ""
+                if missing.partition(".")[0] in ("torch", "lerobot"):
+                    there = f"lerobot {version} and " if version else ""
+                    problem = f"has {there}no {missing} (lerobot >= 0.4 is needed)"
+                    cure = "name a Python that has it: lerobot:PATH?python=/venv/bin/python"
+                    raise PolicyGone(self._name, f"{given.python} {problem}; {cure}")
+                by = f" by lerobot {version}" if version else ""
+                problem = f"cannot be opened{by}: {about['error'][:LONGEST_REPORT]}"
+                raise PolicyGone(self._name, problem)
             self._pictures = pictures(about["inputs"], given.cameras)
             check_vectors(about, sum(setup.arm_joints) + 2, given.physics)
             self._inputs = about["inputs"]
@@ -142,28 +150,16 @@ class LeRobot:
                 raise PolicyGone(self._name, f"no answer within {self._given.reply_s:g} s")
             return lerobot_server.unpack(self._connection.recv_bytes(LARGEST_MESSAGE))
         except (EOFError, OSError) as error:
-            raise PolicyGone(self._name, self._why_gone()) from error
+            problem = "its process has closed the connection"
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                code = self._process.wait(FAREWELL)
+                self._stderr.seek(0)
+                lines = self._stderr.read().decode(errors="replace").strip().splitlines()
+                last = " ".join(lines[-1:])[:LONGEST_REPORT]
+                problem = f"its process ended with code {code}: {last}"
+            raise PolicyGone(self._name, problem) from error
         except (ValueError, KeyError) as error:
             raise ServerFailed(f"{self._name}: answered what is no message: {error}") from error
-
-    def _why_gone(self) -> str:
-        try:
-            code = self._process.wait(FAREWELL)
-        except subprocess.TimeoutExpired:
-            return "its process has closed the connection"
-        self._stderr.seek(0)
-        lines = self._stderr.read().decode(errors="replace").strip().splitlines()
-        return f"its process ended with code {code}: {' '.join(lines[-1:])[:LONGEST_REPORT]}"
-
-    def _why_not_opened(self, about: dict[str, str]) -> str:
-        version = about.get("lerobot")
-        if (about.get("missing") or "").partition(".")[0] in ("torch", "lerobot"):
-            there = f"lerobot {version} and " if version else ""
-            problem = f"has {there}no {about['missing']} (lerobot >= 0.4 is needed)"
-            cure = "name a Python that has it: lerobot:PATH?python=/venv/bin/python"
-            return f"{self._given.python} {problem}; {cure}"
-        by = f" by lerobot {version}" if version else ""
-        return f"cannot be opened{by}: {about['error'][:LONGEST_REPORT]}"
 
     def close(self) -> None:
         self._connection.close()

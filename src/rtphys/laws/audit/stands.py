@@ -8,7 +8,7 @@ from scipy.spatial import Delaunay, QhullError
 
 from rtphys.core.poses import Array, Pose
 from rtphys.laws.audit.specimen import REST, Finding, Measurement, Specimen, Unmeasured, hang, lift
-from rtphys.laws.fall import SPEEDS, rebounds
+from rtphys.laws.restitution import SPEEDS, rebounds
 from rtphys.physics.attribute import attribute
 from rtphys.physics.attributes.restitution import deviation_at
 from rtphys.physics.handles import GRAVITY
