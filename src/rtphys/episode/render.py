@@ -196,7 +196,8 @@ def write_video(instance: Instance, recording: Recording, pack: Pack, path: Path
     rendered = render_frames(recipe, task, pack, states, RecordingSpec(CAMERAS))
     pictures = map(montage, rendered.images)
     first = next(pictures)
-    writer = VideoWriter(*first.shape[:2], Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    height, width, _ = first.shape
+    writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
     for picture in chain([first], pictures):
         writer.add(picture)
     make_folder(path.parent)
