@@ -125,9 +125,6 @@ def test_another_collection_is_refused_with_its_difference(
     before = content(tmp_path)
     with pytest.raises(faults.DatasetMismatch, match=text):
         collect(tmp_path, 2, synthetic.header(**other))
-    exists = pytest.raises(faults.DatasetExists, match=r"episodes \(1 accepted\); resume")
-    with exists, DatasetWriter(tmp_path, resume=False) as dataset:
-        dataset.task(synthetic.header())
     assert content(tmp_path) == before
 
 

@@ -19,7 +19,7 @@ from rtphys.campaign.pool import WorkerError, WorkerFailure
 from rtphys.campaign.series import Listener, Progress
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data.faults import DatasetExists, DatasetMismatch
+from rtphys.data.faults import DatasetMismatch
 from rtphys.data.video import probe
 from rtphys.data.writer import DatasetWriter
 from rtphys.episode.fingerprint import fingerprint_of
@@ -324,8 +324,6 @@ def test_a_folder_holds_one_evaluation(
     ):
         with pytest.raises(DatasetMismatch, match=clause):
             run(tmp_path, lists, pack, **{**CLEAN, **changes})
-    with pytest.raises(DatasetExists, match="resume"):
-        run(tmp_path, lists, pack, resume=False, **CLEAN)
     with monkeypatch.context() as edited:
         edited.setattr(module, "files_digest", lambda _: "of a later edit")
         with pytest.raises(DatasetMismatch, match="files of the policy were edited"):

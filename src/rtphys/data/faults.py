@@ -52,17 +52,6 @@ class DatasetMismatch(DatasetError):
         )
 
 
-class DatasetExists(DatasetError):
-    """The folder already holds episodes and the caller asked for a fresh start."""
-
-    def __init__(self, folder: str | Path, episodes: int) -> None:
-        self.folder, self.episodes = Path(folder), episodes
-        super().__init__(
-            f"{folder}: already holds episodes ({episodes} accepted); resume, delete the folder, "
-            "or choose another one"
-        )
-
-
 class BadEpisode(DatasetError):
     """An episode whose arrays contradict each other; nothing was written."""
 

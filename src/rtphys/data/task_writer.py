@@ -13,7 +13,7 @@ from pydantic import JsonValue
 from rtphys.core.errors import BadFile
 from rtphys.data import files, staging
 from rtphys.data.attempts import ATTEMPT, Accepted, KeptFailure, Rejected, Totals, read_attempts
-from rtphys.data.faults import CannotWrite, DatasetExists, DatasetMismatch
+from rtphys.data.faults import CannotWrite, DatasetMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import EPISODE_FOLDERS, EpisodePaths, TaskDataset, episode_number
@@ -46,11 +46,10 @@ class TaskWriter:
 
     Raises:
         DatasetMismatch: what is there was collected otherwise; each field that differs is named.
-        DatasetExists: it has attempts and `resume` is False.
         BadFile: its ledger is damaged, or a file that it lists is missing.
     """
 
-    def __init__(self, out: Path, header: TaskHeader, *, resume: bool) -> None:
+    def __init__(self, out: Path, header: TaskHeader) -> None:
         self.task_dataset, self.header = TaskDataset.of(out, header.spec), header
         self.wanted = header.spec.episodes
         self.totals = Totals()
@@ -58,8 +57,6 @@ class TaskWriter:
         place = self.task_dataset
         place.check_links()
         self._ledger = Ledger(place.ledger, header, ATTEMPT, self.totals.add)
-        if self.attempts and not resume:
-            raise DatasetExists(place.folder, self.episodes)
         leftovers = self._unlisted()
         if not self._ledger.lines:
             if leftovers:  # somebody else's

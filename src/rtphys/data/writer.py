@@ -35,14 +35,14 @@ class DatasetWriter:
                 dataset.checkpoint_if_due()
     """
 
-    def __init__(self, out: str | Path, *, resume: bool = True) -> None:
+    def __init__(self, out: str | Path) -> None:
         """Locks the folder, making it if needed.
 
         Raises:
             CannotWrite, DatasetLocked,
             BadFile (there is a `manifest.json` of another version, or that is no dataset's).
         """
-        self.out, self.resume = Path(out), resume
+        self.out = Path(out)
         self._tasks: dict[str, TaskWriter] = {}
         self._others: dict[str, TaskEntry] | None = None
         self._saved = time.monotonic()
@@ -65,7 +65,7 @@ class DatasetWriter:
         """
         name = TaskDataset.of(self.out, header.spec).name
         if name not in self._tasks:
-            self._tasks[name] = TaskWriter(self.out, header, resume=self.resume)
+            self._tasks[name] = TaskWriter(self.out, header)
         writer = self._tasks[name]
         writer.wanted = header.spec.episodes if wanted is None else wanted
         return writer

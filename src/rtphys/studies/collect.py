@@ -61,7 +61,7 @@ def collect(
     own = shard_of(specs, run.shard)
     tasks = check(own, run)
     check_machine(own, run)
-    with DatasetWriter(run.out, resume=run.resume) as dataset:
+    with DatasetWriter(run.out) as dataset:
         pack = default_pack(listener.building)
         check_assets(own, tasks, pack)
         series = [

@@ -18,7 +18,7 @@ from rtphys.core.untrusted import JSON
 from rtphys.data import files
 from rtphys.data.attempts import Rejected, read_attempts
 from rtphys.data.dataset import Dataset
-from rtphys.data.faults import DatasetExists, DatasetMismatch
+from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.ledger import Ledger
@@ -102,9 +102,9 @@ def evaluate(
     files.make_folder(out)
     with (
         FolderLock(out),
-        DatasetWriter(run.record, resume=run.resume) if run.record else nullcontext() as dataset,
+        DatasetWriter(run.record) if run.record else nullcontext() as dataset,
     ):
-        _check_others(out, cells[0], run.resume)
+        _check_others(out, cells[0])
         for protocol in run.protocols:
             copied = [one for one in lists if one.protocol == protocol]
             write_lists(list_file(out / evaluation.INSTANCES, protocol), copied)
@@ -124,14 +124,12 @@ def evaluate(
         return _conclude(out, spec, studies)
 
 
-def _check_others(out: Path, now: EvaluationHeader, resume: bool) -> None:
+def _check_others(out: Path, now: EvaluationHeader) -> None:
     """Refuses a folder whose ledgers are those of another evaluation, of whatever tasks.
 
-    Raises `DatasetMismatch`, `DatasetExists`, `BadFile`.
+    Raises `DatasetMismatch`, `BadFile`.
     """
-    for path, before in evaluation.headers(out).items():
-        if not resume:
-            raise DatasetExists(out, len(path.read_bytes().splitlines()) - 1)
+    for before in evaluation.headers(out).values():
         same = stored(now.spec.of(*before.spec.key))
         clauses = differences(stored(before.spec), same)
         if before.policy_files != now.policy_files:

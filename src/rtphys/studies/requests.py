@@ -236,7 +236,6 @@ class EvaluationRun:
     record: Annotated[
         Path | None, Option("Also write the episodes, and the failed ones, as a dataset.")
     ] = None
-    resume: Annotated[bool, Option("Continue what is in the folder.")] = True
     accept_changes: Annotated[
         bool, Option("Run on lists that have another certification fingerprint.")
     ] = False
@@ -285,7 +284,6 @@ class Run:
         Option("GPUs with drawing workers; 0: each worker draws; default all that draw."),
     ] = None
     shard: Annotated[str, Option("i/n: one part of n, for `rtphys merge` to join.")] = ""
-    resume: Annotated[bool, Option("Continue what is in the folder.")] = True
 
     def __post_init__(self) -> None:
         if self.address is not None and self.runner != "ray":
