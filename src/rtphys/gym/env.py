@@ -93,8 +93,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         parts = shapes.state(bounds, self._task.props(0)) if states else shapes.pixels(bounds)
         if show_physics:
             parts["physics"] = shapes.physics()
-        self._recording_spec = RecordingSpec(senses=tuple(senses))
-        parts |= shapes.sensed(self._recording_spec)
+        self._recording = RecordingSpec(senses=tuple(senses))
+        parts |= shapes.sensed(self._recording)
         self.action_space = shapes.commands(bounds)
         space = spaces.Dict(parts)
         self.observation_space = space  # pyright: ignore[reportAttributeAccessIssue] - of mappings
@@ -153,7 +153,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             self._attempts = tried + 1
             recipe = spec.at(first + tried)
             try:
-                self._episode = begin(recipe, self._task, self._pack, self._recording_spec)
+                self._episode = begin(recipe, self._task, self._pack, self._recording)
                 break
             except Infeasible:
                 if self._attempts == MAX_SEEDS:
@@ -203,7 +203,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             shown["pixels"] = {name: now.images[name] for name in USUAL}
         if self._show_physics:
             shown["physics"] = shapes.physics_of(episode.instance)
-        for name in self._recording_spec.senses:
+        for name in self._recording.senses:
             sense = SENSES[name]
             if sense.scope == "pixel":
                 seen = {camera: now.cameras[camera].senses for camera in USUAL}

@@ -5,9 +5,7 @@ from pathlib import Path
 
 import pytest
 from collecting import PLAN
-from typer.testing import CliRunner
 
-from rtphys.cli.main import app
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.layout import TaskDataset
@@ -109,24 +107,6 @@ def test_a_mistake_is_named_with_its_place(text: str, tmp_path: Path) -> None:
     kind, told = WRONG[text]
     with pytest.raises(kind, match=told):
         plans(text, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        ("--manifest smok", "did you mean 'smoke'?"),
-        ("--manifest smoke --episodes 3", "--episodes = 3 is not allowed; the manifest says that"),
-        ("--manifest smoke --set friction=1", "--set"),
-        ("--manifest smoke --split unseen", "--split"),
-        ("--manifest smoke --shard 3/2", "from 1/n to n/n"),
-        ("", "--task = None is not allowed; name at least one task, or a --manifest"),
-    ],
-)
-def test_what_cannot_be_is_one_line(options: str, told: str) -> None:
-    done = CliRunner().invoke(app, ["collect", *options.split()])
-    assert done.exit_code == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert told in done.stderr
 
 
 def test_every_manifest_that_collects_has_tasks_that_exist() -> None:

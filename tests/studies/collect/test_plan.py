@@ -50,6 +50,12 @@ WRONG = {
     "--task click_bell --address 1.2.3.4:6379": "it belongs to --runner ray",
     "--task click_bell --runner ray --gpus 1": "it belongs to --runner local",
     "--task click_bell --shard 0/2": "from 1/n to n/n",
+    "--manifest smok": "did you mean 'smoke'?",
+    "--manifest smoke --episodes 3": "--episodes = 3 is not allowed; the manifest says that",
+    "--manifest smoke --set friction=1": "--set",
+    "--manifest smoke --shader rt": "--shader",
+    "--manifest smoke --shard 3/2": "from 1/n to n/n",
+    "": "--task = None is not allowed; name at least one task, or a --manifest",
     "--task click_bell --workers 0": "--workers = 0 is not allowed",
     "--task click_bell --first-seed -1": "--first-seed = -1 is not allowed",
 }
