@@ -1,7 +1,7 @@
 """`rtphys physics`: draw values, test the laws, audit a dataset's labels."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -191,43 +191,38 @@ def audit(
     from rtphys.data.dataset import Dataset
     from rtphys.laws.audit.selection import selections_by_task_dataset
 
-    data = Dataset(dataset)
-    known = library.names("tasks")
+    data, known = Dataset(dataset), library.names("tasks")
     for task in data.tasks if labels else ():
         if task not in known:
             raise UnknownName("task", task, known, dataset)
-    report, sound = _labels(data, as_json, repeat) if labels else ({}, True)
-    found = selections_by_task_dataset(data)
-    for name, selections in found.items():
+
+    def tell(text: str) -> None:
         if not as_json:
-            say(f"\n{name}\n  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
-        for one in () if as_json else selections:
-            counts = f"{one.accepted.sum()} of {len(one.accepted)}"
-            shift = f"{one.distance:6.3f} {one.p:8.2g}"
-            say(f"  {one.key:24} {counts:>12} {shift}  {one.sentence}")
+            say(text)
+
+    report, sound = _labels(data, repeat, tell) if labels else ({}, True)
+    selected: dict[str, list[Facts]] = {}
+    for name, selections in selections_by_task_dataset(data).items():
+        tell(f"\n{name}\n  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
+        selected[name] = []
+        for one in selections:
+            accepted, attempted = one.accepted.sum(), len(one.attempted)
+            counts = f"{accepted} of {attempted}"
+            tell(f"  {one.key:24} {counts:>12} {one.distance:6.3f} {one.p:8.2g}  {one.sentence}")
+            facts = facts_of(one.key, one, "distance", "p", "sentence")
+            selected[name].append({**facts, "attempted": attempted, "accepted": accepted})
         if out is not None:
             from rtphys.report.figures import draw_selections
 
             out.mkdir(parents=True, exist_ok=True)
             draw_selections(selections, name, out / f"{name.replace('/', '_')}.png")
     if as_json:
-        report["selection"] = {
-            name: [
-                {
-                    **facts_of(one.key, one, "distance", "p", "sentence"),
-                    "attempted": len(one.attempted),
-                    "accepted": one.accepted.sum(),
-                }
-                for one in selections
-            ]
-            for name, selections in found.items()
-        }
-        say_json(report)
+        say_json({**report, "selection": selected})
     if not sound:
         raise typer.Exit(1)
 
 
-def _labels(data: "Dataset", as_json: bool, repeat: int) -> tuple[Facts, bool]:
+def _labels(data: "Dataset", repeat: int, tell: Callable[[str], None]) -> tuple[Facts, bool]:
     """Audits every label; as JSON, and whether all are sound."""
     from rtphys.episode.audit import Totals, audited
 
@@ -237,32 +232,27 @@ def _labels(data: "Dataset", as_json: bool, repeat: int) -> tuple[Facts, bool]:
         notes = {"problems": list(one.problems), "notes": list(one.notes)}
         wrong = [_measurement(m) for m in one.deviations]
         rows.append({"file": str(one.path), **notes, "deviations": wrong})
-        if not as_json:
-            for problem in one.problems:
-                say(f"{one.path}: {problem}")
-            for m in one.deviations:
-                unit = attributes()[m.key].unit
-                label, measured = (value_text(v, ".6g") for v in (m.label, m.measured))
-                values = f"label {label}, measured {measured} {unit}"
-                say(f"{one.path}: {m.key} at {m.place}: {values}, tolerance {m.tolerance:.3g}")
-            for note in one.notes:
-                say(f"{one.path}: note: {note}")
+        for problem in one.problems:
+            tell(f"{one.path}: {problem}")
+        for m in one.deviations:
+            label, measured = (value_text(v, ".6g") for v in (m.label, m.measured))
+            values = f"label {label}, measured {measured} {attributes()[m.key].unit}"
+            tell(f"{one.path}: {m.key} at {m.place}: {values}, tolerance {m.tolerance:.3g}")
+        for note in one.notes:
+            tell(f"{one.path}: note: {note}")
         if time.monotonic() - shown > LINE_EVERY:
             shown = time.monotonic()
             say(f"{totals.episodes} of {counted(len(data), 'episodes')} measured", err=True)
+    counts = f"in {totals.sound} of {counted(totals.episodes, 'episodes')}"
+    tell(f"{counts}, the rebuilt world does what the label says")
+    if totals.worst:
+        tell(f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'allowed':>9}  unit")
+    for key, m in sorted(totals.worst.items()):
+        deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}  {attributes()[key].unit}"
+        tell(f"  {key:24} {totals.measured[key]:7} {deviation}")
     unmeasured = sorted(totals.unmeasured.items())
-    if not as_json:
-        counts = f"in {totals.sound} of {counted(totals.episodes, 'episodes')}"
-        say(f"{counts}, the rebuilt world does what the label says")
-        if totals.worst:
-            say(
-                f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'allowed':>9}  unit"
-            )
-        for key, m in sorted(totals.worst.items()):
-            deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}  {attributes()[key].unit}"
-            say(f"  {key:24} {totals.measured[key]:7} {deviation}")
-        for (key, why), count in unmeasured:
-            say(f"  {key:24} {count:7} not measured: {why}")
+    for (key, why), count in unmeasured:
+        tell(f"  {key:24} {count:7} not measured: {why}")
     report: Facts = {
         "episodes": totals.episodes,
         "sound": totals.sound,

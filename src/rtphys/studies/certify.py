@@ -196,7 +196,8 @@ def certify(
     make_folder(run.out)
     with FolderLock(run.out):
         lists = [
-            CertificationSeries(run.out, one, _fingerprint(one.episode, pack)) for one in run.specs(spec)
+            CertificationSeries(run.out, one, _fingerprint(one.episode, pack))
+            for one in run.specs(spec)
         ]
         run_here(lists, CertifyWorker(pack), run.workers, listener, run.out)
     return lists

@@ -207,6 +207,7 @@ class RenderSeries(Series[RenderTask, Redrawn]):
         if rejection is not None and not isinstance(outcome, Rejection):
             outcome = replace(rejection, kept=outcome)
         self.writer.record(outcome)
+        self.progress.add(self.reason(result))  # seeds that are owed are not counted otherwise
         self.compared += result.compared
         self.differing += result.differing
         return ""
