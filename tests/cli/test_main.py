@@ -99,7 +99,7 @@ def test_debug_and_a_bug_show_the_traceback(failing: Failing) -> None:
 
 
 def test_commands_and_modules_are_the_same() -> None:
-    frame = {"__init__", "main", "lazy", "derived", "terminal", "tables", "progress"}
+    frame = {"__init__", "main", "lazy", "derived", "terminal", "screen"}
     modules = {path.stem for path in PACKAGE.glob("*.py")} - frame
     assert modules == {module for module, _ in COMMANDS.values()}
 

@@ -12,8 +12,15 @@ import typer
 from rich.table import Table
 
 from rtphys.cli.derived import Json, JsonFile, names_in, takes
-from rtphys.cli.progress import campaign, reasons
-from rtphys.cli.tables import Screen, fitting_table, print_rows, print_table, progress_bar
+from rtphys.cli.screen import (
+    Screen,
+    campaign,
+    fitting_table,
+    print_rows,
+    print_table,
+    progress_bar,
+    reasons,
+)
 from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName, counted

@@ -10,8 +10,13 @@ import typer
 
 from rtphys.cli.datasets import say_digest
 from rtphys.cli.derived import AsJson, takes
-from rtphys.cli.progress import campaign_progress, summary_table
-from rtphys.cli.tables import fitting_table, print_rows, print_table
+from rtphys.cli.screen import (
+    campaign_progress,
+    fitting_table,
+    print_rows,
+    print_table,
+    summary_table,
+)
 from rtphys.cli.terminal import Incomplete, command_line, resumable, say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, counted

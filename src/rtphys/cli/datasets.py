@@ -7,8 +7,7 @@ from typing import Annotated
 import typer
 
 from rtphys.cli.derived import names_in, takes
-from rtphys.cli.progress import campaign_progress
-from rtphys.cli.tables import progress_bar
+from rtphys.cli.screen import campaign_progress, progress_bar
 from rtphys.cli.terminal import command_line, printable, resumable, say
 from rtphys.core.errors import BadValue, counted
 from rtphys.spec.option import Option, Seed, Workers, checked_dataclass

@@ -8,8 +8,7 @@ import typer
 from rich.table import Table
 
 from rtphys.cli.derived import AsJson, Json, takes
-from rtphys.cli.progress import campaign, reasons
-from rtphys.cli.tables import fitting_table, print_rows, print_table
+from rtphys.cli.screen import campaign, fitting_table, print_rows, print_table, reasons
 from rtphys.cli.terminal import Incomplete, say, say_json
 from rtphys.core.errors import counted
 from rtphys.physics import attributes

@@ -11,7 +11,7 @@ import typer
 from rich.text import Text
 
 from rtphys.cli.derived import Json, JsonFile, takes
-from rtphys.cli.tables import Screen, fitting_table, print_rows, print_table, progress_bar
+from rtphys.cli.screen import Screen, fitting_table, print_rows, print_table, progress_bar
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.cache import reading_cache, writing_cache

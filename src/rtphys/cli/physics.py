@@ -11,7 +11,7 @@ import typer
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.cli.authoring import domain_named, value_text
 from rtphys.cli.derived import Json, names_in
-from rtphys.cli.tables import fitting_table, print_table
+from rtphys.cli.screen import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, Infeasible, UnknownName, counted

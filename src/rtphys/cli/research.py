@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from rtphys.analysis.identify import IdentifyPlan
 from rtphys.analysis.request import SensitivityPlan
 from rtphys.cli.derived import AsJson, takes
-from rtphys.cli.progress import campaign, campaign_progress
-from rtphys.cli.tables import fitting_table, print_rows, print_table
+from rtphys.cli.screen import campaign, campaign_progress, fitting_table, print_rows, print_table
 from rtphys.cli.terminal import Incomplete, resumable, say, say_json
 from rtphys.core.errors import counted
 from rtphys.physics import attributes

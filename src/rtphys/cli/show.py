@@ -16,7 +16,7 @@ import typer
 from rich.text import Text
 
 from rtphys.cli.derived import AsJson, takes
-from rtphys.cli.tables import fitting_table, print_table, progress_bar
+from rtphys.cli.screen import fitting_table, print_table, progress_bar
 from rtphys.cli.terminal import say, say_json
 from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError
 from rtphys.data.selection import One
