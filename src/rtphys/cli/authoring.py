@@ -143,7 +143,7 @@ def tasks(
     terminal = sys.stdout is not None and sys.stdout.isatty()
     narrow = terminal and Screen().width < WIDE
     shown = [key for key in COLUMNS if not (narrow and key in ("objects", "domain"))]
-    table = fitting_table(["task"], [key.removesuffix("_limit") for key in shown[1:]])
+    table = fitting_table(["task"], [key.replace("step_limit", "steps") for key in shown[1:]])
     for row in rows:
         cells = {key: str(row.get(key, "")) for key in shown}
         if terminal:  # without out of how many a rate is
