@@ -240,8 +240,8 @@ class TaskSpec:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """Whether the actor succeeded in one episode."""
+class SensitivityRow:
+    """Whether the actor succeeded in one episode: a row of a ledger."""
 
     axis: str  # name; `NOMINAL` of the search for paired seeds
     share: float
@@ -260,7 +260,7 @@ class TaskSensitivity:
         self.seeds: list[int] = []  # paired: the actor succeeds nominally
         self.outcomes: dict[tuple[str, float, int], bool] = {}
         self.path = plan.out / f"{spec.task}.json"
-        self._ledger = Ledger(self.path.with_suffix(".jsonl"), spec, Outcome, self._restore)
+        self._ledger = Ledger(self.path.with_suffix(".jsonl"), spec, SensitivityRow, self._restore)
         domain, has = domain_for_task(spec.task), parts(load_task(spec.task).props(0))
         self.bisections = [
             Bisection(axis, self.search.steps)
@@ -269,21 +269,23 @@ class TaskSensitivity:
             for axis in axes(domain, key)
         ]
 
-    def _restore(self, row: Outcome) -> None:
+    def _restore(self, row: SensitivityRow) -> None:
         self.outcomes[row.axis, row.share, row.seed] = row.success
 
-    def keep(self, row: Outcome) -> None:
+    def keep(self, row: SensitivityRow) -> None:
         """Adds an outcome to the ledger, unless it is there."""
         if (row.axis, row.share, row.seed) not in self.outcomes:
             self._restore(row)
             self._ledger.append(row)
 
-    def rounds(self) -> Iterator[list["Trial"]]:
+    def rounds(self) -> Iterator[list["LevelSeries"]]:
         """What can be tried at once: the paired seeds, then one level of every open axis."""
-        yield [Trial(self)]
+        yield [LevelSeries(self)]
         if not self.seeds:
             return
-        while trials := [Trial(self, b, b.next) for b in self.bisections if b.next is not None]:
+        while trials := [
+            LevelSeries(self, b, b.next) for b in self.bisections if b.next is not None
+        ]:
             yield trials
 
     def write(self) -> dict[str, JSON]:
@@ -298,7 +300,7 @@ class TaskSensitivity:
         return result
 
 
-class Trial(Series[SensitivityTask, bool]):
+class LevelSeries(Series[SensitivityTask, bool]):
     """One level of one axis on the paired seeds; without a bisection, the search for these."""
 
     def __init__(
@@ -327,7 +329,7 @@ class Trial(Series[SensitivityTask, bool]):
         return "" if self.level or result else "failed"
 
     def commit(self, seed: int, result: bool) -> str:
-        self.task.keep(Outcome(self.name, self.share, seed, result))
+        self.task.keep(SensitivityRow(self.name, self.share, seed, result))
         if self.level:
             self.level.of += 1
             self.level.successes += result

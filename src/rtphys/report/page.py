@@ -24,14 +24,14 @@ from rtphys.physics import attributes
 from rtphys.physics.distribution import SameAs, extremes
 from rtphys.spec.rules import Rules
 
-Progress = Callable[[int, int], None]
-
 THUMBNAIL = 200  # [px]
 AROUND = (-8, 0, 8)  # frames about the instant at which a failure went wrong, about half a second
 EMBEDDED = 64_000_000  # bytes of video inside the page; further videos are linked
 
 
-def write_report(dataset: Dataset, out: Path, progress: Progress | None = None) -> Path:
+def write_report(
+    dataset: Dataset, out: Path, progress: Callable[[int, int], None] | None = None
+) -> Path:
     """Writes the report page; what does not fit into it is linked by relative path.
 
     Args:
