@@ -35,7 +35,8 @@ class Held:
 class Demonstration:
     """Watches a world from the moment on at which it is made.
 
-    `friction`: the label's coefficient.
+    Args:
+        friction: the label's coefficient.
     """
 
     def __init__(self, world: World, friction: float) -> None:
