@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from rtphys.assets.pack import default_pack
 from rtphys.cli.derived import Json, JsonFile, names_in, takes
 from rtphys.cli.screen import (
     Screen,
@@ -24,6 +25,8 @@ from rtphys.cli.screen import (
 from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName, counted
+from rtphys.data.files import make_folder, replace_file
+from rtphys.data.jpeg import encode_png
 from rtphys.physics import Domain, Value, attributes, domain_for_task, load_domain
 from rtphys.physics.domain import AUXILIARY
 from rtphys.spec import protocol
@@ -291,8 +294,6 @@ def check(plan: CheckPlan, output: Output) -> None:
     output.check()
     if (sheet := output.sheet) is not None:
         check_drawable()
-    from rtphys.data.files import make_folder, replace_file
-    from rtphys.data.jpeg import encode_png
     from rtphys.report.pictures import captioned
     from rtphys.studies.check import check as run_check
     from rtphys.studies.check import ends
@@ -325,15 +326,11 @@ def try_(plan: TryPlan) -> None:
         rtphys try place_empty_cup --seed 3 --picture stages.png
         rtphys try click_bell --protocol phys_random --video a.mp4
     """
-    from rtphys.assets.pack import default_pack
-    from rtphys.data.files import make_folder, replace_file
-    from rtphys.data.jpeg import encode_png
     from rtphys.episode.render import write_video
     from rtphys.plan.kinematics import check_robot
     from rtphys.report.pictures import captioned
     from rtphys.sim import renderer
     from rtphys.studies.check import stage_ends, watch
-    from rtphys.task.spec import load_task
 
     task = load_task(plan.task)
     if plan.drawn:

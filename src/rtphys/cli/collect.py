@@ -20,6 +20,8 @@ from rtphys.cli.screen import (
 from rtphys.cli.terminal import Incomplete, command_line, resumable, say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, counted
+from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.layout import TaskDataset
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import Option
@@ -32,6 +34,7 @@ from rtphys.studies.requests import (
     shard_of,
     specs_for,
 )
+from rtphys.task.rates import expected
 
 
 @dataclass(frozen=True)
@@ -128,10 +131,7 @@ def _what_varies(spec: EpisodeSpec) -> str:
 
 def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> None:
     """Prints each task dataset, what is there already, and what this machine would refuse."""
-    from rtphys.data.attempts import Accepted, read_attempts
-    from rtphys.data.layout import TaskDataset
     from rtphys.studies.collect import check, check_machine
-    from rtphys.task.rates import expected
 
     check(specs, run)
     table = fitting_table(["folder"], ("episodes", "there", "seeds from", "cameras", "domain"))

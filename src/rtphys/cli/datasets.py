@@ -10,10 +10,21 @@ from rtphys.cli.derived import names_in, takes
 from rtphys.cli.screen import campaign_progress, progress_bar
 from rtphys.cli.terminal import command_line, printable, resumable, say
 from rtphys.core.errors import BadValue, counted
+from rtphys.data import files
+from rtphys.data import verify as checking
+from rtphys.data.attempts import Accepted
+from rtphys.data.check_episode import Effort, Problem
+from rtphys.data.dataset import Dataset
+from rtphys.data.layout import MANIFEST
+from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
+from rtphys.data.rewrite import convert as convert_dataset
+from rtphys.data.rewrite import merge as merge_datasets
+from rtphys.data.rewrite import subset as write_subset
+from rtphys.data.selection import Selection, seed_set
 from rtphys.spec.option import Option, Seed, Workers, checked_dataclass
 from rtphys.studies.requests import RenderSpec
 
-Dataset = Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")]
+Folder = Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")]
 SHOWN = 20  # differences of an export, at most
 
 
@@ -55,15 +66,13 @@ def merge(
 
         rtphys merge shard1 shard2 --out data
     """
-    from rtphys.data.rewrite import merge as merge_datasets
-
     with resumable():
         names = merge_datasets(parts, out)
     _say_result(out, names)
 
 
 def subset(
-    dataset: Dataset,
+    dataset: Folder,
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")],
     task: Annotated[list[str] | None, typer.Option(help="Only these tasks.")] = None,
     config: Annotated[list[str] | None, typer.Option(help="Only these configurations.")] = None,
@@ -78,12 +87,6 @@ def subset(
         rtphys subset data --out small --seeds 0:50
         rtphys subset data --out cleaned --drop-seeds 17,23
     """
-    from rtphys.data.attempts import Accepted
-    from rtphys.data.dataset import Dataset
-    from rtphys.data.manifest import TaskEntry
-    from rtphys.data.rewrite import subset as write_subset
-    from rtphys.data.selection import seed_set
-
     known = Dataset(dataset)
     tasks, configs = names_in(task or ()), names_in(config or ())
     for name in tasks:
@@ -105,8 +108,6 @@ def subset(
 
 
 def _say_result(out: Path, names: list[str]) -> None:
-    from rtphys.data.manifest import read_manifest
-
     episodes = sum(entry.episodes for entry in read_manifest(out).task_datasets.values())
     say(f"{counted(episodes, 'episodes')} in {counted(len(names), 'task datasets')}, in {out}")
     say_digest(out)
@@ -115,15 +116,11 @@ def _say_result(out: Path, names: list[str]) -> None:
 
 def say_digest(out: Path, err: bool = False) -> None:
     """What to publish beside a dataset, so that others can tell it from any other."""
-    from rtphys.data import files
-    from rtphys.data.layout import MANIFEST
-    from rtphys.data.manifest import dataset_digest
-
     say(f"digest {dataset_digest(files.read(out / MANIFEST))}", err=err)
 
 
 def convert(
-    source: Dataset,
+    source: Folder,
     out: Annotated[Path, typer.Option(help="Folder for the converted dataset.")],
     to: Annotated[str, typer.Option(help="Layout to write: legacy or native.")] = "legacy",
 ) -> None:
@@ -136,8 +133,6 @@ def convert(
 
         rtphys convert data --out data_legacy --to legacy
     """
-    from rtphys.data.rewrite import convert as convert_dataset
-
     with progress_bar("converting") as bar:
         written = convert_dataset(source, out, to, bar)
     say("pictures of the other layout were encoded again, for their channel order", err=True)
@@ -180,10 +175,6 @@ def verify(checks: Checks) -> None:
         rtphys verify data
         rtphys verify data --deep --reproduce 5
     """
-    from rtphys.data import verify as checking
-    from rtphys.data.check_episode import Effort, Problem
-    from rtphys.data.layout import MANIFEST
-
     out = checks.path.parent if checks.path.name == MANIFEST else checks.path
     effort = Effort.QUICK if checks.quick else Effort.DEEP if checks.deep else Effort.NORMAL
     memory = None if checks.fresh else checking.default_path()
@@ -234,7 +225,7 @@ export = typer.Typer(
 
 @export.command()
 def lerobot(
-    dataset: Dataset,
+    dataset: Folder,
     out: Annotated[Path, typer.Option(help="New folder to write.")],
     version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
@@ -263,8 +254,6 @@ def lerobot(
         rtphys export lerobot data --version v2.1 --features physics --out lr21
     """
     # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
-    from rtphys.data.dataset import Dataset
-    from rtphys.data.selection import Selection
     from rtphys.export.lerobot import ExportSpec, export_lerobot
     from rtphys.export.lerobot_plan import READERS
 
@@ -277,14 +266,13 @@ def lerobot(
 
 @export.command()
 def card(
-    dataset: Dataset,
+    dataset: Folder,
     name: Annotated[str, typer.Option(help="Name of the dataset.")] = "rtphys demonstrations",
     licence: Annotated[str, typer.Option("--license", help="SPDX identifier.")] = "apache-2.0",
     url: Annotated[str, typer.Option(help="Address where it will be published.")] = "",
     published: Annotated[str, typer.Option(help="Date of publication, YYYY-MM-DD.")] = "",
 ) -> None:
     """Write README.md for Hugging Face and croissant.json beside the manifest."""
-    from rtphys.data.dataset import Dataset
     from rtphys.export.card import CardText, write_card
 
     for path in write_card(Dataset(dataset), CardText(name, licence, url, published)):
@@ -304,7 +292,6 @@ def verify_export(
         rtphys verify-export lr data
     """
     # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
-    from rtphys.data.dataset import Dataset
     from rtphys.export.lerobot_verify import verify_export as compare
 
     with progress_bar("comparing") as bar:

@@ -2,26 +2,26 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from rich.table import Table
 
+from rtphys.analysis import compare as analysis
+from rtphys.analysis.compare import Column, Comparison, unfinished
+from rtphys.analysis.estimators import short_name
+from rtphys.analysis.identify import Result, read_result
+from rtphys.assets.pack import default_pack
 from rtphys.cli.derived import AsJson, Json, takes
 from rtphys.cli.screen import campaign, fitting_table, print_rows, print_table, reasons
 from rtphys.cli.terminal import Incomplete, say, say_json
 from rtphys.core.errors import counted
 from rtphys.physics import attributes
-from rtphys.results.evaluation import EvaluationSpec
+from rtphys.results import read_results
+from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
+from rtphys.results.statistics import Rate
+from rtphys.results.summary import Counts, Summary
 from rtphys.studies.requests import CertificationRun, CertificationSpec, EvaluationRun
-
-if TYPE_CHECKING:
-    from rtphys.analysis.compare import Column, Comparison
-    from rtphys.analysis.identify import Result
-    from rtphys.results.evaluation import Results
-    from rtphys.results.statistics import Rate
-    from rtphys.results.summary import Counts, Summary
-
 
 SHOWN = 5  # attributes per protocol, those with the smallest p-values
 MAX_NAMED = 3  # evaluations whose names fit above their columns
@@ -124,7 +124,6 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         rtphys evaluate lift_pot --policy lerobot:act --protocol phys_random
     """
     run.check(spec)
-    from rtphys.results import read_results
     from rtphys.studies.evaluate import evaluate as run_evaluation
 
     with campaign("episodes") as (pack, listener):
@@ -151,10 +150,8 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         raise typer.Exit(1)
 
 
-def errors_of(results: "Results") -> tuple[str, bool]:
+def errors_of(results: Results) -> tuple[str, bool]:
     """What the policy raised first, in one line, and where to read on; whether it always raised."""
-    from rtphys.results.evaluation import ledger_file
-
     played = [record for records in results.records.values() for record in records]
     broken = [record for record in played if record.reason == "policy_error"]
     if not broken:
@@ -166,7 +163,7 @@ def errors_of(results: "Results") -> tuple[str, bool]:
     return f"policy_error of seed {first.seed}: {raised}; {rest}", len(broken) == len(played)
 
 
-def rates_table(summary: "Summary") -> Table:
+def rates_table(summary: Summary) -> Table:
     """Success rates of each task and protocol."""
     columns = ("of benchmark instances", "of all seeds tried", "still true after 0.5 s", "failures")
     table = fitting_table(["protocol", "task"], columns, "success, with 95 % intervals")
@@ -182,7 +179,7 @@ def rates_table(summary: "Summary") -> Table:
     return table
 
 
-def loads_table(summary: "Summary") -> Table:
+def loads_table(summary: Summary) -> Table:
     """Largest force and torque of the successful episodes, and how many were rough."""
     title = "what the robot suffered in successful episodes: median, 90 %, largest"
     columns = ("force on a link [N]", "torque [of the motor's]", "rough")
@@ -195,15 +192,13 @@ def loads_table(summary: "Summary") -> Table:
     return table
 
 
-def _rates(counts: "Counts") -> tuple[str, str, str]:
-    from rtphys.results.statistics import Rate
-
+def _rates(counts: Counts) -> tuple[str, str, str]:
     held = Rate(counts.held, counts.rollouts)
     # One interval a row fits into 80 columns; summary.json holds the others.
     return _rate(counts.of_feasible, bounds=True), _rate(counts.of_tried), _rate(held)
 
 
-def _rate(rate: "Rate | None", bounds: bool = False) -> str:
+def _rate(rate: Rate | None, bounds: bool = False) -> str:
     if rate is None or rate.value is None:
         return "-"
     low, high = map(_percent, rate.interval)
@@ -215,7 +210,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f}".removesuffix(".0")
 
 
-def pairs_table(summary: "Summary") -> Table:
+def pairs_table(summary: Summary) -> Table:
     """Comparison of every two protocols on their common seeds."""
     title = "the same seeds under two protocols (McNemar, exact)"
     columns = ("seeds", "both", "only first", "only second", "p")
@@ -227,7 +222,7 @@ def pairs_table(summary: "Summary") -> Table:
     return table
 
 
-def attributes_table(summary: "Summary") -> Table:
+def attributes_table(summary: Summary) -> Table:
     """Effects of the attributes with the smallest p-values on success."""
     title = "which physics breaks the policy: log-odds of success from lowest to highest"
     columns = ("attribute", "range", "log-odds", "p", "p (Holm)")
@@ -268,10 +263,7 @@ def compare(
         rtphys compare eval/one eval/other --protocol phys_random
         rtphys compare eval/one --paper --figure rates.png
     """
-    from rtphys.analysis import compare as analysis
     from rtphys.analysis.figures import draw_rates
-    from rtphys.analysis.identify import read_result
-    from rtphys.results import read_results
 
     if not folders and not paper:
         raise typer.BadParameter("name a result folder, or say --paper")
@@ -305,10 +297,8 @@ def compare(
     _show_pairs(comparison)
 
 
-def _show_rates(columns: "Sequence[Column]", tasks: Sequence[str]) -> None:
-    from rtphys.analysis.compare import unfinished
-
-    def cell(rate: "Rate | None", partial: bool) -> str:
+def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
+    def cell(rate: Rate | None, partial: bool) -> str:
         if rate is None or rate.value is None:
             return "-"
         low, high = rate.interval
@@ -333,7 +323,7 @@ def _show_rates(columns: "Sequence[Column]", tasks: Sequence[str]) -> None:
         say(f"* unfinished: {clause}")
 
 
-def _show_pairs(comparison: "Comparison") -> None:
+def _show_pairs(comparison: Comparison) -> None:
     names = ["first", "second", "protocol"]
     if comparison.pairs:
         title = "on the same instances (p: McNemar's exact test)"
@@ -358,10 +348,8 @@ def _show_pairs(comparison: "Comparison") -> None:
         print_table(table)
 
 
-def _show_identified(results: "Sequence[Result]") -> None:
+def _show_identified(results: Sequence[Result]) -> None:
     """Mean R2 by attribute and estimator over the tasks that all of them have."""
-    from rtphys.analysis.estimators import short_name
-
     tasks = [t for t in results[0].tasks if all(t in result.tasks for result in results)]
     names = [short_name(result.estimator) for result in results]
     if len({result.protocol for result in results}) > 1:
@@ -389,7 +377,6 @@ def robotwin_root(
     python script/eval_policy.py --config policy/NAME/deploy_policy.yml --overrides
     --task_name click_bell --task_config phys_random --policy_name NAME
     """
-    from rtphys.assets.pack import default_pack
     from rtphys.robotwin_root.write import write_root
 
     written = write_root(folder, default_pack())

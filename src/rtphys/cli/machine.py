@@ -10,18 +10,23 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.text import Text
 
+from rtphys.assets.build import build as build_pack
+from rtphys.assets.check import check_pack
+from rtphys.assets.identity import source_digest
+from rtphys.assets.model import read_json
+from rtphys.assets.pack import STAMP, Pack, cache_folder, chosen_pack, default_pack
 from rtphys.cli.derived import Json, JsonFile, takes
 from rtphys.cli.screen import Screen, fitting_table, print_rows, print_table, progress_bar
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.cache import reading_cache, writing_cache
 from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName, counted
+from rtphys.data.files import replace_file
 from rtphys.studies.requests import BenchPlan
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import load_task, task_names
 
 if TYPE_CHECKING:
-    from rtphys.assets.pack import Pack
     from rtphys.studies.cost import Cost
 
 
@@ -40,7 +45,6 @@ def bench(plan: BenchPlan, output: JsonFile) -> None:
         rtphys bench --task click_bell --protocol clean --episodes 5
     """
     output.check()
-    from rtphys.assets.pack import default_pack
     from rtphys.studies.cost import ATTEMPT, PICTURES, means
     from rtphys.studies.cost import bench as measure
 
@@ -125,11 +129,6 @@ def build(
     workers: Annotated[int | None, typer.Option(help="Processes; default one a core.")] = None,
 ) -> None:
     """Generate the builtin pack, unless this version's is already there."""
-    from rtphys.assets.build import build as build_pack
-    from rtphys.assets.identity import source_digest
-    from rtphys.assets.model import read_json
-    from rtphys.assets.pack import STAMP, Pack, cache_folder
-
     root = out or cache_folder() / source_digest()[:16]
     stamp = root / STAMP
     reading, writing = (nullcontext, nullcontext) if out else (reading_cache, writing_cache)
@@ -164,7 +163,7 @@ def show(
     say(f"{out}: {counted(len(models), 'models')}")
 
 
-def _models(pack: "Pack", name: str) -> list[tuple[str, int]]:
+def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
     """`050_bell` is all its models, `050_bell/1` one. Raises UnknownName, BadValue."""
     pattern, _, number = name.partition("/")
     found = fnmatch.filter(pack.names, pattern)
@@ -229,8 +228,6 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Say what of a pack loads, what is missing, and which tasks can run on it."""
-    from rtphys.assets.check import check_pack
-    from rtphys.assets.pack import chosen_pack
     from rtphys.plan.kinematics import check_robot
 
     pack = _pack() if folder is None else chosen_pack(folder, fallback)
@@ -269,7 +266,7 @@ def check(
     raise typer.Exit(bool(problems))
 
 
-def _show_robot(pack: "Pack", name: str, as_json: bool) -> None:
+def _show_robot(pack: Pack, name: str, as_json: bool) -> None:
     """Raises what makes a robot unusable."""
     from rtphys.plan.kinematics import check_robot
 
@@ -285,7 +282,7 @@ def _show_robot(pack: "Pack", name: str, as_json: bool) -> None:
     say(f"its hands open {left} and {right}; both arms in {found.urdf}")
 
 
-def lacking(pack: "Pack", task: str) -> list[str]:
+def lacking(pack: Pack, task: str) -> list[str]:
     """Models that the task uses and the pack cannot load, as far as its first layouts tell."""
     spec = load_task(task)
     wanted: set[tuple[str, int, bool]] = set()
@@ -315,9 +312,6 @@ def link(
     remove: Annotated[bool, typer.Option("--remove", help="Use the builtin pack again.")] = False,
 ) -> None:
     """Use another pack, such as the official one, from now on."""
-    from rtphys.assets.pack import cache_folder, chosen_pack
-    from rtphys.data.files import replace_file
-
     path = cache_folder() / "link.json"
     if remove:
         with writing_cache():
@@ -334,8 +328,6 @@ def link(
     say(f"using {pack.root}" + (", then the builtin pack" if pack.fallback else ""))
 
 
-def _pack() -> "Pack":
-    from rtphys.assets.pack import default_pack
-
+def _pack() -> Pack:
     with progress_bar("building assets") as bar:
         return default_pack(bar)

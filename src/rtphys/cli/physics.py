@@ -9,17 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rtphys.assets.embodiment import DEFAULT
+from rtphys.assets.pack import default_pack
 from rtphys.cli.authoring import domain_named, value_text
 from rtphys.cli.derived import Json, names_in
 from rtphys.cli.screen import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, Infeasible, UnknownName, counted
+from rtphys.data.dataset import Dataset
 from rtphys.physics import Physics, Value, attributes, parse_overrides
 from rtphys.spec.episode import EpisodeSpec, Recipe
+from rtphys.task.spec import load_task
 
 if TYPE_CHECKING:
-    from rtphys.data.dataset import Dataset
     from rtphys.laws.audit.specimen import Measurement
     from rtphys.laws.law import Trial
 
@@ -87,9 +89,7 @@ def _inside_bodies(recipe: Recipe) -> Physics:
     first = recipe.spec.draw(recipe.seed)
     if "center_of_mass" not in first.varied:
         return first
-    from rtphys.assets.pack import default_pack
     from rtphys.episode.generate import prepare
-    from rtphys.task.spec import load_task
 
     try:
         return prepare(recipe, load_task(recipe.task), default_pack()).physics
@@ -123,7 +123,6 @@ def law_test(
     `rtphys physics audit` measures the labels of one. The exit code is 1 where a law is broken.
     """
     # Imported here: the simulator takes a second that no other command should wait for.
-    from rtphys.assets.pack import default_pack
     from rtphys.laws.lab import Lab
     from rtphys.laws.law import law_tests_of, trials_of
     from rtphys.plan.kinematics import check_robot
@@ -188,7 +187,6 @@ def audit(
     The exit code is 1 where anything deviates by more than its tolerance. docs/physics.md defines
     the labels.
     """
-    from rtphys.data.dataset import Dataset
     from rtphys.laws.audit.selection import selections_by_task_dataset
 
     data, known = Dataset(dataset), library.names("tasks")
@@ -222,7 +220,7 @@ def audit(
         raise typer.Exit(1)
 
 
-def _labels(data: "Dataset", repeat: int, tell: Callable[[str], None]) -> tuple[Facts, bool]:
+def _labels(data: Dataset, repeat: int, tell: Callable[[str], None]) -> tuple[Facts, bool]:
     """Audits every label; as JSON, and whether all are sound."""
     from rtphys.episode.audit import Totals, audited
 

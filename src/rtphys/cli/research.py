@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
-from rtphys.analysis.identify import IdentifyPlan
+from rtphys.analysis.identify import IdentifyPlan, Result, judge
 from rtphys.analysis.request import SensitivityPlan
 from rtphys.cli.derived import AsJson, takes
 from rtphys.cli.screen import campaign, campaign_progress, fitting_table, print_rows, print_table
@@ -15,7 +15,6 @@ from rtphys.physics import attributes
 from rtphys.spec.option import Option
 
 if TYPE_CHECKING:
-    from rtphys.analysis.identify import Result
     from rtphys.analysis.scoring import Score
 
 MAX_ONE_BY_ONE = 6  # tasks; more are shown by attribute
@@ -49,7 +48,6 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
         rtphys compare identify/trees.json identify/Mine.json
     """
     from rtphys.analysis.features import sense
-    from rtphys.analysis.identify import judge
 
     with campaign("episodes") as (pack, listener):
         sense(plan, pack, listener)
@@ -70,7 +68,7 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
         raise Incomplete(f"not every task gave {wanted}: {', '.join(short)}")
 
 
-def show(result: "Result") -> None:
+def show(result: Result) -> None:
     """Each task and attribute where tasks are few, else each attribute over all tasks."""
     if few := len(result.tasks) <= MAX_ONE_BY_ONE:
         columns = ("R2", "95 %", "shuffled", "beyond", "n", "carried by")

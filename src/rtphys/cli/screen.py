@@ -5,7 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 from rich.cells import cell_len
 from rich.console import (
@@ -27,13 +27,10 @@ from rich.style import Style
 from rich.table import Column, Table
 from rich.text import Text
 
+from rtphys.assets.pack import Pack, default_pack
 from rtphys.campaign.series import Listener, Progress
 from rtphys.cli.terminal import printable, resumable, say, say_json
 from rtphys.core.errors import counted
-
-if TYPE_CHECKING:
-    from rtphys.assets.pack import Pack
-
 
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
 GAP = 2  # [characters] between two columns
@@ -162,10 +159,8 @@ def campaign_progress(noun: str) -> "Live | Lines":
 
 
 @contextmanager
-def campaign(noun: str) -> "Iterator[tuple[Pack, Listener]]":
+def campaign(noun: str) -> Iterator[tuple[Pack, Listener]]:
     """The default asset pack, built if need be, and who hears what becomes of a campaign."""
-    from rtphys.assets.pack import default_pack
-
     with resumable(), campaign_progress(noun) as listener:
         yield default_pack(listener.building), listener
 

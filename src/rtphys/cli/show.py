@@ -9,21 +9,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 import typer
 from rich.text import Text
 
+from rtphys.assets.pack import pack_with
 from rtphys.cli.derived import AsJson, takes
 from rtphys.cli.screen import fitting_table, print_table, progress_bar
 from rtphys.cli.terminal import say, say_json
 from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError
+from rtphys.data.dataset import Dataset, Episode
+from rtphys.data.files import make_folder, replace_file
+from rtphys.data.jpeg import encode_png
+from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.selection import One
+from rtphys.results import read_results
 from rtphys.spec.option import Option
-
-if TYPE_CHECKING:
-    from rtphys.data.dataset import Episode
 
 SUFFIX = ".rrd"
 VIEWER = "rerun"  # the program that shows a recording
@@ -52,7 +55,7 @@ class ShownInRerun(Shown):
     out: Annotated[Path | None, Option("Write an .rrd file instead of opening the viewer.")] = None
 
 
-def chosen(shown: Shown, which: One) -> "Episode":
+def chosen(shown: Shown, which: One) -> Episode:
     """The first episode that fits; says how many others do, if it was not any that was meant."""
     first, *others = which.of_path(shown.path)
     if others and which != One():
@@ -61,10 +64,8 @@ def chosen(shown: Shown, which: One) -> "Episode":
     return first
 
 
-def name_of(episode: "Episode") -> str:
+def name_of(episode: Episode) -> str:
     """For files: all that it differs in from any other of its dataset."""
-    from rtphys.data.layout import embodiment_folder
-
     kind = "failure" if episode.failed else "episode"
     robot = embodiment_folder(episode.embodiment)
     return f"{episode.task}_{episode.config}_{robot}_{kind}_{episode.number}"
@@ -117,8 +118,6 @@ def show(shown: ShownHere, which: One, output: AsJson) -> None:
     else:
         _show_facts(episode, moved, stages)
     if (out := shown.out) is not None:
-        from rtphys.data.files import make_folder, replace_file
-        from rtphys.data.jpeg import encode_png
         from rtphys.report.pictures import contact_sheet, joint_plot
 
         make_folder(out)
@@ -129,7 +128,7 @@ def show(shown: ShownHere, which: One, output: AsJson) -> None:
         say(f"{sheet}\n{plot}")
 
 
-def _show_facts(episode: "Episode", moved: dict[str, float], stages: "Sequence[Stage]") -> None:
+def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Stage]") -> None:
     verdict, failure, time = episode.meta.verdict, episode.failure, episode.frames.time
     after = verdict.first_success_time
     rows = {
@@ -173,7 +172,7 @@ def _show_facts(episode: "Episode", moved: dict[str, float], stages: "Sequence[S
 Stage = tuple[str, float, float, list[str]]
 
 
-def _stages(episode: "Episode") -> list[Stage]:
+def _stages(episode: Episode) -> list[Stage]:
     """Name of each stage, when it begins and ends [s], and what was touched, with which hand."""
     frames = episode.frames
     edges = [0, *(np.flatnonzero(np.diff(frames.stage)) + 1).tolist(), len(frames)]
@@ -208,10 +207,6 @@ def view(shown: ShownInRerun, which: One) -> None:
     if out is not None and out.suffix != SUFFIX:
         raise BadValue("out", str(out), f"its name ends in {SUFFIX}")
     episode = chosen(shown, which)
-    from rtphys.assets.pack import pack_with
-    from rtphys.data.dataset import Dataset
-    from rtphys.data.files import make_folder
-    from rtphys.data.layout import MANIFEST
     from rtphys.episode.solids import solids
     from rtphys.view import VERSION, record
 
@@ -276,12 +271,8 @@ def report(
         rtphys report data --task click_bell
         rtphys report eval/random
     """
-    from rtphys.data.dataset import Dataset
-    from rtphys.data.layout import MANIFEST
-
     if not (dataset / MANIFEST).exists() and any(dataset.glob("*/*.ledger")):
         from rtphys.report.evaluation_page import write_evaluation_report
-        from rtphys.results import read_results
 
         say(str(write_evaluation_report(read_results(dataset))))
         return
