@@ -191,28 +191,21 @@ def test_who_sees_nothing_solves_nothing(
 
 
 @pytest.mark.sim
-def test_a_task_that_holds_at_the_start_is_solved_by_idling(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_task_that_holds_at_the_start_is_solved_by_idling(own_task) -> None:
     """The idle robot's zero means something: here it succeeds."""
-    (tmp_path / "tasks").mkdir()
-    (tmp_path / "tasks" / "nothing_to_do.py").write_text(
+    own_task(
+        "nothing_to_do",
         "from dataclasses import replace\n"
         "from rtphys.task import load_task, opened\n"
-        "task = replace(load_task('click_bell'), success=opened('left'))\n"
+        "task = replace(load_task('click_bell'), success=opened('left'))\n",
     )
-    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
     task, pack = load_task("nothing_to_do"), default_pack()
     assert solves(EpisodeSpec("nothing_to_do", "clean").at(0), task, pack, "idle")
 
 
 @pytest.mark.sim
-def test_a_script_that_sticks_is_told_with_its_line_and_the_tilt(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_script_that_sticks_is_told_with_its_line_and_the_tilt(own_task) -> None:
     """The cup is to lie on the coaster's own axes, which are y up, and so on its side."""
-    tasks = tmp_path / "tasks"
-    tasks.mkdir()
     text = (bundled() / "tasks" / "place_empty_cup.py").read_text()
     for old, new in (
         ('robot.scene.functional("coaster", 0)', 'robot.scene.pose("coaster")'),
@@ -221,10 +214,8 @@ def test_a_script_that_sticks_is_told_with_its_line_and_the_tilt(
     ):
         assert old in text
         text = text.replace(old, new)
-    (tasks / "my_cup.py").write_text(text)
-    rim = bundled() / "tasks" / "_by_the_rim.py"
-    (tasks / rim.name).write_text(rim.read_text())
-    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    own_task("my_cup", text)
+    own_task("_by_the_rim", (bundled() / "tasks" / "_by_the_rim.py").read_text())
     task = load_task("my_cup")
     watched = watch(EpisodeSpec("my_cup", "clean").at(1), task, default_pack())
     assert watched.attempt.reason == "unreachable"

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -139,26 +138,14 @@ from dataclasses import replace
 from rtphys.task import Infeasible, load_task
 
 def script(robot):
-    {script}
+    %s
 
 task = replace(load_task("click_bell"), script=script)
 '''
 
 
-@pytest.fixture
-def make_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
-    """Adds a library with one task, whose script is given."""
-
-    def make(script: str) -> None:
-        (tmp_path / "own" / "tasks").mkdir(parents=True)
-        (tmp_path / "own" / "tasks" / "hopeless.py").write_text(HOPELESS.format(script=script))
-        monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "own"))
-
-    return make
-
-
-def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(make_task, tmp_path: Path) -> None:
-    make_task('raise Infeasible("unreachable", "for all eternity")')
+def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(own_task, tmp_path: Path) -> None:
+    own_task("hopeless", HOPELESS % 'raise Infeasible("unreachable", "for all eternity")')
     out = tmp_path / "data"
     options = ["--task", "hopeless", "--out", str(out), "--max-attempts", "3", "--workers", "1"]
     done = CliRunner().invoke(app, ["collect", *options])
@@ -173,9 +160,9 @@ def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(make_task, tmp_
 
 
 def test_a_bug_in_a_script_stops_the_run_with_a_traceback_in_a_file(
-    make_task, tmp_path: Path
+    own_task, tmp_path: Path
 ) -> None:
-    make_task("robot.dance()")
+    own_task("hopeless", HOPELESS % "robot.dance()")
     out = tmp_path / "data"
     with pytest.raises(Bug, match=r"hopeless, seed 0: AttributeError: .*dance") as caught:
         collect([CollectionSpec(EpisodeSpec("hopeless", "clean"), episodes=1)], Run(out))

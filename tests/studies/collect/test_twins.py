@@ -117,10 +117,8 @@ task = replace(bell, script=script)
 
 
 @pytest.fixture
-def hard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> CollectionSpec:
-    (tmp_path / "own" / "tasks").mkdir(parents=True)
-    (tmp_path / "own" / "tasks" / "hard.py").write_text(HARD)
-    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "own"))
+def hard(own_task) -> CollectionSpec:
+    own_task("hard", HARD)
     return replace(TWINNED, episode=EpisodeSpec("hard", "phys_random"), max_attempts=2)
 
 
