@@ -248,16 +248,13 @@ def watch(recipe: Recipe, task: Task, pack: Pack) -> Watched:
         try:
             task.script(robot)
         except Infeasible as problem:
-            own = [f for f in traceback.extract_tb(problem.__traceback__) if _is_script(f, task)]
+            frames = traceback.extract_tb(problem.__traceback__)
+            own = [frame for frame in frames if frame.filename == str(task.source)]
             lines.extend(f"{task.source.name}:{frame.lineno}: {frame.line}" for frame in own[-1:])
             raise
 
     tried = attempt(recipe, replace(task, script=script), pack)
     return Watched(tried, lines[-1] if lines else "", placed[-1] if placed else None)
-
-
-def _is_script(frame: traceback.FrameSummary, task: Task) -> bool:
-    return frame.filename == str(task.source)
 
 
 def _noting(arm: Arm, scene: Scene, found: list[Placed]) -> Callable[..., Motion]:

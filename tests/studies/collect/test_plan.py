@@ -125,6 +125,11 @@ def test_a_folder_collected_under_other_conditions_is_refused(
     assert content(out) == content(undisturbed)
 
 
+def test_one_task_dataset_is_collected_once(tmp_path: Path) -> None:
+    with pytest.raises(BadValue, match=r"phys_random/click_bell/aloha_agilex' .*collected twice"):
+        collect([PLAN, replace(PLAN, episodes=5)], Run(tmp_path / "data"))
+
+
 def test_one_run_draws_with_one_shader(tmp_path: Path) -> None:
     other = replace(PLAN, episode=EpisodeSpec("lift_pot", "clean"), recording=OTHER_SHADER)
     with pytest.raises(BadValue, match=r"shader = 'default' .*draws with 'slim' already"):
