@@ -10,7 +10,7 @@ import numpy as np
 import synthetic
 
 from rtphys.data.staging import StagedEpisode, stage_episode
-from rtphys.data.task_writer import Rejection, TaskWriter
+from rtphys.data.writer import Rejection, TaskWriter
 from rtphys.data.writer import DatasetWriter
 from rtphys.spec.collection import TaskHeader
 

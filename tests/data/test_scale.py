@@ -14,7 +14,7 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.files import FileFacts
 from rtphys.data.layout import TaskDataset
 from rtphys.data.ledger import Ledger
-from rtphys.data.task_writer import Rejection
+from rtphys.data.writer import Rejection
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
 

@@ -25,7 +25,7 @@ from rtphys.data.layout import TaskDataset
 from rtphys.data.manifest import manifest_bytes
 from rtphys.data.rewrite import subset
 from rtphys.data.staging import stage_episode
-from rtphys.data.task_writer import Rejection
+from rtphys.data.writer import Rejection
 from rtphys.data.verify import Report, verify
 from rtphys.data.writer import DatasetWriter
 

@@ -36,7 +36,7 @@ from rtphys.data.manifest import (
     parse_manifest,
     task_entry,
 )
-from rtphys.data.task_writer import scene_pieces
+from rtphys.data.writer import scene_pieces
 from rtphys.physics import attributes
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.stored import differences, stored

@@ -19,7 +19,7 @@ from rtphys.core.bounds import LIST_BYTES
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import JSON, read_file
 from rtphys.data import files
-from rtphys.data.schema_model import Model
+from rtphys.data.json_text import Model
 from rtphys.spec.stored import problems_of
 
 BENCHMARK = "benchmark_v3"

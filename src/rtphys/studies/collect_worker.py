@@ -16,7 +16,7 @@ from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.episode import Episode, Images
 from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO, StagedEpisode, stage_episode
-from rtphys.data.task_writer import Rejection
+from rtphys.data.writer import Rejection
 from rtphys.episode.assemble import assemble, kept, rejection, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
