@@ -21,9 +21,8 @@ from rtphys.data import faults, files
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.staging import stage_episode
-from rtphys.data.writer import Rejection
 from rtphys.data.verify import verify
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 
 
 @pytest.mark.parametrize(

@@ -25,9 +25,8 @@ from rtphys.data.layout import TaskDataset
 from rtphys.data.manifest import manifest_bytes
 from rtphys.data.rewrite import subset
 from rtphys.data.staging import stage_episode
-from rtphys.data.writer import Rejection
 from rtphys.data.verify import Report, verify
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 
 LEDGER = f"{FOLDER}/ledger.jsonl"
 NOTHING = {"size": 0, "sha256": "0" * 64}

@@ -4,9 +4,9 @@ import h5py
 import numpy as np
 import pytest
 
+from rtphys.data.episode import Sensed
 from rtphys.data.hdf5_file import GROUP, build, open_read
 from rtphys.data.hdf5_senses import read_senses, sense_streams, write_senses
-from rtphys.data.episode import Sensed
 from rtphys.senses import SENSES, Field, Sense
 from rtphys.senses.sense import Array, Arrays, Pixels
 

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import NoRenderer
 from rtphys.core.poses import Pose
-from rtphys.data.episode import CameraFrames, Images
+from rtphys.data.episode import CameraFrames, Images, Sensed
 from rtphys.data.files import make_folder, replace_file
-from rtphys.data.episode import Sensed
 from rtphys.data.video import VideoWriter
 from rtphys.episode.generate import Instance, prepare
 from rtphys.episode.touch import felt

@@ -14,8 +14,7 @@ from rtphys.core.errors import BadValue, Infeasible, MissingAsset, counted
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.layout import TaskDataset
 from rtphys.data.lock import check_unlocked
-from rtphys.data.writer import Rejection, TaskWriter
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt

@@ -24,8 +24,7 @@ from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
 from rtphys.data.staging import StagedEpisode
-from rtphys.data.writer import Rejection, TaskWriter
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.assemble import rejection
 from rtphys.episode.fingerprint import fingerprint_of, packages

@@ -22,8 +22,7 @@ from rtphys.data.manifest import TaskEntry
 from rtphys.data.rewrite import encoded_episode
 from rtphys.data.selection import seed_set
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
-from rtphys.data.writer import Rejection
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode.generate import attempt, under_look
 from rtphys.episode.render import StateTrajectory, render_frames
 from rtphys.senses import drawn
