@@ -19,7 +19,7 @@ from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.encode import VIDEO_CAMERA
-from rtphys.data.files import check, make_folder, read, replace_file
+from rtphys.data.files import make_folder, open_binary, read, replace_file
 from rtphys.physics import attributes
 from rtphys.physics.distribution import SameAs, extremes
 from rtphys.spec.rules import Rules
@@ -45,7 +45,7 @@ def write_report(
     embedded, rows = 0, facts["episodes"] + facts["failures"]
     episodes = (*dataset, *dataset.failures())
     for number, (row, episode) in enumerate(zip(rows, episodes, strict=True), start=1):
-        check(video := episode.paths.video)
+        open_binary(video := episode.paths.video).close()  # an ordinary file, no link
         embedded += video.stat().st_size
         if embedded <= EMBEDDED:
             row["video"] = _inline("video/mp4", read(video))
