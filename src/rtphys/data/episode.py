@@ -148,7 +148,7 @@ class Sensed:
 
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """An accepted episode on its way to disk.
+    """An episode, or a failure that is kept, on its way to disk.
 
     `images` is consumed once, T items in frame order, so that frame t + 1 renders while frame t is
     encoded. Each item needs fresh arrays: a buffer that the renderer overwrites would tear.

@@ -26,7 +26,7 @@ def embodiment_folder(name: str) -> str:
 
 @dataclass(frozen=True)
 class EpisodePaths:
-    """The files of one episode; made for each of a million, so each path is when it is used."""
+    """The files of one episode. Paths are made on use: a dataset may list a million episodes."""
 
     folder: Path
     stem: str
