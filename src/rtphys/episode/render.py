@@ -130,17 +130,14 @@ def render_frames(
         stacks = zip(*(matrices(view, pose) for pose in poses[view.name]), strict=True)
         cameras[view.name] = CameraFrames(*(np.stack(stack) for stack in stacks))
     sensed = Sensed(senses, names={**scene.names})
-    sources: dict[str, BodyPoses | Touch] = {}  # of what is known before anything is drawn
-    if "states" in senses:
-        states = np.stack([unpacked(packed) for packed in trajectory.packed])
-        bodies = BodyPoses(body_names(scene.world, states.shape[1]), states)
-        sources["states"], sensed.names["body"] = bodies, bodies.names
-    if "touch" in senses and (touch := trajectory.touch) is not None:
-        sources["touch"] = touch
-        sensed.names |= {"finger": touch.fingers, "object": touch.objects}
-    for name, source in sources.items():
-        for field, frames in SENSES[name].capture(source).items():
-            sensed.tracks[field, ""] = frames
+    for sense in (SENSES[name] for name in senses if not SENSES[name].drawn):
+        source: BodyPoses | Touch | None = trajectory.touch
+        if sense.scope == "bodies":
+            states = np.stack([unpacked(packed) for packed in trajectory.packed])
+            source = BodyPoses(body_names(scene.world, states.shape[1]), states)
+        if source is not None:
+            sensed.names |= source.kinds
+            sensed.tracks |= {(key, ""): frames for key, frames in sense.capture(source).items()}
     first = {name: track[0] for name, track in poses.items()}
     images = Pictures(scene, trajectory, instance.look.backdrop, sensed)
     return RenderedFrames(cameras, first, images, instance.look, sensed if senses else None)

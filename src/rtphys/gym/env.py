@@ -208,10 +208,11 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             if sense.scope == "pixel":
                 seen = {camera: now.cameras[camera].senses for camera in USUAL}
                 shown[name] = {camera: sense.observed(one) for camera, one in seen.items()}
+            elif sense.drawn:
+                shown[name] = sense.observed(now.cameras["head"].senses)
             else:
-                shown[name] = sense.observed(
-                    now.cameras["head"].senses if sense.drawn else now.felt
-                )
+                felt = sense.capture(now.touch)
+                shown[name] = sense.observed({key: frames[0] for key, frames in felt.items()})
             if ids := sense.fields[0].ids:
                 self._bodies = now.view.names[ids]
         return shown

@@ -108,8 +108,8 @@ class RecordingSpec:
 
     @property
     def touch(self) -> bool:
-        """Whether what the fingers feel is recorded."""
-        return "touch" in self.senses
+        """Whether what the fingers feel is recorded: it is what senses of the world are made of."""
+        return any(SENSES[name].scope == "world" for name in self.senses)
 
 
 def parse_size(text: str) -> tuple[int, int]:
