@@ -32,16 +32,9 @@ LEDGER = f"{FOLDER}/ledger.jsonl"
 NOTHING = {"size": 0, "sha256": "0" * 64}
 
 
-@pytest.fixture(scope="module")
-def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("sound")
-    collect(out, 3)
-    return out
-
-
 @pytest.fixture
-def copy(sound: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(sound, tmp_path / "copy"))
+def copy(three: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(three, tmp_path / "copy"))
 
 
 def test_what_the_system_refuses_is_no_damage(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -60,13 +53,13 @@ def words(report: Report) -> str:
     return "\n".join(map(str, report.problems))
 
 
-def test_sound_dataset(sound: Path) -> None:
+def test_sound_dataset(three: Path) -> None:
     seen: list[tuple[int, int]] = []
-    report = verify(sound, progress=lambda done, total: seen.append((done, total)))
+    report = verify(three, progress=lambda done, total: seen.append((done, total)))
     assert (report.problems, report.notes) == ([], [])
     assert (report.episodes, report.files) == (3, 15)
     assert seen[-1][0] == seen[-1][1] and seen == sorted(seen)
-    assert verify(sound, Effort.QUICK).sound
+    assert verify(three, Effort.QUICK).sound
 
 
 @pytest.mark.parametrize("flips", [60, pytest.param(500, marks=pytest.mark.slow)])
@@ -111,11 +104,11 @@ def test_a_file_beside_the_datasets_is_noted(copy: Path) -> None:
     assert not any("report.html" in note for note in report.notes)
 
 
-def test_without_a_dataset(tmp_path: Path, sound: Path) -> None:
+def test_without_a_dataset(tmp_path: Path, three: Path) -> None:
     assert "there is no manifest.json here" in words(verify(tmp_path))
     assert "there is no such folder" in words(verify(tmp_path / "gone"))
-    whole = f"there is no manifest.json here (this is a part of {sound})"
-    assert whole in words(verify(sound / "phys_random"))
+    whole = f"there is no manifest.json here (this is a part of {three})"
+    assert whole in words(verify(three / "phys_random"))
 
 
 @pytest.mark.parametrize(
@@ -197,9 +190,9 @@ def test_video_with_too_few_frames(copy: Path) -> None:
     assert "has 3 frames for 4 recorded ones" in words(verify(copy))
 
 
-def test_forging_nothing_changes_nothing(copy: Path, sound: Path) -> None:
+def test_forging_nothing_changes_nothing(copy: Path, three: Path) -> None:
     forge(copy, lambda _: None)
-    assert content(copy) == content(sound)
+    assert content(copy) == content(three)
 
 
 def test_deep_looks_at_the_meaning(copy: Path) -> None:
