@@ -251,7 +251,7 @@ class Span(NamedTuple):
 
     offset: int  # [bytes]
     size: int  # [bytes] of each
-    count: int
+    rows: int
 
 
 _spans: dict[tuple[tuple[int, ...], str], list[Span]] = {}  # by a file's stamp and camera
@@ -310,13 +310,13 @@ class EpisodeFile:
                     spans = [_span(file, one) for one in (rows.key, rows.last) if one]
                 if len(_spans) < MAX_REMEMBERED:
                     _spans[key] = spans
-            count = sum(span.count for span in spans)
+            count = sum(span.rows for span in spans)
             index = frame + count if frame < 0 else frame
             if not 0 <= index < count:
                 raise IndexError(f"frame {frame} of {count}")
             first, last = spans[0], spans[-1]
             offset, size = first.offset + index * first.size, first.size
-            if index >= first.count:  # the one that lies apart
+            if index >= first.rows:  # the one that lies apart
                 offset, size = last.offset, last.size
             return os.pread(opened, size, offset).rstrip(b"\0")
         finally:
