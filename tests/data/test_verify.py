@@ -313,6 +313,18 @@ def test_a_manifest_that_was_edited(copy: Path, change: Callable[[Entry], None],
     assert text in words(verify(copy))
 
 
+def test_a_field_that_an_older_rtphys_did_not_write_has_its_usual_value(copy: Path) -> None:
+    recording = ("task_datasets", FOLDER, "spec", "recording")
+    forge(copy, lambda forger: forger.header["spec"]["recording"].pop("shader"))
+    manifest = json.loads((copy / "manifest.json").read_text())
+    put(*recording, value=lambda old: {k: v for k, v in old.items() if k != "shader"})(manifest)
+    (copy / "manifest.json").write_bytes(pretty(manifest))
+    assert words(verify(copy)) == ""
+    put(*recording, "look", value="clean")(manifest)
+    (copy / "manifest.json").write_bytes(pretty(manifest))
+    assert "is not what its ledger says: spec.recording.look" in words(verify(copy))
+
+
 def entry(*way: object, value: object) -> Forge:
     return lambda forger: put(*way, value=value)(forger.entries)
 
