@@ -32,7 +32,7 @@ from rtphys.sim import renderer
 from rtphys.sim.engine import unpacked
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
-from rtphys.studies.collect_request import Run, find_collection, read_specs
+from rtphys.studies.requests import Run, find_collection, read_specs
 from rtphys.task.spec import load_task
 
 PICTURES, MINUTES = 3000, 15  # a second; for 5,000 episodes

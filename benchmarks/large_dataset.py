@@ -24,8 +24,7 @@ from rtphys.data.files import FileFacts
 from rtphys.data.json_text import compact
 from rtphys.data.layout import TaskDataset
 from rtphys.data.ledger import START, chained
-from rtphys.data.task_writer import Rejection
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.physics import attributes
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec

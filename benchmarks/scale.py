@@ -30,7 +30,7 @@ from rtphys.sim import renderer
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run, find_collection, read_specs
+from rtphys.studies.requests import Run, find_collection, read_specs
 from rtphys.studies.worker import StudyWorker
 
 TASK = CollectionSpec(EpisodeSpec("click_bell", "phys_random"))

@@ -8,7 +8,7 @@ from pathlib import Path
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run, specs_for
+from rtphys.studies.requests import Run, specs_for
 
 TASKS = ("click_bell", "place_container_plate", "stack_blocks_two", "put_object_cabinet")
 EPISODES = 5  # of each

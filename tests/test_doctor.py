@@ -104,29 +104,28 @@ def test_a_machine_without_a_driver(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "VK_DRIVER_FILES" in finding.detail
 
 
-def test_no_loader(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(probe, "load_library", lambda: None)
-    assert probe.probe()["cause"] == "no_loader"
+OLD = probe.Device("llvmpipe", "CPU", "1.3.230", partially_bound=False)
 
 
-def test_old_driver(monkeypatch: pytest.MonkeyPatch) -> None:
-    old = probe.Device("llvmpipe", "CPU", "1.3.230", partially_bound=False)
-    monkeypatch.setattr(probe, "load_library", lambda: (None, "libvulkan.so.1"))
-    monkeypatch.setattr(probe, "vulkan_devices", lambda library: [old])
-    answer = probe.probe()
-    assert answer["cause"] == "old_driver"
-    assert "llvmpipe (Vulkan 1.3.230)" in str(answer["detail"])
-
-
-def test_no_permission(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    card = tmp_path / "renderD128"
-    card.touch()
-    monkeypatch.setattr(probe, "_GPU_FILES", (str(card),))
-    monkeypatch.setattr(probe, "load_library", lambda: (None, "libvulkan.so.1"))
-    monkeypatch.setattr(probe, "vulkan_devices", lambda library: [])
+@pytest.mark.parametrize(
+    ("library", "devices", "cause", "said"),
+    [
+        (None, [], "no_loader", ""),
+        ((None, "libvulkan.so.1"), [OLD], "old_driver", "llvmpipe (Vulkan 1.3.230)"),
+        ((None, "libvulkan.so.1"), [], "no_permission", "renderD128"),
+    ],
+)
+def test_what_the_loader_finds_is_the_cause(
+    library: tuple[None, str] | None, devices: list[probe.Device], cause: str, said: str,
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
+) -> None:  # fmt: skip
+    (tmp_path / "renderD128").touch()
+    monkeypatch.setattr(probe, "_GPU_FILES", (str(tmp_path / "renderD128"),))
+    monkeypatch.setattr(probe, "load_library", lambda: library)
+    monkeypatch.setattr(probe, "vulkan_devices", lambda library: devices)
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may open everything
     answer = probe.probe()
-    assert answer["cause"] == "no_permission" and str(card) in str(answer["detail"])
+    assert answer["cause"] == cause and said in str(answer.get("detail", ""))
 
 
 def test_a_missing_system_library_is_named_with_its_package() -> None:

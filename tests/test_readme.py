@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from rtphys.cli.main import COMMANDS
+from rtphys.cli.lazy import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text()

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib import metadata
 from pathlib import Path
@@ -184,12 +185,10 @@ def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object
         return "timeout", {"detail": f"stopped after {limit_s:g} s"}
     if done.returncode < 0:
         return "crashed", {"detail": f"killed by {signal.Signals(-done.returncode).name}"}
-    try:
+    with suppress(IndexError, ValueError, KeyError, TypeError):
         facts = json.loads(done.stdout.splitlines()[-1])
         if facts["cause"] in CAUSES:
             return facts["cause"], facts
-    except (IndexError, ValueError, KeyError, TypeError):
-        pass
     last = (done.stderr.strip() or "it said nothing").splitlines()[-1]
     return "no_simulator", {"detail": last}
 
@@ -197,14 +196,12 @@ def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object
 def check_compiled(command: Sequence[str] = COMPILED) -> Finding:
     """Import every compiled package in a child process."""
     done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-    check = "compiled packages"
     if done.returncode == 0:
-        return _found(check, "ok", "all can be loaded")
-    if done.returncode < 0:
-        name = signal.Signals(-done.returncode).name
-        return _found(check, "not_loadable", f"importing them was ended by {name}")
+        return _found("compiled packages", "ok", "all can be loaded")
     lines = [*done.stdout.strip().splitlines(), *done.stderr.strip().splitlines()[-1:]]
-    return _found(check, "not_loadable", "; ".join(lines))
+    if done.returncode < 0:
+        lines = [f"importing them was ended by {signal.Signals(-done.returncode).name}"]
+    return _found("compiled packages", "not_loadable", "; ".join(lines))
 
 
 # ---- in this process ---------------------------------------------------------------------------
@@ -218,29 +215,22 @@ def check_packages() -> Finding:
         if match is None:  # an optional extra
             continue
         name, least = match.groups()
-        builds = OPENCV if name in OPENCV else (name,)
-        found = [metadata.version(build) for build in builds if _installed(build)]
-        if not found:
+        have = next(filter(None, map(_version, OPENCV if name in OPENCV else (name,))), None)
+        if have is None:
             wrong.append(f"{name} is missing")
-            continue
-        have = found[0]
-        if _numbers(have) < _numbers(least):
+        elif _numbers(have) < _numbers(least):
             wrong.append(f"{name} {have} is older than {least}")
     if wrong:
         return _found("packages", "old_package", ", ".join(wrong))
-    versions = [f"Python {'.'.join(map(str, sys.version_info[:3]))}"]
-    versions += [
-        f"{name} {metadata.version(name)}" for name in ("rtphys", "sapien", "numpy", "pin")
-    ]
-    return _found("packages", "ok", ", ".join(versions))
+    python = f"Python {'.'.join(map(str, sys.version_info[:3]))}"
+    versions = [f"{name} {_version(name)}" for name in ("rtphys", "sapien", "numpy", "pin")]
+    return _found("packages", "ok", ", ".join([python, *versions]))
 
 
-def _installed(package: str) -> bool:
-    try:
-        metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return False
-    return True
+def _version(package: str) -> str | None:
+    """Of an installed package; None where there is none."""
+    with suppress(metadata.PackageNotFoundError):
+        return metadata.version(package)
 
 
 def constraints() -> Path:
@@ -253,22 +243,18 @@ def other_versions() -> list[str]:
     clauses: list[str] = []
     for line in constraints().read_text().splitlines():
         name, _, wanted = line.partition("#")[0].strip().partition("==")
-        try:
-            have = metadata.version(name) if wanted else ""
-        except metadata.PackageNotFoundError:
-            continue  # what is missing is another check's finding
-        if have != wanted:
+        have = _version(name) if wanted else None  # what is missing is another check's finding
+        if have not in (None, wanted):
             clauses.append(f"{name} {have}, not {wanted}")
     return clauses
 
 
 def check_versions() -> Finding:
     """Whether packages have the versions with which the benchmark's lists were certified."""
-    check = "certified versions"
-    if clauses := other_versions():
-        cure = f"last bits may differ; for the same: pip install -c {constraints()} rtphys"
-        return Finding(check, "note", "ok", f"{'; '.join(clauses)}; {cure}")
-    return _found(check, "ok", "all as certified")
+    if not (clauses := other_versions()):
+        return _found("certified versions", "ok", "all as certified")
+    cure = f"last bits may differ; for the same: pip install -c {constraints()} rtphys"
+    return Finding("certified versions", "note", "ok", f"{'; '.join(clauses)}; {cure}")
 
 
 def check_arithmetic() -> Finding:

@@ -23,27 +23,19 @@ RED = (230, 60, 60)
 JPEG = 90
 
 
-def write_recording(episode: Episode, scene: Sequence[Solid3D], path: Path) -> None:
-    """Writes an `.rrd` file. Raises `BadFile`: the episode is damaged."""
-    stream = _stream(episode)
-    stream.save(path, default_blueprint=blueprint(episode))
-    log_episode(stream, episode, scene)
-    stream.flush()
-    stream.disconnect()
-
-
-def show_recording(episode: Episode, scene: Sequence[Solid3D]) -> None:
-    """Opens the viewer."""
-    stream = _stream(episode)
-    stream.spawn(default_blueprint=blueprint(episode))
-    log_episode(stream, episode, scene)
-    stream.flush()
-
-
-def _stream(episode: Episode) -> rr.RecordingStream:
+def record(episode: Episode, scene: Sequence[Solid3D], path: Path | None = None) -> None:
+    """Writes an `.rrd` file, or opens the viewer. Raises `BadFile`: the episode is damaged."""
     kind = "failure" if episode.failed else "episode"
     name = f"{episode.task}_{episode.protocol}_{kind}_{episode.number}_seed_{episode.seed}"
-    return rr.RecordingStream(APPLICATION, recording_id=name)
+    stream = rr.RecordingStream(APPLICATION, recording_id=name)
+    if path is None:
+        stream.spawn(default_blueprint=blueprint(episode))
+    else:
+        stream.save(path, default_blueprint=blueprint(episode))
+    log_episode(stream, episode, scene)
+    stream.flush()
+    if path is not None:
+        stream.disconnect()
 
 
 def blueprint(episode: Episode) -> rrb.Blueprint:
@@ -117,21 +109,16 @@ def log_episode(stream: rr.RecordingStream, episode: Episode, scene: Sequence[So
                 stream.log(f"world/forces/{finger}", arrow)
         if t == 0 or frames.stage[t] != frames.stage[t - 1]:
             stream.log("events", rr.TextLog(frames.stages[int(frames.stage[t])], level="INFO"))
-        _log_failure(stream, episode, t)
-
-
-def _log_failure(stream: rr.RecordingStream, episode: Episode, t: int) -> None:
-    """Where it went wrong, if that is at this frame."""
-    failure, poses = episode.failure, episode.frames.object_poses
-    if failure is None or t != failure.frame:
-        return
-    what = " ".join(word for word in (failure.event, failure.object, failure.side) if word)
-    text = f"{what}; {failure.reason}: {failure.detail}"
-    stream.log("events", rr.TextLog(f"WENT WRONG: {text}", level="ERROR"))
-    if failure.object in poses:
-        at = poses[failure.object][t, :3]
-        mark = rr.Points3D([at], radii=[0.015], colors=[RED], labels=[what])
-        stream.log("world/went_wrong", mark)
+        failure, moved = episode.failure, frames.object_poses
+        if failure is None or t != failure.frame:
+            continue
+        what = " ".join(word for word in (failure.event, failure.object, failure.side) if word)
+        text = f"WENT WRONG: {what}; {failure.reason}: {failure.detail}"
+        stream.log("events", rr.TextLog(text, level="ERROR"))
+        if failure.object in moved:
+            at = moved[failure.object][t, :3]
+            mark = rr.Points3D([at], radii=[0.015], colors=[RED], labels=[what])
+            stream.log("world/went_wrong", mark)
 
 
 def _forces(frames: Frames, touch: Touch | None, t: int) -> Iterator[tuple[str, Array]]:

@@ -67,13 +67,9 @@ def two(tmp_path: Path) -> list[Path]:
 
 
 def test_columns(two: list[Path]) -> None:
-    columns = columns_of([read_results(path) for path in two])
-    assert [(c.label, c.protocol) for c in columns] == [
-        ("alpha", "clean"),
-        ("idle", "clean"),
-        ("alpha", "phys_random"),
-    ]
-    first, second, third = columns
+    first, second, third = columns = columns_of([read_results(path) for path in two])
+    names = [(column.label, column.protocol) for column in columns]
+    assert names == [("alpha", "clean"), ("idle", "clean"), ("alpha", "phys_random")]
     tasks = ["click_bell", "grab_roller"]
     assert (first.mean(tasks), second.mean(tasks), third.mean(tasks)) == (1.0, 0.5, 0.0)
     assert first.total(tasks).trials == 14
@@ -90,20 +86,18 @@ def test_a_paired_comparison_is_of_common_seeds(two: list[Path]) -> None:
     assert outcome.p == pytest.approx(2 / 2**4)
 
 
-def test_two_runs_of_one_policy_are_told_apart(tmp_path: Path) -> None:
-    one: Outcomes = {("clean", "click_bell"): {0: True}}
-    folders = [written(tmp_path / name, "idle", one) for name in ("monday", "tuesday")]
-    columns = columns_of([read_results(path) for path in folders])
-    assert [c.label for c in columns] == ["monday", "tuesday"]
-
-
-def test_folders_of_one_name_are_told_apart(tmp_path: Path) -> None:
-    one: Outcomes = {("clean", "click_bell"): {0: True}}
-    folders = [written(tmp_path / name / "eval", "idle", one) for name in ("monday", "tuesday")]
-    assert [c.label for c in columns_of([*map(read_results, folders)])] == [*map(str, folders)]
-
-
 BELL = ("clean", "click_bell")
+
+
+@pytest.mark.parametrize("inner", ["", "eval"])
+def test_two_runs_of_one_policy_are_told_apart(tmp_path: Path, inner: str) -> None:
+    """By their folders; these by their paths where they have one name."""
+    days = ("monday", "tuesday")
+    folders = [written(tmp_path / day / inner, "idle", {BELL: {0: True}}) for day in days]
+    labels = [column.label for column in columns_of([*map(read_results, folders)])]
+    assert labels == ([*map(str, folders)] if inner else [*days])
+
+
 CODE = FINGERPRINT.model_copy(update={"versions": {"code": "c" * 64, "numpy": "2.0"}})
 OTHER_CODE = CODE.model_copy(update={"versions": {"code": "e" * 64, "numpy": "2.0"}})
 OTHER_NUMPY = CODE.model_copy(update={"versions": {"code": "c" * 64, "numpy": "2.1"}})
@@ -135,15 +129,10 @@ def test_only_the_same_instances_are_paired(
 
 
 def test_a_seed_with_other_physics_is_another_instance(tmp_path: Path) -> None:
-    folders = [
-        written(
-            tmp_path / str(friction),
-            "idle",
-            {BELL: {0: True, 1: False}},
-            physics=[{"friction": 0.3}, {"friction": friction}],
-        )
-        for friction in (0.05, 0.5)
-    ]
+    folders = []
+    for friction in (0.05, 0.5):
+        physics, outcomes = [{"friction": 0.3}, {"friction": friction}], {BELL: {0: True, 1: False}}
+        folders.append(written(tmp_path / str(friction), "idle", outcomes, physics=physics))
     (pair,) = paired_comparisons([*map(read_results, folders)])
     assert pair.outcome.trials == 1
     clause = "1 common seed: other physics (seed 1: friction 0.05 and 0.5)"
@@ -239,18 +228,11 @@ def test_the_papers_table_3() -> None:
     for column in columns:
         assert sorted(column.rates) == task_names()
         assert column.protocol == "phys_random_all"
-    means = {
-        c.label.removesuffix(" (paper)"): round(100 * (c.mean(task_names()) or 0), 2)
-        for c in columns
-    }
+    exact = {c.label.removesuffix(" (paper)"): c.mean(task_names()) or 0 for c in columns}
+    means = {method: round(100 * mean, 2) for method, mean in exact.items()}
     # The means of its 50 tasks; the paper prints 39.60 and 31.60 for the second and fourth.
-    assert means == {
-        "Fast-WAM": 44.24,
-        "Motus": 39.56,
-        "FACT": 39.14,
-        "pi0.5": 31.50,
-        "Galaxea-VLA": 37.82,
-    }
+    wams = {"Fast-WAM": 44.24, "Motus": 39.56, "FACT": 39.14}
+    assert means == {**wams, "pi0.5": 31.50, "Galaxea-VLA": 37.82}
     printed = {method: row["phys_random_all"] for method, row in paper_means().items()}
     off = {m: round(printed[m] - means[m], 2) for m in means if printed[m] != means[m]}
     assert off == {"Motus": 0.04, "pi0.5": 0.1}

@@ -1,11 +1,9 @@
 """`identify` from plan to result, without a simulator: the same file whoever did the work."""
 
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from quick_pool import J, QuickPool, R
 from typer.testing import CliRunner
@@ -23,7 +21,7 @@ from rtphys.analysis.identify import (
     write_result,
 )
 from rtphys.analysis.scoring import STATISTICS, Beyond, Sample, Score
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import default_pack
 from rtphys.campaign import local
 from rtphys.campaign.pool import WorkerFailure
 from rtphys.campaign.series import Listener
@@ -63,33 +61,14 @@ def sensed(recipe: Recipe) -> Sample:
     for name, value in (("force_z", mass), ("force_x", friction)):
         values[f"lift/hand/effort/{name}"] = [float(value)] * len(STATISTICS)
     labels = {"object_mass": mass, "friction": friction, "table_height": height}
-    return Sample(
-        recipe.seed,
-        features=values,
-        labels={key: float(np.float64(value)) for key, value in labels.items()},
-    )
-
-
-@dataclass(frozen=True)
-class QuickSenses:
-    """In the place of `SenseWorker`."""
-
-    pack: Pack | None
-
-    def __call__(self) -> Callable[[Recipe], Sample]:
-        return sensed
+    return Sample(recipe.seed, values, {key: float(value) for key, value in labels.items()})
 
 
 def plan(out: Path, estimator: str = "Line", episodes: int = 30, workers: int = 1) -> IdentifyPlan:
     file = out.parent / "estimators.py"
     file.write_text(ESTIMATORS)
-    return IdentifyPlan(
-        TASKS,
-        episodes=episodes,
-        out=out,
-        estimator=f"python:{file}:{estimator}",
-        workers=workers,
-    )
+    spec = f"python:{file}:{estimator}"
+    return IdentifyPlan(TASKS, episodes=episodes, out=out, estimator=spec, workers=workers)
 
 
 class Impatient(Listener):
@@ -114,7 +93,7 @@ class DyingPool(QuickPool[J, R]):
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(features, "SenseWorker", QuickSenses)
+    monkeypatch.setattr(features, "SenseWorker", lambda pack: lambda: sensed)
     monkeypatch.setattr(local, "LocalPool", QuickPool)
 
 
@@ -165,10 +144,8 @@ def test_what_is_known_is_not_scored_again_and_another_estimator_is(
     with monkeypatch.context() as scoped:
         scoped.setattr("rtphys.analysis.identify.score", refuse)
         assert identify.judge(wanted) == first
-    file = tmp_path / "estimators.py"
-    file.write_text(
-        file.read_text().replace("return np.column_stack", "return 0 * np.column_stack")
-    )
+    file, factor = tmp_path / "estimators.py", "return 0 * np.column_stack"
+    file.write_text(file.read_text().replace("return np.column_stack", factor))
     assert identify.judge(wanted).tasks[TASKS[0]].scores["object_mass"].r2 < 0.1
 
 

@@ -19,7 +19,7 @@ from rtphys.analysis.sensitivity import (
     axes,
     sensitivity,
 )
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import default_pack
 from rtphys.campaign.series import Listener
 from rtphys.cli.main import app
 from rtphys.core import library
@@ -29,6 +29,8 @@ from rtphys.physics.attribute import attributes
 from rtphys.physics.distribution import Fixed, SameAs
 from rtphys.physics.load import load_domain
 from rtphys.spec.episode import EpisodeSpec
+
+PACK = default_pack()
 
 
 class Killed(BaseException):
@@ -47,33 +49,26 @@ class Killer(Listener):
             raise Killed
 
 
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
-
-
 def plan(out: Path, workers: int = 1) -> SensitivityPlan:
     keys = ("camera_angle", "table_height")
     return SensitivityPlan(("click_bell",), SearchSpec(keys, seeds=2, steps=1), out, workers)
 
 
 @pytest.mark.sim
-def test_a_camera_cannot_matter_open_loop_and_a_lower_table_must(
-    tmp_path: Path, pack: Pack
-) -> None:
-    (result,) = sensitivity(plan(tmp_path / "one"), pack)
+def test_a_camera_cannot_matter_open_loop_and_a_lower_table_must(tmp_path: Path) -> None:
+    (result,) = sensitivity(plan(tmp_path / "one"), PACK)
     attributes = result["attributes"]
     assert isinstance(attributes, dict) and result["seeds"] == [0, 1]
     assert attributes["camera_angle"]["share"] == 1.0
     assert attributes["table_height"]["share"] < 1.0
     file = tmp_path / "one" / "click_bell.json"
     before = file.read_bytes()
-    sensitivity(plan(tmp_path / "one"), pack)  # measures nothing again
+    sensitivity(plan(tmp_path / "one"), PACK)  # measures nothing again
     assert file.read_bytes() == before
 
     with pytest.raises(Killed):
-        sensitivity(plan(tmp_path / "two"), pack, Killer(2))
-    sensitivity(plan(tmp_path / "two", workers=2), pack)
+        sensitivity(plan(tmp_path / "two"), PACK, Killer(2))
+    sensitivity(plan(tmp_path / "two", workers=2), PACK)
     assert (tmp_path / "two" / "click_bell.json").read_bytes() == before
     assert sorted(p.name for p in (tmp_path / "two").glob("*.json")) == ["click_bell.json"]
 
@@ -85,7 +80,7 @@ def test_a_camera_cannot_matter_open_loop_and_a_lower_table_must(
     assert json.loads(done.stdout)[0]["attributes"] == attributes
     assert figure.read_bytes().startswith(b"\x89PNG")
     with pytest.raises(DatasetMismatch, match=r"search\.steps was 1, now 2"):
-        sensitivity(replace(plan(tmp_path / "one"), search=SearchSpec(seeds=2, steps=2)), pack)
+        sensitivity(replace(plan(tmp_path / "one"), search=SearchSpec(seeds=2, steps=2)), PACK)
 
 
 def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:

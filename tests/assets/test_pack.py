@@ -131,7 +131,7 @@ def test_the_environment_names_a_pack_to_stand_in(monkeypatch, tmp_path):
 
 
 def test_linking_and_unlinking(pack, monkeypatch, tmp_path):
-    from rtphys.cli.assets import link
+    from rtphys.cli.machine import link
 
     monkeypatch.delenv("RTPHYS_ASSETS", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))

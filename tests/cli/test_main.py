@@ -7,18 +7,20 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import pytest
 import typer
-from typer.testing import CliRunner
+from typer.testing import CliRunner, Result
 
 from pages import parse
 from rtphys.cli import lazy
 from rtphys.cli.derived import takes
-from rtphys.cli.main import COMMANDS, GROUPS, app
+from rtphys.cli.lazy import COMMANDS, GROUPS
+from rtphys.cli.main import app
 from rtphys.cli.terminal import command_line
 from rtphys.core.errors import BadValue, NoRenderer, RtphysError, UnknownName
 from rtphys.spec.option import Option
@@ -27,22 +29,30 @@ PACKAGE = Path(lazy.__file__).parent
 RUN = CliRunner()
 
 
-def program(problem: BaseException) -> typer.Typer:
-    """The real frame around a command that fails in one way."""
-    inner = typer.Typer(cls=lazy.LazyGroup)
+Failing = Callable[..., Result]
 
-    @inner.callback()
-    def main(debug: bool = typer.Option(False, "--debug")) -> None: ...
 
-    lazy.add_stubs(inner, {"fail": "Fails."})
+@pytest.fixture
+def failing(monkeypatch: pytest.MonkeyPatch) -> Failing:
+    """Invokes a command that fails in one way, within the real frame."""
 
-    def fail() -> None:
-        raise problem
+    def invoke(problem: BaseException, *before: str, kind: type | None = None) -> Result:
+        inner = typer.Typer(cls=lazy.LazyGroup)
 
-    module = type(sys)("rtphys.cli.fail")
-    module.fail = fail  # type: ignore[attr-defined]
-    sys.modules["rtphys.cli.fail"] = module
-    return inner
+        @inner.callback()
+        def main(debug: bool = typer.Option(False, "--debug")) -> None: ...
+
+        def fail(*_: object) -> None:
+            raise problem
+
+        inner.command("fail")(fail)
+        module = type(sys)("rtphys.cli.fail")
+        module.fail = takes(kind)(fail) if kind else lambda: fail()  # type: ignore[attr-defined]
+        monkeypatch.setitem(sys.modules, "rtphys.cli.fail", module)
+        monkeypatch.setitem(COMMANDS, "fail", ("fail", "Fails."))
+        return RUN.invoke(inner, [*before, "fail"])
+
+    return invoke
 
 
 @pytest.mark.parametrize(
@@ -65,9 +75,9 @@ def program(problem: BaseException) -> typer.Typer:
     ids=lambda v: type(v).__name__ if isinstance(v, BaseException) else "",
 )
 def test_a_failure_is_one_line_and_an_exit_code(
-    problem: BaseException, code: int, message: str
+    problem: BaseException, code: int, message: str, failing: Failing
 ) -> None:
-    result = RUN.invoke(program(problem), ["fail"])
+    result = failing(problem)
     assert result.exit_code == code
     assert message in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
@@ -81,23 +91,17 @@ def test_a_locale_without_a_sign_ends_no_command() -> None:
     assert done.returncode == 0 and "\u00d7" in done.stdout.decode(), done.stderr
 
 
-def test_debug_shows_the_traceback() -> None:
+def test_debug_and_a_bug_show_the_traceback(failing: Failing) -> None:
+    """Only errors that a user can cause are shortened."""
     problem = BadValue("friction", 9.0, "allowed: 0 to 4")
-    result = RUN.invoke(program(problem), ["--debug", "fail"])
-    assert result.exception is problem
-
-
-def test_a_bug_is_no_user_error() -> None:
-    """Only errors that a user can cause are shortened; a defect keeps its traceback."""
-    result = RUN.invoke(program(ZeroDivisionError("oops")), ["fail"])
-    assert isinstance(result.exception, ZeroDivisionError)
+    assert failing(problem, "--debug").exception is problem
+    assert isinstance(failing(ZeroDivisionError("oops")).exception, ZeroDivisionError)
 
 
 def test_commands_and_modules_are_the_same() -> None:
-    frame = {"__init__", "main", "lazy", "derived", "terminal", "tables", "progress"}
+    frame = {"__init__", "main", "lazy", "derived", "terminal", "screen"}
     modules = {path.stem for path in PACKAGE.glob("*.py")} - frame
-    assert modules == {lazy.MODULES.get(name, name) for name in COMMANDS}
-    assert lazy.MODULES.keys() <= COMMANDS.keys()
+    assert modules == {module for module, _ in COMMANDS.values()}
 
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))
@@ -115,8 +119,8 @@ def test_every_command_explains_itself_with_command_lines_that_fit(name: str) ->
 
 def test_no_help_loads_the_simulator() -> None:
     code = (
-        "import sys\nfrom rtphys.cli import lazy, main\n"
-        "for name in main.COMMANDS: lazy.load(name)\nprint(*sys.modules)"
+        "import sys\nfrom rtphys.cli import lazy\n"
+        "for name in lazy.COMMANDS: lazy.load(name)\nprint(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     loaded = set(done.stdout.split())
@@ -131,37 +135,36 @@ def test_unknown_command_names_the_nearest() -> None:
     assert "verify" in result.output
 
 
-def test_former_names_work_and_say_the_new_ones() -> None:
-    for line in (["verify-manifest", "no", "--replay", "1"], ["verify", "no", "--replay=1"]):
-        result = RUN.invoke(app, line)
-        assert result.exit_code == 1 and "there is no such folder" in result.output
-        assert "`--replay` of `rtphys verify` is called `--reproduce` now" in result.output
-    for line, nearest, note in (
-        ("physics prove frictoin", "friction", "`prove` of `rtphys physics` is called `law-test`"),
-        ("check click_bel --robots=3", "click_bell", "of `rtphys check` is called `--baselines`"),
-        ("collect click_bel --seed 3", "click_bell", "`--seed` of `rtphys collect` is called"),
+@pytest.mark.parametrize(
+    ("line", "former", "now", "goes_on"),
+    [
+        ("verify-manifest no --replay 1", "--replay", "--reproduce", "there is no such folder"),
+        ("verify no --replay=1", "--replay", "--reproduce", "there is no such folder"),
+        ("physics prove frictoin", "prove", "law-test", "did you mean 'friction'"),
+        ("check click_bel --robots=3", "--robots", "--baselines", "did you mean 'click_bell'"),
+        ("collect click_bel --seed 3", "--seed", "--first-seed", "did you mean 'click_bell'"),
         (
             "evaluate click_bel --policy idle --protocol clean --seed 3",
-            "click_bell",
-            "`--seed` of `rtphys evaluate` is called `--policy-seed`",
+            *("--seed", "--policy-seed", "did you mean 'click_bell'"),
         ),
         (
             "evaluate click_bel --policy idle --protocol clean --set a=b",
-            "click_bell",
-            "`--set` of `rtphys evaluate` is called `--policy-option`",
+            *("--set", "--policy-option", "did you mean 'click_bell'"),
         ),
         (
             "physics sample click_bel --seed 3",
-            "click_bell",
-            "`--seed` of `rtphys physics` is called `--first-seed`",
+            *("--seed", "--first-seed", "did you mean 'click_bell'"),
         ),
-    ):
-        result = RUN.invoke(app, line.split())
-        assert result.exit_code == 2 and f"did you mean '{nearest}'" in result.output
-        assert note in result.output and " now" in result.output
-    result = RUN.invoke(app, ["show", "/no", "--number", "1"])
-    assert "`--number` of `rtphys show` is called `--episode` now" in result.output
-    assert "in any folder above it" in result.output
+        ("show /no --number 1", "--number", "--episode", "in any folder above it"),
+    ],
+)
+def test_a_former_name_works_and_says_the_new_one(
+    line: str, former: str, now: str, goes_on: str
+) -> None:
+    result = RUN.invoke(app, line.split())
+    command = line.split()[0].removesuffix("-manifest")
+    assert result.exit_code in (1, 2) and goes_on in result.output
+    assert f"`{former}` of `rtphys {command}` is called `{now}` now" in result.output
 
 
 def test_video_without_a_value_is_all_as_it_was() -> None:
@@ -191,6 +194,9 @@ def test_an_option_of_the_program_after_a_command_says_where_it_stands(
     result = RUN.invoke(app, ["check", "mine", "--library", "lab"])
     assert result.exit_code == 2
     assert "--library stands before the command's name: `rtphys --library" in result.stderr
+    monkeypatch.delenv("RTPHYS_ASSETS", raising=False)
+    alone = RUN.invoke(app, ["--fallback", "builtin", "tasks"])
+    assert alone.exit_code == 2 and "it needs --assets" in alone.stderr
     assert "folder does not exist" in RUN.invoke(app, ["--library", "/no", "tasks"]).stderr
 
 
@@ -233,11 +239,11 @@ def test_ctrl_c_in_a_real_process() -> None:
         # Who runs the tests in the background has made Ctrl-C ignored, and a child inherits that.
         "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "from rtphys.cli import main\n"
-        "slow = types.ModuleType('rtphys.cli.catalogue')\n"
+        "slow = types.ModuleType('rtphys.cli.authoring')\n"
         "def tasks() -> None:\n"
         "    print('working', flush=True); time.sleep(60)\n"
         "slow.tasks = tasks\n"
-        "sys.modules['rtphys.cli.catalogue'] = slow\n"
+        "sys.modules['rtphys.cli.authoring'] = slow\n"
         "sys.argv = ['rtphys', 'tasks']\n"
         "main.app()\n"
     )
@@ -257,24 +263,13 @@ def test_ctrl_c_in_a_real_process() -> None:
     assert complaint.strip() == "rtphys: stopped"
 
 
-def flagged(problem: BaseException, *arguments: str) -> str:
-    """What the frame says when a command with options of many spellings fails."""
-    inner = program(problem)
+@dataclass
+class Options:
+    """Options of many spellings."""
 
-    @dataclass
-    class Options:
-        max_attempts: Annotated[int, Option("how often", "max_attempts")] = 1
-        held: Annotated[str, Option("what is held", "set")] = ""
-        out_folder: Annotated[str, Option("where to")] = ""
-
-    @takes(Options)
-    def fail(_: Options) -> None:
-        raise problem
-
-    sys.modules["rtphys.cli.fail"].fail = fail  # type: ignore[attr-defined]
-    result = RUN.invoke(inner, ["fail", *arguments])
-    assert result.exit_code == 2, result.output
-    return result.stderr.strip()
+    max_attempts: Annotated[int, Option("how often", "max_attempts")] = 1
+    held: Annotated[str, Option("what is held", "set")] = ""
+    out_folder: Annotated[str, Option("where to")] = ""
 
 
 @pytest.mark.parametrize(
@@ -290,16 +285,19 @@ def flagged(problem: BaseException, *arguments: str) -> str:
     ],
     ids=str,
 )
-def test_a_field_is_spelled_as_the_flag_of_the_command(problem: RtphysError, said: str) -> None:
-    assert said in flagged(problem)
+def test_a_field_is_spelled_as_the_flag_of_the_command(
+    problem: RtphysError, said: str, failing: Failing
+) -> None:
+    result = failing(problem, kind=Options)
+    assert result.exit_code == 2 and said in result.stderr
 
 
 @pytest.mark.parametrize(
     ("kind", "hint"),
     [("attribute", "--library DIR"), ("attribute of domain odd", "--domain"), ("prop", "")],
 )
-def test_an_unknown_name_says_where_others_are(kind: str, hint: str) -> None:
-    found = RUN.invoke(program(UnknownName(kind, "mass", ["weight"])), ["fail"]).output
+def test_an_unknown_name_says_where_others_are(kind: str, hint: str, failing: Failing) -> None:
+    found = failing(UnknownName(kind, "mass", ["weight"])).output
     assert "Known: weight" in found and (hint in found if hint else "--" not in found)
 
 
@@ -309,7 +307,13 @@ def test_an_error_of_the_library_names_the_flag() -> None:
     assert "rtphys: --set = 'friction' is not allowed; write key=value" in result.stderr
 
 
-def test_an_option_that_is_gone_says_what_there_is_now() -> None:
-    found = RUN.invoke(app, ["collect", "--task", "click_bell", "--estimate"])
-    assert found.exit_code == 2
-    assert "--estimate is gone: `--dry-run` says what the table" in found.stderr
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("collect click_bell --estimate", "--estimate is gone: `--dry-run` says what the table"),
+        ("verify data --shader=rt", "--shader is gone: a dataset says itself"),
+    ],
+)
+def test_an_option_that_is_gone_says_what_there_is_now(line: str, said: str) -> None:
+    found = RUN.invoke(app, line.split())
+    assert found.exit_code == 2 and said in found.stderr

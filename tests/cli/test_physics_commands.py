@@ -5,7 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from rtphys.cli.catalogue import domains
+from rtphys.cli.authoring import domains
 from rtphys.cli.physics import physics
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.laws.lab import Lab

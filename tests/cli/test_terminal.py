@@ -19,8 +19,7 @@ from rich.text import Text
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
-from rtphys.cli.progress import campaign_progress
-from rtphys.cli.tables import Screen, print_table
+from rtphys.cli.screen import Screen, campaign_progress, print_table
 from rtphys.cli.terminal import HARMFUL, printable, say, say_json
 from rtphys.core.errors import BadFile
 

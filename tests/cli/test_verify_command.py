@@ -9,8 +9,7 @@ from collected import collect
 from typer.testing import CliRunner, Result
 
 from rtphys.cli.main import app
-from rtphys.data.task_writer import Rejection
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 
 
 @pytest.fixture

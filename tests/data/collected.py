@@ -10,8 +10,7 @@ import numpy as np
 import synthetic
 
 from rtphys.data.staging import StagedEpisode, stage_episode
-from rtphys.data.task_writer import Rejection, TaskWriter
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.spec.collection import TaskHeader
 
 FRAMES = 4

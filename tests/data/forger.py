@@ -21,7 +21,7 @@ from rtphys.data.json_text import compact, pretty
 from rtphys.data.layout import MANIFEST, TaskDataset
 from rtphys.data.ledger import START, chained, read_header
 from rtphys.data.manifest import manifest_bytes, read_entry
-from rtphys.data.task_writer import write_side_files
+from rtphys.data.writer import write_side_files
 from rtphys.spec.collection import TaskHeader
 
 HEAD = "head_camera"

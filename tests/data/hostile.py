@@ -8,6 +8,7 @@ import json
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from collected import FOLDER
@@ -93,36 +94,40 @@ def _names() -> Iterator[Hostile]:
     for place in PLACE_NAMES:
         for name in NAMES:
             label = f"manifest {'.'.join(map(str, place))} = {name!r}"
-            yield Hostile(label, _in_manifest(("task_datasets", FOLDER, *place), name))
+            yield Hostile(
+                label, partial(_put, "manifest.json", ("task_datasets", FOLDER, *place), name)
+            )
     for name in NAMES:
-        yield Hostile(f"manifest lists {name!r}", _renamed(name))
+        yield Hostile(f"manifest lists {name!r}", partial(_renamed, name))
 
 
 def _values(file: str, places: tuple[Place, ...]) -> Iterator[Hostile]:
     for place in places:
         where = ".".join(map(str, place)).replace(FOLDER, "*")
         for value in VALUES:
-            yield Hostile(f"{file} {where} = {str(value)[:20]!r}", _put(file, place, value))
+            yield Hostile(
+                f"{file} {where} = {str(value)[:20]!r}", partial(_put, file, place, value)
+            )
         for text in RAW:
-            yield Hostile(f"{file} {where} = {text[:20]}", _put_raw(file, place, text))
+            yield Hostile(f"{file} {where} = {text[:20]}", partial(_put_raw, file, place, text))
 
 
 def _ledger() -> Iterator[Hostile]:
     for place in PLACE_NAMES:
         for name in NAMES[:6]:
             label = f"ledger {'.'.join(map(str, place))} = {name!r}"
-            yield Hostile(label, _rewritten(0, place, name))
+            yield Hostile(label, partial(_rewritten, 0, place, name, ""))
     for line, places in ((0, OF_HEADER), (1, OF_ROW)):
         for place in places:
             for value in VALUES:
                 label = f"line {line + 1} {'.'.join(map(str, place))} = {str(value)[:20]!r}"
-                yield Hostile(label, _rewritten(line, place, value))
+                yield Hostile(label, partial(_rewritten, line, place, value, ""))
             for text in RAW:
                 label = f"line {line + 1} {'.'.join(map(str, place))} = {text[:20]}"
-                yield Hostile(label, _rewritten(line, place, "@here@", text))
+                yield Hostile(label, partial(_rewritten, line, place, "@here@", text))
     for path in PATHS:
         facts: JSON = {path: {"size": 1, "sha256": "0" * 64}}
-        yield Hostile(f"attempt lists {path!r}", _rewritten(1, ("files",), facts))
+        yield Hostile(f"attempt lists {path!r}", partial(_rewritten, 1, ("files",), facts, ""))
     yield Hostile("a planted ledger", _planted)
 
 
@@ -130,36 +135,27 @@ def _strange_files() -> Iterator[Hostile]:
     files = ("manifest.json", LEDGER, f"{FOLDER}/scene_info.json")
     files += tuple(f"{FOLDER}/{kind}/episode_0000000.{end}" for kind, end in EPISODE)
     for name in files:
-        yield Hostile(f"{name} is a FIFO", _replaced(name, os.mkfifo))
-        yield Hostile(f"{name} is a folder", _replaced(name, os.mkdir))
-        yield Hostile(f"{name} -> /dev/zero", _linked(name, "/dev/zero"))
-        yield Hostile(f"{name} -> itself", _linked(name, Path(name).name))
-        yield Hostile(f"{name} -> outside", _linked(name, None))
+        yield Hostile(f"{name} is a FIFO", partial(_replaced, name, os.mkfifo))
+        yield Hostile(f"{name} is a folder", partial(_replaced, name, os.mkdir))
+        yield Hostile(f"{name} -> /dev/zero", partial(_linked, name, "/dev/zero"))
+        yield Hostile(f"{name} -> itself", partial(_linked, name, Path(name).name))
+        yield Hostile(f"{name} -> outside", partial(_linked, name, None))
     for name in (FOLDER, "phys_random", *(f"{FOLDER}/{kind}" for kind, _ in EPISODE)):
-        yield Hostile(f"{name}/ is a link", _linked_folder(name))
+        yield Hostile(f"{name}/ is a link", partial(_linked_folder, name))
     for name in (f"{FOLDER}/.staging", f"{FOLDER}/seed.txt", ".rtphys.lock", ".manifest.json.part"):
-        yield Hostile(f"{name} -> outside", _linked(name, None))
+        yield Hostile(f"{name} -> outside", partial(_linked, name, None))
 
 
 EPISODE = (("data", "hdf5"), ("video", "mp4"), ("phys_meta", "json"), ("instruction", "json"))
 
 
-# ---- the changes ---------------------------------------------------------------------------------
+# ---- the changes: of the dataset, with a folder outside ------------------------------------------
 
 
 def _edit(path: Path, place: Place, value: object) -> None:
     content = json.loads(path.read_text())
     put(*place, value=value)(content)
     path.write_text(json.dumps(content))
-
-
-def _relist(dataset: Path, file: str) -> None:
-    """Ledger and manifest with the present checksum of an episode's file."""
-    facts = FileFacts.of((dataset / file).read_bytes())
-    entries = read_entries(dataset / LEDGER)
-    name = file.removeprefix(f"{FOLDER}/")
-    entries[1]["files"][name] = {"size": facts.size, "sha256": facts.sha256}
-    _write(dataset, entries)
 
 
 def _write(dataset: Path, entries: list[Entry], raw: str = "") -> None:
@@ -170,50 +166,35 @@ def _write(dataset: Path, entries: list[Entry], raw: str = "") -> None:
     _edit(dataset / "manifest.json", ("task_datasets", FOLDER, "ledger"), state)
 
 
-def _in_manifest(place: Place, value: object) -> Change:
-    return lambda dataset, _: _edit(dataset / "manifest.json", place, value)
+def _put(file: str, place: Place, value: object, dataset: Path, _: Path, raw: str = "") -> None:
+    """A value of a JSON file, whose checksum is made anew. `raw` replaces "@here@"."""
+    path = dataset / file
+    _edit(path, place, value)
+    if raw:
+        path.write_text(path.read_text().replace('"@here@"', raw))
+    if file != "manifest.json":
+        facts, entries = FileFacts.of(path.read_bytes()), read_entries(dataset / LEDGER)
+        listed = {"size": facts.size, "sha256": facts.sha256}
+        entries[1]["files"][file.removeprefix(f"{FOLDER}/")] = listed
+        _write(dataset, entries)
 
 
-def _renamed(name: str) -> Change:
+def _put_raw(file: str, place: Place, text: str, dataset: Path, outside: Path) -> None:
+    _put(file, place, "@here@", dataset, outside, text)
+
+
+def _renamed(name: str, dataset: Path, _: Path) -> None:
     """The task dataset's key in the manifest."""
-
-    def change(dataset: Path, _: Path) -> None:
-        content = json.loads((dataset / "manifest.json").read_text())
-        content["task_datasets"] = {name: content["task_datasets"][FOLDER]}
-        (dataset / "manifest.json").write_text(json.dumps(content))
-
-    return change
+    content = json.loads((dataset / "manifest.json").read_text())
+    content["task_datasets"] = {name: content["task_datasets"][FOLDER]}
+    (dataset / "manifest.json").write_text(json.dumps(content))
 
 
-def _put(file: str, place: Place, value: object) -> Change:
-    def change(dataset: Path, _: Path) -> None:
-        _edit(dataset / file, place, value)
-        if file != "manifest.json":
-            _relist(dataset, file)
-
-    return change
-
-
-def _put_raw(file: str, place: Place, text: str) -> Change:
-    def change(dataset: Path, outside: Path) -> None:
-        _put(file, place, "@here@")(dataset, outside)
-        path = dataset / file
-        path.write_text(path.read_text().replace('"@here@"', text))
-        if file != "manifest.json":
-            _relist(dataset, file)
-
-    return change
-
-
-def _rewritten(line: int, place: Place, value: object, raw: str = "") -> Change:
+def _rewritten(line: int, place: Place, value: object, raw: str, dataset: Path, _: Path) -> None:
     """A line changed, and the chain of checks made anew. `raw` replaces "@here@"."""
-
-    def change(dataset: Path, _: Path) -> None:
-        entries = read_entries(dataset / LEDGER)
-        put(*place, value=value)(entries[line])
-        _write(dataset, entries, raw)
-
-    return change
+    entries = read_entries(dataset / LEDGER)
+    put(*place, value=value)(entries[line])
+    _write(dataset, entries, raw)
 
 
 def _planted(dataset: Path, _: Path) -> None:
@@ -224,25 +205,16 @@ def _planted(dataset: Path, _: Path) -> None:
     write_entries(dataset / "a/b/c/ledger.jsonl", entries)
 
 
-def _replaced(name: str, make: Callable[[Path], None]) -> Change:
-    def change(dataset: Path, _: Path) -> None:
-        (dataset / name).unlink()
-        make(dataset / name)
-
-    return change
+def _replaced(name: str, make: Callable[[Path], None], dataset: Path, _: Path) -> None:
+    (dataset / name).unlink()
+    make(dataset / name)
 
 
-def _linked(name: str, target: str | None) -> Change:
-    def change(dataset: Path, outside: Path) -> None:
-        (dataset / name).unlink(missing_ok=True)
-        (dataset / name).symlink_to(target or outside / "secret.txt")
-
-    return change
+def _linked(name: str, target: str | None, dataset: Path, outside: Path) -> None:
+    (dataset / name).unlink(missing_ok=True)
+    (dataset / name).symlink_to(target or outside / "secret.txt")
 
 
-def _linked_folder(name: str) -> Change:
-    def change(dataset: Path, outside: Path) -> None:
-        (dataset / name).rename(outside / "moved")
-        (dataset / name).symlink_to(outside / "moved")
-
-    return change
+def _linked_folder(name: str, dataset: Path, outside: Path) -> None:
+    (dataset / name).rename(outside / "moved")
+    (dataset / name).symlink_to(outside / "moved")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import cv2
@@ -14,44 +15,43 @@ TEXTS = ("instruction", "instructions", "data_format_version")
 GROUPS = ("rtphys", "rtphys/cameras", "rtphys/object_poses", "vision/cam_head")
 TERABYTES = (10**12, 10**15, 10**17)
 
+Forge = Callable[[h5py.File, str, Path], object]
+
 
 @dataclass(frozen=True)
 class Forgery:
-    """A change to an open file. `outside`: a file with a secret that no reader may reach."""
+    """A change to what lies at a key of an open file."""
 
     name: str
-    forge: Callable[[h5py.File, Path], object]
+    key: str
+    change: Forge
+
+    def forge(self, file: h5py.File, outside: Path) -> None:
+        """`outside`: a file with a secret that no reader may reach."""
+        self.change(file, self.key, outside)
 
     def __str__(self) -> str:
-        return self.name
+        return f"{self.name} {self.key}"
 
 
 def forgeries() -> Iterator[Forgery]:
     """Each makes the file one that every reader refuses."""
-    for key in (*ARRAYS, *PICTURES, *TEXTS, *GROUPS):
-        yield Forgery(f"external link {key}", _linked(key, _external))
-        yield Forgery(f"soft link to itself {key}", _linked(key, lambda k, _: h5py.SoftLink(k)))
-        yield Forgery(f"soft link up {key}", _linked(key, lambda *_: h5py.SoftLink("/")))
-        yield Forgery(f"object reference {key}", _reference(key))
+    for kind in LINKS:
+        for key in (*ARRAYS, *PICTURES, *TEXTS, *GROUPS):
+            yield Forgery(kind, key, LINKS[kind])
+    for kind in STORAGE:
+        for key in (*ARRAYS, *PICTURES):
+            yield Forgery(kind, key, STORAGE[kind])
     for key in GROUPS:
-        yield Forgery(f"group within itself {key}", _cycle(key))
-    for key in (*ARRAYS, *PICTURES):
-        yield Forgery(f"external storage {key}", _external_storage(key))
-        yield Forgery(f"virtual {key}", _virtual(key))
-        yield Forgery(f"compressed {key}", _compressed(key))
-        yield Forgery(f"linked twice {key}", _twice(key))
-        yield Forgery(f"texts of any length {key}", _texts(key))
-        yield Forgery(f"empty {key}", _with(key, h5py.Empty("f8")))
-        for rows in TERABYTES:
-            yield Forgery(f"{rows} rows {key}", _declared(key, rows))
-    yield Forgery("many names", _many)
-    yield Forgery("deep groups", _deep)
+        yield Forgery("group within itself", key, _within_itself)
+    yield Forgery("many names", "extra", _many)
+    yield Forgery("deep groups", "deep/" + "d/" * 600, _group)
+    yield Forgery("a camera of no name", "rtphys/cameras/x", _group)
     for note in ("joint_names", "stages"):
         for value in (3, np.zeros(9), ["a"] * 3, "[" * 9000, "{", "7", h5py.Empty("f8")):
-            yield Forgery(f"{note} {str(value)[:12]!r}", _note(note, value))
+            yield Forgery(str(value)[:12], note, partial(_note, value))
     for words in ("3", "[]", "{}", "null", "[" * 9000, "\ud800".encode("utf-8", "surrogatepass")):
-        yield Forgery(f"instructions {words[:9]!r}", _with("instructions", words))
-    yield Forgery("a camera of no name", lambda file, _: file.create_group("rtphys/cameras/x"))
+        yield Forgery(str(words)[:9], "instructions", partial(_put, words))
 
 
 def jpeg_bomb(height: int = 65000, width: int = 65000) -> bytes:
@@ -62,113 +62,94 @@ def jpeg_bomb(height: int = 65000, width: int = 65000) -> bytes:
     return bytes(stream)
 
 
-def _external(key: str, outside: Path) -> h5py.ExternalLink:
-    return h5py.ExternalLink(str(outside), key)
-
-
-def _linked(key: str, link: Callable[[str, Path], object]) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, outside: Path) -> None:
-        del file[key]
-        file[key] = link(f"/{key}", outside)
-
-    return forge
-
-
-def _reference(key: str) -> Callable[[h5py.File, Path], object]:
-    return lambda file, _: _put(file, key, np.array([file.ref] * 8, h5py.ref_dtype))
-
-
-def _with(key: str, value: object) -> Callable[[h5py.File, Path], object]:
-    return lambda file, _: _put(file, key, value)
-
-
-def _put(file: h5py.File, key: str, value: object) -> None:
+def _put(value: object, file: h5py.File, key: str, _: Path) -> None:
     del file[key]
     file[key] = value
 
 
-def _dataset(file: h5py.File, key: str) -> h5py.Dataset:
+def _external_link(file: h5py.File, key: str, outside: Path) -> None:
+    _put(h5py.ExternalLink(str(outside), f"/{key}"), file, key, outside)
+
+
+def _link_to_itself(file: h5py.File, key: str, outside: Path) -> None:
+    _put(h5py.SoftLink(f"/{key}"), file, key, outside)
+
+
+def _reference(file: h5py.File, key: str, outside: Path) -> None:
+    _put(np.array([file.ref] * 8, h5py.ref_dtype), file, key, outside)
+
+
+def _taken(file: h5py.File, key: str) -> tuple[tuple[int, ...], np.dtype]:
+    """Shape and type of a dataset, which is removed."""
     found = file[key]
     assert isinstance(found, h5py.Dataset)
-    return found
+    shape, dtype = found.shape, found.dtype
+    del file[key]
+    return shape, dtype
 
 
-def _cycle(key: str) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, _: Path) -> None:
-        file[f"{key}/again"] = file[key]
-
-    return forge
-
-
-def _external_storage(key: str) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, outside: Path) -> None:
-        shape, dtype = _dataset(file, key).shape, _dataset(file, key).dtype
-        del file[key]
-        size = max(int(np.prod(shape)), 1) * dtype.itemsize
-        file.create_dataset(key, shape or (1,), dtype, external=[(str(outside), 0, size)])
-
-    return forge
+def _external_storage(file: h5py.File, key: str, outside: Path) -> None:
+    shape, dtype = _taken(file, key)
+    size = max(int(np.prod(shape)), 1) * dtype.itemsize
+    file.create_dataset(key, shape or (1,), dtype, external=[(str(outside), 0, size)])
 
 
-def _virtual(key: str) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, outside: Path) -> None:
-        shape, dtype = _dataset(file, key).shape or (1,), _dataset(file, key).dtype
-        del file[key]
-        layout = h5py.VirtualLayout(shape, dtype)
-        layout[...] = h5py.VirtualSource(str(outside), key, shape)
-        file.create_virtual_dataset(key, layout)
-
-    return forge
+def _virtual(file: h5py.File, key: str, outside: Path) -> None:
+    shape, dtype = _taken(file, key)
+    layout = h5py.VirtualLayout(shape or (1,), dtype)
+    layout[...] = h5py.VirtualSource(str(outside), key, shape or (1,))
+    file.create_virtual_dataset(key, layout)
 
 
-def _compressed(key: str) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, _: Path) -> None:
-        dtype = _dataset(file, key).dtype
-        del file[key]
-        file.create_dataset(key, (2**24,), dtype, chunks=(2**12,), compression="gzip")
-
-    return forge
+def _compressed(file: h5py.File, key: str, _: Path) -> None:
+    _, dtype = _taken(file, key)
+    file.create_dataset(key, (2**24,), dtype, chunks=(2**12,), compression="gzip")
 
 
-def _declared(key: str, rows: int) -> Callable[[h5py.File, Path], object]:
+def _texts(file: h5py.File, key: str, _: Path) -> None:
+    _taken(file, key)
+    file.create_dataset(key, data=["x"] * 8, dtype=h5py.string_dtype())
+
+
+def _declared(rows: int, file: h5py.File, key: str, _: Path) -> None:
     """Contiguous, and never written: a few bytes of the file."""
-
-    def forge(file: h5py.File, _: Path) -> None:
-        columns = _dataset(file, key).shape[1:]
-        del file[key]
-        file.create_dataset(key, (rows, *columns), "S1")
-
-    return forge
+    shape, _ = _taken(file, key)
+    file.create_dataset(key, (rows, *shape[1:]), "S1")
 
 
-def _twice(key: str) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, _: Path) -> None:
-        file["again"] = file[key]
-
-    return forge
+def _twice(file: h5py.File, key: str, _: Path) -> None:
+    file["again"] = file[key]
 
 
-def _texts(key: str) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, _: Path) -> None:
-        del file[key]
-        file.create_dataset(key, data=["x"] * 8, dtype=h5py.string_dtype())
-
-    return forge
+def _within_itself(file: h5py.File, key: str, _: Path) -> None:
+    file[f"{key}/again"] = file[key]
 
 
-def _note(name: str, value: object) -> Callable[[h5py.File, Path], object]:
-    def forge(file: h5py.File, _: Path) -> None:
-        file["rtphys"].attrs[name] = value
-
-    return forge
+def _note(value: object, file: h5py.File, key: str, _: Path) -> None:
+    file["rtphys"].attrs[key] = value
 
 
-def _many(file: h5py.File, _: Path) -> None:
+def _many(file: h5py.File, key: str, _: Path) -> None:
     for number in range(3000):
-        file.create_group(f"extra/{number}")
+        file.create_group(f"{key}/{number}")
 
 
-def _deep(file: h5py.File, _: Path) -> None:
-    group = file.create_group("deep")
-    for _level in range(600):
-        group = group.create_group("d")
+def _group(file: h5py.File, key: str, _: Path) -> None:
+    file.create_group(key)
+
+
+LINKS: dict[str, Forge] = {
+    "external link": _external_link,
+    "soft link to itself": _link_to_itself,
+    "soft link up": partial(_put, h5py.SoftLink("/")),
+    "object reference": _reference,
+}
+STORAGE: dict[str, Forge] = {
+    "external storage": _external_storage,
+    "virtual": _virtual,
+    "compressed": _compressed,
+    "linked twice": _twice,
+    "texts of any length": _texts,
+    "empty": partial(_put, h5py.Empty("f8")),
+    **{f"{rows} rows": partial(_declared, rows) for rows in TERABYTES},
+}

@@ -3,7 +3,7 @@
 import numpy as np
 import synthetic
 
-from rtphys.data.sensed import Sensed
+from rtphys.data.episode import Sensed
 from rtphys.senses.depth import DEPTH_SCALE
 
 SENSES = ("depth", "segmentation", "pointcloud", "states")

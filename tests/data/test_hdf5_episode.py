@@ -13,7 +13,6 @@ from PIL import Image
 from rtphys.data import jpeg
 from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_episode import (
-    EpisodeFile,
     derived,
     episode_bytes,
     read_frames,
@@ -220,16 +219,6 @@ def test_same_input_same_bytes(made, layout: str) -> None:
     again = encode_images(synthetic.pictures(3, T), layout)
     first, second = (episode_bytes(layout, frames, i, SEEN) for i in (images, again))
     assert first == second
-
-
-@native
-def test_native_to_legacy_to_native_is_the_identity(made, tmp_path) -> None:
-    frames, images = made
-    data = episode_bytes("native", *made, SEEN)
-    for layout in ("legacy", "native"):
-        (tmp_path / layout).write_bytes(episode_bytes(layout, frames, images, SEEN))
-        frames = EpisodeFile(tmp_path / layout, layout).frames()
-    assert episode_bytes("native", frames, images, SEEN) == data
 
 
 @native

@@ -7,8 +7,8 @@ import pytest
 
 from rtphys.core.errors import BadFile
 from rtphys.data.faults import CannotWrite, DatasetMismatch
+from rtphys.data.json_text import Model
 from rtphys.data.ledger import Ledger, read_header, read_lines, read_rows
-from rtphys.data.schema_model import Model
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.stored import Extent
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from typer import Typer
 from typer.testing import CliRunner
 
-from rtphys.cli.verify import verify as verify_command
+from rtphys.cli.datasets import verify as verify_command
 from rtphys.core.errors import RtphysError
 from rtphys.data.check_episode import check_hdf5
 from rtphys.data.hdf5_file import content_digest

@@ -17,30 +17,23 @@ from rtphys.data.rewrite import convert, merge, subset
 from rtphys.data.verify import verify
 
 
-@pytest.fixture(scope="module")
-def native(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("native")
-    collect(out, 3)
-    return out
-
-
-def test_there_and_back(native: Path, tmp_path: Path) -> None:
+def test_there_and_back(three: Path, tmp_path: Path) -> None:
     seen: list[tuple[int, int]] = []
-    names = convert(native, tmp_path / "old", "legacy", lambda *at: seen.append(at))
+    names = convert(three, tmp_path / "old", "legacy", lambda *at: seen.append(at))
     assert names == ["click_bell/phys_random"]
     assert seen == [(1, 3), (2, 3), (2, 3), (3, 3)]
     report = verify(tmp_path / "old")
     assert (report.problems, report.episodes) == ([], 3)
     convert(tmp_path / "old", tmp_path / "new", "native")
-    assert content_but_pictures(tmp_path / "new") == content_but_pictures(native)
-    convert(native, tmp_path / "same", "native")
-    assert content(tmp_path / "same") == content(native), "nothing is encoded again"
+    assert content_but_pictures(tmp_path / "new") == content_but_pictures(three)
+    convert(three, tmp_path / "same", "native")
+    assert content(tmp_path / "same") == content(three), "nothing is encoded again"
 
 
-def test_pictures_keep_their_colours_on_the_way(native: Path, tmp_path: Path) -> None:
-    convert(native, tmp_path / "old", "legacy")
+def test_pictures_keep_their_colours_on_the_way(three: Path, tmp_path: Path) -> None:
+    convert(three, tmp_path / "old", "legacy")
     convert(tmp_path / "old", tmp_path / "new", "native")
-    first = Dataset(native)[0].images("head")
+    first = Dataset(three)[0].images("head")
     for out in ("old", "new"):
         shown = Dataset(tmp_path / out)[0].images("head")
         assert np.abs(shown.astype(int) - first).mean() < 6, "which are as saturated as can be"
@@ -81,8 +74,8 @@ REWRITES: dict[str, Callable[..., object]] = {
 
 
 @pytest.mark.parametrize("name", REWRITES)
-def test_each_goes_on_where_it_was(native: Path, tmp_path: Path, name: str) -> None:
-    source = tmp_path / "source" if name == "merge" else native
+def test_each_goes_on_where_it_was(three: Path, tmp_path: Path, name: str) -> None:
+    source = tmp_path / "source" if name == "merge" else three
     with pytest.raises(Stop):
         REWRITES[name](source, tmp_path / "cut", stop)
     assert verify(tmp_path / "cut").problems == []
@@ -91,11 +84,11 @@ def test_each_goes_on_where_it_was(native: Path, tmp_path: Path, name: str) -> N
     assert content(tmp_path / "cut") == content(tmp_path / "whole")
 
 
-def test_refusals(native: Path, tmp_path: Path) -> None:
+def test_refusals(three: Path, tmp_path: Path) -> None:
     with pytest.raises(DatasetMismatch, match="it is a dataset that is read"):
-        convert(native, native, "legacy")
+        convert(three, three, "legacy")
     with pytest.raises(UnknownName, match="did you mean 'legacy'"):
-        convert(native, tmp_path / "out", "legasy")
+        convert(three, tmp_path / "out", "legasy")
     with pytest.raises(BadFile, match=r"manifest\.json"):
         convert(tmp_path, tmp_path / "out", "legacy")
     assert content(tmp_path) == {}

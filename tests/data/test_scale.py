@@ -14,9 +14,8 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.files import FileFacts
 from rtphys.data.layout import TaskDataset
 from rtphys.data.ledger import Ledger
-from rtphys.data.task_writer import Rejection
 from rtphys.data.verify import verify
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 
 SIZES = (30, 300)
 SLACK = 8  # lines: first ones, which say what a ledger is of

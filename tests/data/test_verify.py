@@ -25,24 +25,16 @@ from rtphys.data.layout import TaskDataset
 from rtphys.data.manifest import manifest_bytes
 from rtphys.data.rewrite import subset
 from rtphys.data.staging import stage_episode
-from rtphys.data.task_writer import Rejection
 from rtphys.data.verify import Report, verify
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 
 LEDGER = f"{FOLDER}/ledger.jsonl"
 NOTHING = {"size": 0, "sha256": "0" * 64}
 
 
-@pytest.fixture(scope="module")
-def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("sound")
-    collect(out, 3)
-    return out
-
-
 @pytest.fixture
-def copy(sound: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(sound, tmp_path / "copy"))
+def copy(three: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(three, tmp_path / "copy"))
 
 
 def test_what_the_system_refuses_is_no_damage(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,13 +53,13 @@ def words(report: Report) -> str:
     return "\n".join(map(str, report.problems))
 
 
-def test_sound_dataset(sound: Path) -> None:
+def test_sound_dataset(three: Path) -> None:
     seen: list[tuple[int, int]] = []
-    report = verify(sound, progress=lambda done, total: seen.append((done, total)))
+    report = verify(three, progress=lambda done, total: seen.append((done, total)))
     assert (report.problems, report.notes) == ([], [])
     assert (report.episodes, report.files) == (3, 15)
     assert seen[-1][0] == seen[-1][1] and seen == sorted(seen)
-    assert verify(sound, Effort.QUICK).sound
+    assert verify(three, Effort.QUICK).sound
 
 
 @pytest.mark.parametrize("flips", [60, pytest.param(500, marks=pytest.mark.slow)])
@@ -112,11 +104,11 @@ def test_a_file_beside_the_datasets_is_noted(copy: Path) -> None:
     assert not any("report.html" in note for note in report.notes)
 
 
-def test_without_a_dataset(tmp_path: Path, sound: Path) -> None:
+def test_without_a_dataset(tmp_path: Path, three: Path) -> None:
     assert "there is no manifest.json here" in words(verify(tmp_path))
     assert "there is no such folder" in words(verify(tmp_path / "gone"))
-    whole = f"there is no manifest.json here (this is a part of {sound})"
-    assert whole in words(verify(sound / "phys_random"))
+    whole = f"there is no manifest.json here (this is a part of {three})"
+    assert whole in words(verify(three / "phys_random"))
 
 
 @pytest.mark.parametrize(
@@ -198,9 +190,9 @@ def test_video_with_too_few_frames(copy: Path) -> None:
     assert "has 3 frames for 4 recorded ones" in words(verify(copy))
 
 
-def test_forging_nothing_changes_nothing(copy: Path, sound: Path) -> None:
+def test_forging_nothing_changes_nothing(copy: Path, three: Path) -> None:
     forge(copy, lambda _: None)
-    assert content(copy) == content(sound)
+    assert content(copy) == content(three)
 
 
 def test_deep_looks_at_the_meaning(copy: Path) -> None:
@@ -319,6 +311,18 @@ def test_a_manifest_that_was_edited(copy: Path, change: Callable[[Entry], None],
     change(manifest["task_datasets"][FOLDER])
     path.write_bytes(pretty(manifest))
     assert text in words(verify(copy))
+
+
+def test_a_field_that_an_older_rtphys_did_not_write_has_its_usual_value(copy: Path) -> None:
+    recording = ("task_datasets", FOLDER, "spec", "recording")
+    forge(copy, lambda forger: forger.header["spec"]["recording"].pop("shader"))
+    manifest = json.loads((copy / "manifest.json").read_text())
+    put(*recording, value=lambda old: {k: v for k, v in old.items() if k != "shader"})(manifest)
+    (copy / "manifest.json").write_bytes(pretty(manifest))
+    assert words(verify(copy)) == ""
+    put(*recording, "look", value="clean")(manifest)
+    (copy / "manifest.json").write_bytes(pretty(manifest))
+    assert "is not what its ledger says: spec.recording.look" in words(verify(copy))
 
 
 def entry(*way: object, value: object) -> Forge:

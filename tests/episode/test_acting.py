@@ -1,5 +1,7 @@
 """Which attributes act in an episode: told beforehand from its props, true in its world."""
 
+from typing import Any
+
 import pytest
 
 from rtphys.assets.pack import default_pack
@@ -73,6 +75,15 @@ def test_a_camera_attribute_acts_in_its_own_modes() -> None:
     )
 
 
+def demonstrated(task: str, seed: int, **held: float) -> tuple[dict[str, Any], str, Instance]:
+    """What the label says of each attribute, the hash of the states, and where they were."""
+    spec = EpisodeSpec(task, "phys_random", overrides=held)
+    one = attempt(spec.at(seed), load_task(task), default_pack(), happened=True)
+    assert one.instance is not None and one.recording is not None
+    label: Any = label_of(one.instance, one.recording.happened)
+    return label["attributes"], one.recording.hash, one.instance
+
+
 @pytest.mark.sim
 @pytest.mark.parametrize(
     ("task", "ever"),
@@ -91,44 +102,20 @@ def test_restitution_has_acted_unless_the_states_are_the_same_without_it(
     """`acted` is measured in one episode, and tested by another value in the same one."""
     acted = set[bool]()
     for seed in (1, 2):
-        tried = [
-            attempt(
-                EpisodeSpec(task, "phys_random", overrides={"restitution": e}).at(seed),
-                load_task(task),
-                default_pack(),
-                happened=True,
-            )
-            for e in (0.0, 0.5)
-        ]
-        acts, states = [], []
-        for one in tried:
-            assert one.instance is not None
-            assert one.recording is not None
-            attributes_of = label_of(one.instance, one.recording.happened)["attributes"]
-            acts.append(attributes_of["restitution"]["acted"])  # pyright: ignore[reportIndexIssue]
-            states.append(one.recording.hash)
+        tried = [demonstrated(task, seed, restitution=e) for e in (0.0, 0.5)]
+        acts = [labels["restitution"]["acted"] for labels, _, _ in tried]
         if not all(acts):
-            assert acts[0] == acts[1]
-            assert states[0] == states[1]
+            assert acts[0] == acts[1] and tried[0][1] == tried[1][1]
         acted |= set(acts)
     assert acted == {ever}
 
 
 @pytest.mark.sim
 def test_what_moves_in_an_episode_has_acted() -> None:
-    one = attempt(
-        EpisodeSpec("open_laptop", "phys_random").at(1),
-        load_task("open_laptop"),
-        default_pack(),
-        happened=True,
-    )
-    assert one.instance is not None
-    assert one.recording is not None
-    label = label_of(one.instance, one.recording.happened)["attributes"]
-    assert isinstance(label, dict)
+    label, _, instance = demonstrated("open_laptop", 1)
     for key in ("object_joint_damping", "arm_joint_damping", "gripper_joint_damping"):
         assert label[key]["acted"] is True
     assert label["friction"]["acted"] is None  # not measured
-    before = label_of(one.instance)["attributes"]
+    before = label_of(instance)["attributes"]
     assert isinstance(before, dict)
     assert before["restitution"]["acted"] is None

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from audited import audited, unsound
 
-from rtphys.assets.pack import Pack, builtin_pack
+from rtphys.assets.pack import builtin_pack
 from rtphys.episode.generate import Instance, prepare
 from rtphys.physics import attributes
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
 
+PACK = builtin_pack()
 pytestmark = pytest.mark.sim
 
 # All differ from nominal by so much that a tenth of the difference shows.
@@ -41,11 +42,6 @@ FOLLOWS = {
 TURNED = {"camera_mode": "rotate", "camera_angle": 6.0}
 
 
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return builtin_pack()
-
-
 Apply = Callable[[Any, Any, Any], None]
 
 
@@ -64,7 +60,7 @@ def a_tenth_off(apply: Apply) -> Apply:
 
 
 @pytest.fixture(scope="module")
-def honest(pack: Pack) -> dict[str, Instance]:
+def honest() -> dict[str, Instance]:
     """Two episodes of a task with rigid bodies and with joints."""
     task, instances = load_task("put_object_cabinet"), {}
     for mode, extra in (("orbit", {}), ("rotate", TURNED)):
@@ -72,7 +68,7 @@ def honest(pack: Pack) -> dict[str, Instance]:
         if extra:
             values.pop("camera_distance")
         spec = EpisodeSpec("put_object_cabinet", "phys_random_all", overrides=values)
-        instances[mode] = prepare(spec.at(0), task, pack)
+        instances[mode] = prepare(spec.at(0), task, PACK)
     return instances
 
 
@@ -82,33 +78,30 @@ def test_experiments_find_every_mutation_of_apply(
     key: str,
     mutation: Callable[[Apply], Apply],
     honest: dict[str, Instance],
-    pack: Pack,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     mode = "rotate" if key == "camera_angle" else "orbit"
     cls = type(attributes()[key])
     monkeypatch.setattr(cls, "apply", mutation(cls.apply))
-    audit = audited(honest[mode], pack)
+    audit = audited(honest[mode], PACK)
     found = {measurement.key for measurement in audit.deviations}
     assert key in found
     assert found <= {key} | FOLLOWS.get(key, set())
 
 
-def test_the_same_labels_pass_where_apply_is_honest(
-    honest: dict[str, Instance], pack: Pack
-) -> None:
+def test_the_same_labels_pass_where_apply_is_honest(honest: dict[str, Instance]) -> None:
     for instance in honest.values():
-        assert not unsound(audited(instance, pack))
+        assert not unsound(audited(instance, PACK))
 
 
 def test_a_read_back_that_lies_hides_nothing(
-    honest: dict[str, Instance], pack: Pack, monkeypatch: pytest.MonkeyPatch
+    honest: dict[str, Instance], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The audit of before compared read-back with read-back: a twin error in both escaped it."""
     cls = type(attributes()["object_mass"])
     monkeypatch.setattr(cls, "apply", nothing(cls.apply))
     monkeypatch.setattr(cls, "disagreements", lambda self, world, value: [])
-    audit = audited(honest["orbit"], pack)
+    audit = audited(honest["orbit"], PACK)
     assert {m.key for m in audit.deviations} <= {"object_mass", "object_joint_damping"}
     weighed = [m.measured for m in audit.deviations if m.key == "object_mass"]
     assert weighed == pytest.approx([1.0] * len(weighed), rel=0.01)
@@ -116,7 +109,7 @@ def test_a_read_back_that_lies_hides_nothing(
 
 
 def test_one_body_that_is_too_heavy_is_named(
-    honest: dict[str, Instance], pack: Pack, monkeypatch: pytest.MonkeyPatch
+    honest: dict[str, Instance], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cls = type(attributes()["object_mass"])
     honest_apply, names = cls.apply, list[str]()
@@ -128,5 +121,5 @@ def test_one_body_that_is_too_heavy_is_named(
         names.append(heavy.name)
 
     monkeypatch.setattr(cls, "apply", apply)
-    audit = audited(honest["orbit"], pack)
+    audit = audited(honest["orbit"], PACK)
     assert [m.place for m in audit.deviations if m.key == "object_mass"] == names

@@ -23,13 +23,10 @@ SPEC = EpisodeSpec("click_bell", "official_random")
 
 def check(spec: EpisodeSpec = SPEC, **changes: Any) -> DrawCheck:
     """Of a manifest that holds this spec."""
-    look = spec.visual()
-    resolved = Resolved(
-        spec.domain.to_json(),
-        None if look is None else look.to_json(),
-        {"task": load_task("click_bell").digest},
-        {"digest": default_pack().digest},
-    )
+    look, task, pack = spec.visual(), load_task("click_bell"), default_pack()
+    visual = None if look is None else look.to_json()
+    own = {"task": task.digest}, {"digest": pack.digest}
+    resolved = Resolved(spec.domain.to_json(), visual, *own)
     header = TaskHeader(CollectionSpec(spec), replace(resolved, **changes))
     return DrawCheck(SimpleNamespace(spec=header.spec, resolved=header.resolved, header=header))  # type: ignore[arg-type] - a manifest's entry counts too
 

@@ -7,7 +7,7 @@ pictures.
 import numpy as np
 import pytest
 
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import default_pack
 from rtphys.core.poses import Pose
 from rtphys.episode.assemble import label as label_of
 from rtphys.episode.generate import Instance, prepare
@@ -18,14 +18,10 @@ from rtphys.spec.protocol import BUILTIN, OFFICIAL
 from rtphys.spec.recording import RecordingSpec
 from rtphys.task.spec import load_task
 
+PACK = default_pack()
 NAMES = tuple(row.name for row in BUILTIN)
 TASKS = ("click_bell", "place_dual_shoes", "open_laptop")
 FROM_CV = np.array([[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]], float)
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 def labels(instance: Instance) -> dict[str, dict[str, object]]:
@@ -36,11 +32,11 @@ def labels(instance: Instance) -> dict[str, dict[str, object]]:
 @pytest.mark.sim
 @pytest.mark.parametrize("protocol", NAMES)
 @pytest.mark.parametrize("name", TASKS)
-def test_a_label_says_where_its_height_comes_from(name: str, protocol: str, pack: Pack) -> None:
+def test_a_label_says_where_its_height_comes_from(name: str, protocol: str) -> None:
     """That the table stands there is what `test_audit_episodes` measures."""
     heights = []
     for seed in range(2):
-        instance = prepare(EpisodeSpec(name, protocol).at(seed), load_task(name), pack)
+        instance = prepare(EpisodeSpec(name, protocol).at(seed), load_task(name), PACK)
         heights.append(labels(instance)["table_height"])
     source = {"clean": "nominal", "official_random": "look"}.get(protocol, "domain")
     assert [one["source"] for one in heights] == [source] * 2
@@ -52,12 +48,12 @@ def test_a_label_says_where_its_height_comes_from(name: str, protocol: str, pack
 
 @pytest.mark.render
 @pytest.mark.parametrize("protocol", NAMES)
-def test_pictures_are_taken_from_where_the_label_says(protocol: str, pack: Pack) -> None:
+def test_pictures_are_taken_from_where_the_label_says(protocol: str) -> None:
     renderer.configure("slim")
     renderer.hold_anchor()
     for seed in range(3):
         recipe = EpisodeSpec("click_bell", protocol).at(seed)
-        instance = prepare(recipe, load_task("click_bell"), pack, visuals=True)
+        instance = prepare(recipe, load_task("click_bell"), PACK, visuals=True)
         scene, label = SceneRenderer(instance.world, RecordingSpec(("head",))), labels(instance)
         (camera,) = scene.cameras
         world_to_camera = np.eye(4)  # OpenCV axes, as the renderer has it
@@ -74,7 +70,7 @@ def test_pictures_are_taken_from_where_the_label_says(protocol: str, pack: Pack)
 
 
 @pytest.mark.sim
-def test_a_held_height_stays_and_is_told_as_set(pack: Pack) -> None:
+def test_a_held_height_stays_and_is_told_as_set() -> None:
     spec = EpisodeSpec("click_bell", "official_random", overrides={"table_height": -0.05})
-    label = labels(prepare(spec.at(3), load_task("click_bell"), pack))["table_height"]
+    label = labels(prepare(spec.at(3), load_task("click_bell"), PACK))["table_height"]
     assert (label["value"], label["source"]) == (-0.05, "set")

@@ -1,42 +1,39 @@
 """What a policy sees, and what its actions do."""
 
-from collections.abc import Iterator
 from typing import get_args
 
 import numpy as np
 import pytest
 
-from rtphys.assets.pack import Pack, default_pack
-from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.assets.pack import default_pack
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.poses import Array, Pose, axis_angle
 from rtphys.episode import Observation, PolicyEpisode, begin
+from rtphys.episode.assemble import describer
 from rtphys.episode.control import LOST_STEPS
 from rtphys.episode.generate import attempt
-from rtphys.policies import PolicySetup, Stepwise, open_policy
+from rtphys.policies import Stepwise, open_policy
 from rtphys.policies.robotwin_env import official
 from rtphys.sim.engine import TIME_STEP
 from rtphys.sim.recorder import FRAME_STEPS
 from rtphys.sim.rollout import Keep
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
+from rtphys.task.instructions import instructions
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
-TASK = "click_bell"
+TASK, PACK = "click_bell", default_pack()
 
 
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
+def begun(seed: int = 0, protocol: str = "clean", **given: object) -> PolicyEpisode:
+    recipe = EpisodeSpec(TASK, protocol, split="unseen").at(seed)
+    return begin(recipe, load_task(TASK), PACK, **given)  # type: ignore[arg-type]
 
 
 @pytest.fixture
-def episode(pack: Pack) -> Iterator[PolicyEpisode]:
-    yield begun(pack)
-
-
-def begun(pack: Pack, seed: int = 0, protocol: str = "clean") -> PolicyEpisode:
-    return begin(EpisodeSpec(TASK, protocol, split="unseen").at(seed), load_task(TASK), pack)
+def episode() -> PolicyEpisode:
+    return begun()
 
 
 def test_an_observation_is_what_the_official_one_is(episode: PolicyEpisode) -> None:
@@ -47,19 +44,12 @@ def test_an_observation_is_what_the_official_one_is(episode: PolicyEpisode) -> N
     for side, commanded in zip(("left", "right"), episode._control.commanded_ee(), strict=True):
         np.testing.assert_allclose(seen.endposes[side][:3], commanded.p, atol=2e-3)
     assert seen.time == 0.0 and episode.taken == 0 and not episode.over
-    assert episode.instruction == begun_instruction(episode)
+    said = instructions(load_task(TASK), episode.seed, describer(PACK))
+    assert episode.instruction == said["unseen"][0]
 
 
-def begun_instruction(episode: PolicyEpisode) -> str:
-    from rtphys.episode.assemble import describer
-    from rtphys.task.instructions import instructions
-
-    said = instructions(load_task(TASK), episode.seed, describer(default_pack()))
-    return said["unseen"][0]
-
-
-def test_the_same_seed_gives_the_same_observations(pack: Pack) -> None:
-    first, second = begun(pack, 3, "phys_random"), begun(pack, 3, "phys_random")
+def test_the_same_seed_gives_the_same_observations() -> None:
+    first, second = begun(3, "phys_random"), begun(3, "phys_random")
     for _ in range(3):
         for episode in (first, second):
             episode.act(episode.observe().vector + 0.05)
@@ -176,22 +166,20 @@ def test_to_stop_early_is_to_give_up(episode: PolicyEpisode) -> None:
     assert episode.finish() is first
 
 
-def test_the_expert_does_what_its_demonstration_did(pack: Pack) -> None:
-    recipe = EpisodeSpec(TASK, "phys_random").at(0)
-    tried = attempt(recipe, load_task(TASK), pack)
+def test_the_expert_does_what_its_demonstration_did() -> None:
+    tried = attempt(EpisodeSpec(TASK, "phys_random").at(0), load_task(TASK), PACK)
     assert tried.accepted and tried.recording is not None
-    episode = begin(recipe, load_task(TASK), pack)
+    episode = begun(0, "phys_random")
     open_policy("expert").play(episode)
     assert episode.success and episode.finish().held
     assert episode.rollout.recorder.recording.hash == tried.recording.hash
 
 
 @pytest.mark.parametrize("protocol", ["clean", "phys_random_all"])
-def test_what_is_kept_of_an_episode_moves_no_bit_of_it(pack: Pack, protocol: str) -> None:
-    recipe = EpisodeSpec(TASK, protocol).at(0)
+def test_what_is_kept_of_an_episode_moves_no_bit_of_it(protocol: str) -> None:
     ends: dict[Keep, tuple[bytes, str, int]] = {}
     for keep in get_args(Keep):
-        episode = begin(recipe, load_task(TASK), pack, keep=keep)
+        episode = begun(0, protocol, keep=keep)
         episode.step_limit = 8
         open_policy("jitter").play(episode)
         recording = episode.rollout.recorder.recording
@@ -219,9 +207,7 @@ def test_a_stepwise_policy_acts_out_its_chunks(episode: PolicyEpisode) -> None:
     assert episode.taken == 10 and policy.seen == 3
 
 
-def test_a_stepwise_policy_names_the_kind_of_its_actions(
-    episode: PolicyEpisode, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_stepwise_policy_names_the_kind_of_its_actions(episode: PolicyEpisode) -> None:
     class Shifts(Stepwise):
         kind = "delta_ee"
 
@@ -234,45 +220,15 @@ def test_a_stepwise_policy_names_the_kind_of_its_actions(
     assert episode.observe().endposes["left"][2] - before == pytest.approx(0.01, abs=1e-3)
 
 
-def test_a_policy_that_raises_is_told_with_its_line(tmp_path, monkeypatch) -> None:
-    (tmp_path / "faulty.py").write_text("x = 1\nmake = y\n")
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(BadFile, match=r"NameError.*\(line 2\)"):
-        open_policy("python:faulty.py:make")
-
-
-def test_a_policy_of_ones_own(tmp_path, episode: PolicyEpisode) -> None:
-    file = tmp_path / "random.py"  # as a module of Python's own, and of another folder below
-    (tmp_path / "neighbour.py").write_text("from rtphys.policies.baselines import Idle\n")
-    file.write_text("from neighbour import Idle\ndef make(setup):\n    return Idle()\n")
-    episode.step_limit = 2
-    open_policy(f"python:{file}:make", PolicySetup(TASK)).play(episode)
-    assert episode.reason == "step_limit"
-    other = tmp_path / "other" / "random.py"
-    other.parent.mkdir()
-    other.write_text("def make(setup):\n    return 'nothing that plays'\n")
-    with pytest.raises(BadValue, match="it returned type str"):
-        open_policy(f"python:{other}:make")
-    with pytest.raises(UnknownName, match="did you mean 'make'"):
-        open_policy(f"python:{file}:mak")
-    with pytest.raises(BadFile, match="no such policy file"):
-        open_policy(f"python:{tmp_path / 'absent.py'}:make")
-    with pytest.raises(BadValue, match="no module"):
-        open_policy("python:no_such_module_here:make")
-    with pytest.raises(UnknownName, match="did you mean 'idle'"):
-        open_policy("idel")
-
-
 @pytest.mark.render
-def test_pictures_show_the_instant_they_were_observed_at(pack: Pack) -> None:
-    episode = begun(pack)
+def test_pictures_show_the_instant_they_were_observed_at(episode: PolicyEpisode) -> None:
     early = episode.observe()
     for _ in range(4):
         episode.act(early.vector + np.array([0.3, 0.8, 0.5, 0, 0, 0, 0] * 2))
     late = episode.observe()
     assert set(late.images) == {"head", "left", "right"}
     assert late.images["head"].shape == (240, 320, 3) and late.images["head"].dtype == np.uint8
-    fresh = begun(pack).observe()
+    fresh = begun().observe()
     for camera in late.images:
         np.testing.assert_array_equal(early.images[camera], fresh.images[camera])
         assert (early.images[camera] != late.images[camera]).any(), camera
@@ -280,10 +236,9 @@ def test_pictures_show_the_instant_they_were_observed_at(pack: Pack) -> None:
 
 
 @pytest.mark.render
-def test_senses_are_observed_on_request(pack: Pack) -> None:
-    recipe = EpisodeSpec(TASK, "clean").at(0)
-    recording_spec = RecordingSpec(("head",), ("depth", "segmentation", "pointcloud"))
-    now = begin(recipe, load_task(TASK), pack, recording_spec).observe()
+def test_senses_are_observed_on_request() -> None:
+    senses = ("depth", "segmentation", "pointcloud")
+    now = begun(recording_spec=RecordingSpec(("head",), senses)).observe()
     head = now.cameras["head"]
     assert head.depth is not None and head.depth.shape == (240, 320)
     shown = official(now)
@@ -292,6 +247,6 @@ def test_senses_are_observed_on_request(pack: Pack) -> None:
     assert np.allclose(camera["depth"], head.depth * 1000.0)
     assert camera["actor_segmentation"].shape == (240, 320, 3)
     assert shown["pointcloud"].shape == (1024, 6)  # type: ignore[attr-defined]
-    plain = begin(recipe, load_task(TASK), pack, RecordingSpec(("head",))).observe()
+    plain = begun(recording_spec=RecordingSpec(("head",))).observe()
     assert np.array_equal(plain.images["head"], head.rgb)
     assert plain.cloud is None and official(plain)["pointcloud"] == []

@@ -7,11 +7,11 @@ import pytest
 
 from rtphys.assets.pack import default_pack
 from rtphys.core.poses import Pose
-from rtphys.episode.generate import Attempt, attempt
+from rtphys.episode.generate import Instance, attempt
 from rtphys.episode.touch import felt, felt_now
 from rtphys.senses.touch import Touch
-from rtphys.sim.recorder import Row
-from rtphys.sim.touch import POSE_STEPS
+from rtphys.sim.recorder import Recording, Row
+from rtphys.sim.touch import POSE_STEPS, TouchTrack
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
 
@@ -21,26 +21,28 @@ STILL = 2e-4  # [m] between two frames
 
 
 @cache
-def tried(touch: bool) -> Attempt:
+def tried(touch: bool) -> tuple[Instance, Recording]:
     """Two loaves, one in each hand, under physics of its own."""
-    name = "place_bread_basket"
-    return attempt(
-        EpisodeSpec(name, "phys_random").at(0), load_task(name), default_pack(), touch=touch
-    )
+    recipe = EpisodeSpec("place_bread_basket", "phys_random").at(0)
+    made = attempt(recipe, load_task(recipe.task), default_pack(), touch=touch)
+    assert made.instance is not None and made.recording is not None
+    return made.instance, made.recording
+
+
+def track() -> TouchTrack:
+    found = tried(True)[1].touch
+    assert found is not None
+    return found
 
 
 @cache
 def touch() -> Touch:
-    recording = tried(True).recording
-    assert recording is not None and recording.touch is not None
-    return felt(recording.touch)
+    return felt(track())
 
 
 def held(side: int, load: str) -> list[int]:
     """Frames in which a hand alone holds a loaf still in the air."""
-    recording = tried(True).recording
-    assert recording is not None
-    rows, index = recording.rows, touch().objects.index(load)
+    rows, index = tried(True)[1].rows, touch().objects.index(load)
     fingers = slice(2 * side, 2 * side + 2)
     found = []
     for k in range(3, len(rows) - 1):
@@ -54,19 +56,16 @@ def held(side: int, load: str) -> list[int]:
 
 
 def test_recording_it_moves_nothing() -> None:
-    with_it, without = tried(True).recording, tried(False).recording
-    assert with_it is not None and without is not None
+    with_it, without = tried(True)[1], tried(False)[1]
     assert with_it.hash == without.hash and without.touch is None
     pairs = zip(with_it.rows, without.rows, strict=True)
     assert all(one.touched == other.touched for one, other in pairs)
 
 
 def test_all_frames_at_once_are_each_frame_by_itself() -> None:
-    recording = tried(True).recording
-    assert recording is not None and recording.touch is not None
-    track, whole = recording.touch, touch()
-    for t in range(0, len(track.rows), 9):
-        alone = felt_now(track, track.rows[t])
+    whole = touch()
+    for t in range(0, len(track().rows), 9):
+        alone = felt_now(track(), track().rows[t])
         for key, values in alone.arrays().items():
             columns = [whole.objects.index(name) for name in alone.objects]
             wanted = whole.arrays()[key][t]
@@ -76,22 +75,18 @@ def test_all_frames_at_once_are_each_frame_by_itself() -> None:
 
 def test_a_frame_that_has_not_ended() -> None:
     """Its steps are those of the frame that holds them, cut off."""
-    recording = tried(True).recording
-    assert recording is not None and recording.touch is not None
-    track, k = recording.touch, held(1, "bread1")[5]
-    row = track.rows[k]
+    row = track().rows[held(1, "bread1")[5]]
     for n in (1, 7, 15):
         poses = row.packed[: 1 + -(-n // POSE_STEPS)]
-        now = felt_now(track, row._replace(wrenches=row.wrenches[:n], packed=poses))
-        arm = np.array(row.wrenches)[:n, list(track.links), :3]
+        now = felt_now(track(), row._replace(wrenches=row.wrenches[:n], packed=poses))
+        arm = np.array(row.wrenches)[:n, list(track().links), :3]
         size = np.linalg.norm(arm, axis=2)[:, 2:]
         both = np.hypot(now.normal_peak[0, 2:], now.tangential_peak[0, 2:])
         assert both == pytest.approx(size.max(axis=0), rel=0.01), n
 
 
 def test_the_fingers_together_carry_the_weight_against_the_external_force() -> None:
-    instance = tried(True).instance
-    assert instance is not None
+    instance, _ = tried(True)
     weight = next(b.mass for b in instance.world.bodies if b.name == "bread1") * GRAVITY
     pushed = float(str(instance.physics["external_force"])) * weight
     frames = held(1, "bread1")
@@ -104,8 +99,7 @@ def test_the_fingers_together_carry_the_weight_against_the_external_force() -> N
 
 def test_a_finger_presses_as_its_servo_does() -> None:
     """k e: the law of a servo at rest, from positions alone."""
-    instance, recording = tried(True).instance, tried(True).recording
-    assert instance is not None and recording is not None
+    instance, recording = tried(True)
     arm = instance.world.robot.right
     frames = held(1, "bread1")
     for finger, column in enumerate(arm.finger_index.tolist()):
@@ -133,13 +127,10 @@ def in_hand(row: Row, name: str) -> Pose:
 
 def test_a_load_that_slides_slides_past_the_pads() -> None:
     """A phone slides out of a hand; its own motion against the hand says how fast."""
-    name = "place_phone_stand"
-    made = attempt(
-        EpisodeSpec(name, "phys_random_all").at(71), load_task(name), default_pack(), touch=True
-    )
-    assert made.reason == "slipped"
+    recipe = EpisodeSpec("place_phone_stand", "phys_random_all").at(71)
+    made = attempt(recipe, load_task(recipe.task), default_pack(), touch=True)
     recording = made.recording
-    assert recording is not None and recording.touch is not None
+    assert made.reason == "slipped" and recording is not None and recording.touch is not None
     found = felt(recording.touch)
     index = found.objects.index("phone")
     compared = []
@@ -151,9 +142,8 @@ def test_a_load_that_slides_slides_past_the_pads() -> None:
         X_HO = [in_hand(row, "phone") for row in (before, now)]
         tip = np.array([0.13, 0.0, 0.0])
         way = tip - (X_HO[0] @ X_HO[1].inverse() @ Pose(tip)).p
-        compared.append(
-            (float(np.linalg.norm(way[[0, 2]])) / 0.06, float(found.slip[k, :2].mean()))
-        )
+        speed = float(np.linalg.norm(way[[0, 2]])) / 0.06
+        compared.append((speed, float(found.slip[k, :2].mean())))
     own, slip = np.array(compared).T
     fast = own > 0.02
     assert fast.any()

@@ -25,26 +25,19 @@ from rtphys.export.lerobot_verify import verify_export  # noqa: E402
 R = FRAMES - 1
 
 
-@pytest.fixture(scope="module")
-def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("dataset")
-    collect(out, 3)
-    return out
-
-
 @pytest.fixture(params=["v3.0", "v2.1"])
-def exported(data: Path, tmp_path: Path, request: pytest.FixtureRequest) -> Path:
+def exported(dataset: Dataset, tmp_path: Path, request: pytest.FixtureRequest) -> Path:
     spec = ExportSpec(request.param, features=("contact",), sentences="all")
-    return export_lerobot(Dataset(data), tmp_path / "lr", spec)
+    return export_lerobot(dataset, tmp_path / "lr", spec)
 
 
-def test_an_export_is_its_dataset(exported: Path, data: Path) -> None:
-    assert verify_export(exported, Dataset(data)) == []
-    done = CliRunner().invoke(app, ["verify-export", str(exported), str(data)])
+def test_an_export_is_its_dataset(exported: Path, dataset: Dataset) -> None:
+    assert verify_export(exported, dataset) == []
+    done = CliRunner().invoke(app, ["verify-export", str(exported), str(dataset.path)])
     assert done.exit_code == 0 and "every number and picture" in done.output
 
 
-def test_a_number_that_differs_is_named(exported: Path, data: Path) -> None:
+def test_a_number_that_differs_is_named(exported: Path, dataset: Dataset) -> None:
     path = max((exported / "data").rglob("*.parquet"))
     table = pq.read_table(path)
     action = np.array(table["action"].to_pylist(), np.float32)
@@ -52,9 +45,9 @@ def test_a_number_that_differs_is_named(exported: Path, data: Path) -> None:
     column = pa.FixedSizeListArray.from_arrays(pa.array(action.ravel()), action.shape[1])
     index = table.column_names.index("action")
     pq.write_table(table.set_column(index, "action", column), path)
-    (problem,) = verify_export(exported, Dataset(data))
+    (problem,) = verify_export(exported, dataset)
     assert problem == "episode 2 (click_bell, seed 3): action is not the dataset's"
-    done = CliRunner().invoke(app, ["verify-export", str(exported), str(data)])
+    done = CliRunner().invoke(app, ["verify-export", str(exported), str(dataset.path)])
     assert done.exit_code == 1 and problem in done.output
 
 
@@ -67,7 +60,9 @@ def test_a_number_that_differs_is_named(exported: Path, data: Path) -> None:
     ],
     ids=["colours", "shifted", "short"],
 )
-def test_a_picture_that_differs_is_named(exported: Path, data: Path, change, told: str) -> None:
+def test_a_picture_that_differs_is_named(
+    exported: Path, dataset: Dataset, change, told: str
+) -> None:
     path = max((exported / "videos").rglob("*.mp4"))
     shown = change(np.stack([*video.decode(path.read_bytes())]))
     rate = RATES["v3.0" if "file-" in path.name else "v2.1"]
@@ -75,17 +70,17 @@ def test_a_picture_that_differs_is_named(exported: Path, data: Path, change, tol
     for picture in shown:
         writer.add(np.ascontiguousarray(picture))
     path.write_bytes(writer.finish())
-    problems = verify_export(exported, Dataset(data))
+    problems = verify_export(exported, dataset)
     assert problems and all("right_camera" in one for one in problems)
     assert re.search(told, problems[-1])
 
 
 def test_what_was_made_of_another_dataset_is_refused(
-    exported: Path, data: Path, tmp_path: Path
+    exported: Path, dataset: Dataset, tmp_path: Path
 ) -> None:
     collect(tmp_path / "other", 2)
     with pytest.raises(BadValue, match="of another dataset, or of another state"):
         verify_export(exported, Dataset(tmp_path / "other"))
     shutil.rmtree(exported / "meta")
     with pytest.raises(BadFile, match=r"rtphys\.json"):
-        verify_export(exported, Dataset(data))
+        verify_export(exported, dataset)

@@ -9,8 +9,7 @@ from typer.testing import CliRunner
 from rtphys.cli.physics import physics as command
 from rtphys.data.dataset import Dataset
 from rtphys.data.staging import stage_episode
-from rtphys.data.task_writer import Rejection
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.laws.audit.selection import Selection, selections, selections_by_task_dataset
 
 N = 400

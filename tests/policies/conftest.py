@@ -18,8 +18,6 @@ collect_ignore = (
     if find_spec("websockets") and find_spec("msgpack")
     else ["test_websocket.py", "test_openpi.py", "test_xpolicylab.py", "test_hostile_server.py"]
 )
-
-TASK, SEED = "click_bell", 0
 SHADES = {"head": 10, "left": 20, "right": 30}
 
 
@@ -28,21 +26,21 @@ def painted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Cameras see one colour each, so that no renderer is needed."""
 
     def view(self: Mirror, packed: bytes, frame: int) -> View:
-        return View(
-            {
-                name: CameraView(
-                    np.full((240, 320, 3), (shade, 0, 255), np.uint8),
-                    np.eye(3, dtype=np.float32),
-                    np.eye(4, dtype=np.float32)[:3],
-                    np.eye(4, dtype=np.float32),
-                )
-                for name, shade in SHADES.items()
-            }
-        )
+        eye, views = np.eye(4, dtype=np.float32), dict[str, CameraView]()
+        for name, shade in SHADES.items():
+            picture = np.full((240, 320, 3), (shade, 0, 255), np.uint8)
+            views[name] = CameraView(picture, eye[:3, :3], eye[:3], eye)
+        return View(views)
 
     monkeypatch.setattr(Mirror, "view", view)
 
 
 @pytest.fixture
 def new_episode(painted: None) -> Callable[[], PolicyEpisode]:
-    return lambda: begin(EpisodeSpec(TASK, "clean").at(SEED), load_task(TASK), default_pack())
+    recipe, task = EpisodeSpec("click_bell", "clean").at(0), load_task("click_bell")
+    return lambda: begin(recipe, task, default_pack())
+
+
+@pytest.fixture
+def episode(new_episode: Callable[[], PolicyEpisode]) -> PolicyEpisode:
+    return new_episode()

@@ -1,6 +1,5 @@
 """Policies by specification: names, options, and policies of the user's own."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -16,7 +15,9 @@ from rtphys.policies import (
     parse_spec,
     registry,
 )
-from rtphys.policies.registry import options_as, split_options
+from rtphys.policies.lerobot import LeRobotOptions
+from rtphys.policies.registry import split_options
+from rtphys.spec.option import from_words
 
 MINE = """
 from helper import SPEED
@@ -26,8 +27,6 @@ class Mine:
     def __init__(self, setup): self.speed = SPEED * float(setup.options["gain"])
     def play(self, episode): ...
     def close(self): ...
-
-def broken(setup): return 3
 """
 
 
@@ -66,53 +65,53 @@ def test_policies_without_argument_are_opened(name: str) -> None:
 
 
 def test_a_plus_in_a_path_survives() -> None:
-    assert split_options("a+b?ckpt=/run+1/c d") == ("a+b", {"ckpt": "/run+1/c d"})
-    assert split_options("a?ckpt=%2Brun") == ("a", {"ckpt": "+run"})
-
-
-@dataclass(frozen=True)
-class Chosen:
-    """Options of some policy."""
-
-    execute: int = 0
-    seconds: float = 1.0
-    name: str = "x"
-    physics: bool = False
+    assert split_options("a+b?ckpt=/run+1/c d", {}) == ("a+b", {"ckpt": "/run+1/c d"})
+    assert split_options("a?ckpt=%2Brun", {}) == ("a", {"ckpt": "+run"})
 
 
 def test_options_follow_a_question_mark_and_override_others() -> None:
-    rest, given = split_options("a:1?execute=3&name=x y", {"execute": "9", "physics": "True"})
-    assert (rest, given) == ("a:1", {"execute": 3, "name": "x y", "physics": True})
-    assert options_as(Chosen, given, "here") == Chosen(3, 1.0, "x y", True)
-    assert options_as(Chosen, {"seconds": 2, "physics": 0}, "here") == Chosen(seconds=2)
+    rest, given = split_options("a:1?execute=3&device=x y", {"execute": "9", "physics": "True"})
+    assert (rest, given) == ("a:1", {"execute": "3", "device": "x y", "physics": "True"})
+    chosen = LeRobotOptions(execute=3, device="x y", physics=True)
+    assert from_words(LeRobotOptions, given, "option", "here") == chosen
+    assert from_words(LeRobotOptions, {"reply_s": "2"}, "option", "here").reply_s == 2
     with pytest.raises(BadValue, match="key=value"):
-        split_options("a?execute")
+        split_options("a?execute", {})
 
 
 @pytest.mark.parametrize(
     ("given", "problem"),
     [
-        ({"exceute": 1}, "did you mean 'execute'"),
-        *(({"seconds": wrong}, "a number greater than zero") for wrong in (True, 0, -1, "2")),
-        *(({"execute": wrong}, "a whole number greater than") for wrong in (True, 0, 1.5, "two")),
-        ({"physics": "perhaps"}, "true or false"),
+        *(("exceute=1", "did you mean 'execute'"), ("physics=perhaps", "physics: .*boolean")),
+        *((f"reply_s={wrong}", "reply_s = .* is not allowed; at ") for wrong in (0, -1, "nan")),
+        *((f"execute={wrong}", "execute = .* at least 1") for wrong in (0, -2)),
+        *((f"execute={wrong}", "execute: .*integer") for wrong in ("True", 1.5, "two")),
+        *(("reply_s=True", "reply_s: .*number"), ("observe=always", "'action' or 'chunk'")),
     ],
 )
-def test_a_wrong_option_is_named(given: dict[str, object], problem: str) -> None:
-    with pytest.raises((UnknownName, BadValue), match=problem):
-        options_as(Chosen, given, "here")
+def test_a_wrong_option_is_named(given: str, problem: str) -> None:
+    with pytest.raises((UnknownName, BadFile), match=f"^lerobot:act: .*{problem}"):
+        open_policy(f"lerobot:act?{given}")
 
 
 def test_a_policy_of_the_users_own_may_import_its_neighbours(tmp_path: Path) -> None:
+    """Its file may be called as a module of Python's own, and as one in another folder."""
     (tmp_path / "helper.py").write_text("SPEED = 2.0\n")
-    mine = tmp_path / "mine.py"
+    mine, other = tmp_path / "random.py", tmp_path / "other" / "random.py"
     mine.write_text(MINE)
     policy = open_policy(f"python:{mine}:Mine", PolicySetup(options={"gain": "3"}))
     assert policy.speed == 6.0  # type: ignore[attr-defined]
+    other.parent.mkdir()
+    other.write_text("x = 1\ndef broken(setup): return 3\nclass Mine: ...\n")
     with pytest.raises(BadValue, match=r"returned type int, which has no play\(episode\)"):
-        open_policy(f"python:{mine}:broken")
+        open_policy(f"python:{other}:broken")
     with pytest.raises(UnknownName, match="did you mean 'Mine'"):
-        open_policy(f"python:{mine}:Mime")
+        open_policy(f"python:{other}:Mime")
+    other.write_text("x = 1\nmake = y\n")
+    with pytest.raises(BadFile, match=r"NameError.*\(line 2\)"):
+        open_policy(f"python:{other}:make")
+    with pytest.raises(BadFile, match="no such policy file"):
+        open_policy(f"python:{tmp_path / 'absent.py'}:make")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,5 @@
 """TASK_ENV to the letter: observations, members and actions as RoboTwin's adapters use them."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,28 +15,20 @@ from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
 
-Episodes = Callable[[], PolicyEpisode]
 
-
-def test_the_observation_to_the_letter(new_episode: Episodes) -> None:
+def test_the_observation_to_the_letter(episode: PolicyEpisode) -> None:
     env = TaskEnv()
-    env.begin_episode(new_episode())
+    env.begin_episode(episode)
     found: Any = env.get_obs()
     assert list(found) == ["observation", "pointcloud", "joint_action", "endpose"]
     assert found["pointcloud"] == []
     assert set(found["observation"]) == {"head_camera", "left_camera", "right_camera"}
     head = found["observation"]["head_camera"]
-    shapes = {key: value.shape for key, value in head.items()}
-    assert shapes == {
-        "rgb": (240, 320, 3),
-        "intrinsic_cv": (3, 3),
-        "extrinsic_cv": (3, 4),
-        "cam2world_gl": (4, 4),
-    }
+    matrices = {"intrinsic_cv": (3, 3), "extrinsic_cv": (3, 4), "cam2world_gl": (4, 4)}
+    assert {k: value.shape for k, value in head.items()} == {"rgb": (240, 320, 3), **matrices}
     joints, ends = found["joint_action"], found["endpose"]
     for side in ("left", "right"):
-        assert len(joints[f"{side}_arm"]) == 6
-        assert type(joints[f"{side}_arm"]) is list
+        assert type(joints[f"{side}_arm"]) is list and len(joints[f"{side}_arm"]) == 6
         assert type(joints[f"{side}_gripper"]) is float
         assert joints[f"{side}_gripper"] == ends[f"{side}_gripper"] == 1.0
         assert type(ends[f"{side}_endpose"]) is list
@@ -50,11 +41,10 @@ def test_the_observation_to_the_letter(new_episode: Episodes) -> None:
     assert kept["observation"]["head_camera"]["rgb"].any()
 
 
-def test_the_members_that_adapters_use(new_episode: Episodes) -> None:
+def test_the_members_that_adapters_use(episode: PolicyEpisode) -> None:
     env = TaskEnv()
     with pytest.raises(RuntimeError, match="setup_demo"):
         env.get_obs()
-    episode = new_episode()
     env.begin_episode(episode)
     env._fact_force_full_obs = True  # type: ignore[attr-defined] - adapters hang things on it
     assert env.task_name == "click_bell"
@@ -66,17 +56,15 @@ def test_the_members_that_adapters_use(new_episode: Episodes) -> None:
     assert not env.robot.is_right_gripper_close()
     ee, tcp = np.array(env.robot.get_left_ee_pose()), np.array(env.robot.get_left_tcp_pose())
     assert np.linalg.norm(ee[:3] - tcp[:3]) == pytest.approx(0.12, abs=1e-6)
-    env.cameras.update_wrist_camera(
-        env.robot.left_camera.get_pose(), env.robot.right_camera.get_pose()
-    )
+    cameras = env.robot.left_camera, env.robot.right_camera
+    env.cameras.update_wrist_camera(*(camera.get_pose() for camera in cameras))
     env.cameras.update_picture()
     assert env.cameras.get_rgb()["left_camera"]["rgb"][0, 0, 0] == 20
     assert "cam2world_gl" in env.cameras.get_config()["head_camera"]
 
 
-def test_actions_of_every_kind_and_none_after_the_end(new_episode: Episodes) -> None:
+def test_actions_of_every_kind_and_none_after_the_end(episode: PolicyEpisode) -> None:
     env = TaskEnv()
-    episode = new_episode()
     env.begin_episode(episode)
     env.take_action(left_up := [*env.robot.get_left_arm_jointState()] * 2, action_type="qpos")
     poses = [env.robot.get_left_ee_pose(), env.robot.get_right_ee_pose()]
@@ -98,12 +86,8 @@ def not_drawn(*_: object) -> None:
 
 def test_touch_is_felt_and_draws_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Mirror, "view", not_drawn)
-    recipe, recording_spec = (
-        EpisodeSpec("click_bell", "clean").at(0),
-        RecordingSpec(senses=("touch",)),
-    )
-    env = TaskEnv()
-    env.begin_episode(begin(recipe, load_task("click_bell"), default_pack(), recording_spec))
+    env, task, asked = TaskEnv(), load_task("click_bell"), RecordingSpec(senses=("touch",))
+    env.begin_episode(begin(EpisodeSpec("click_bell").at(0), task, default_pack(), asked))
     env.data_type["rgb"] = False
     env.take_action(env.get_obs()["joint_action"]["vector"])
     felt = env.get_obs()["touch"]
@@ -112,10 +96,10 @@ def test_touch_is_felt_and_draws_nothing(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_without_rgb_nothing_is_drawn(
-    new_episode: Episodes, monkeypatch: pytest.MonkeyPatch
+    episode: PolicyEpisode, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Mirror, "view", not_drawn)
     env = TaskEnv()
-    env.begin_episode(new_episode())
+    env.begin_episode(episode)
     env.data_type["rgb"] = False
     assert env.get_obs()["observation"] == {}

@@ -1,6 +1,7 @@
 """XPolicyLab's websocket, end to end against a server that is as strict as theirs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -8,15 +9,14 @@ import pytest
 from servers import serving
 from websockets.sync.server import ServerConnection
 
-from rtphys.core.errors import BadValue
+from rtphys.core.errors import BadFile
 from rtphys.episode import PolicyEpisode
 from rtphys.policies import PolicySetup, ServerFailed
 from rtphys.policies.websocket import MSGPACK_NUMPY
-from rtphys.policies.xpolicylab import action_of, chunk_of, open_xpolicylab
+from rtphys.policies.xpolicylab import XPolicyLab, action_of, chunk_of, open_xpolicylab
 
 pytestmark = pytest.mark.sim
 
-Episodes = Callable[[], PolicyEpisode]
 Frame = dict[str, Any]
 KEYS = {
     "message_type", "message_id", "evaluation_id", "action_case_id", "trial_id",
@@ -26,19 +26,16 @@ ANSWER = {"hello": "hello_ack", "prepare_case": "prepare_case_ack", "reset": "re
 ANSWER |= {"infer": "infer_result", "trial_end": "trial_end_ack"}
 
 
-def strict(infer: Callable[[Frame], Frame], log: list[Frame]) -> Callable:
-    """A server that accepts frames of the exact form alone, and answers each."""
+@contextmanager
+def served(infer: Callable[[Frame], Frame], log: list[Frame]) -> Iterator[XPolicyLab]:
+    """The client of a server that accepts frames of the exact form alone, and answers each."""
 
     def handle(socket: ServerConnection) -> None:
         for raw in socket:
-            assert isinstance(raw, bytes)
-            frame = MSGPACK_NUMPY.unpack(raw)
-            assert isinstance(frame, dict)
+            frame: Any = MSGPACK_NUMPY.unpack(raw)  # type: ignore[arg-type]
             log.append(frame)
-            wrong = set(frame) ^ KEYS
-            kind = frame["message_type"]
-            answer: Frame = {"ok": True}
-            reply = ANSWER.get(kind)
+            wrong, kind = set(frame) ^ KEYS, frame["message_type"]
+            reply, answer = ANSWER.get(kind), {"ok": True}
             if wrong or reply is None:
                 reply, answer = "error", {"code": "invalid_frame", "message": str(wrong)}
             elif kind == "infer":
@@ -46,7 +43,10 @@ def strict(infer: Callable[[Frame], Frame], log: list[Frame]) -> Callable:
                 reply = "error" if "code" in answer else reply
             socket.send(MSGPACK_NUMPY.pack({**frame, "message_type": reply, "payload": answer}))
 
-    return handle
+    with serving(handle) as where:
+        policy = open_xpolicylab(where, PolicySetup())
+        yield policy
+        policy.close()
 
 
 def named(row: np.ndarray) -> Frame:
@@ -60,7 +60,7 @@ def named(row: np.ndarray) -> Frame:
 
 
 def test_a_served_recording_rings_the_bell(
-    new_episode: Episodes, expert_actions: np.ndarray
+    episode: PolicyEpisode, expert_actions: np.ndarray
 ) -> None:
     log: list[Frame] = []
     left = [named(row) for row in expert_actions]
@@ -69,16 +69,12 @@ def test_a_served_recording_rings_the_bell(
         now, left[:8] = left[:8], []
         return {"actions": now or [named(expert_actions[-1])], "latency_ms": 0.1}
 
-    with serving(strict(infer, log)) as where:
-        policy = open_xpolicylab(where, PolicySetup())
-        episode = new_episode()
+    with served(infer, log) as policy:
         policy.play(episode)
-        policy.close()
     assert episode.success
     kinds = [frame["message_type"] for frame in log]
-    assert kinds[:3] == ["hello", "prepare_case", "reset"]
+    assert kinds[:3] == ["hello", "prepare_case", "reset"] and kinds[-1] == "trial_end"
     assert set(kinds[3:-1]) == {"infer"}
-    assert kinds[-1] == "trial_end"
     assert log[-1]["payload"]["success"] is True
     assert log[1]["payload"]["instruction"] == episode.instruction
     assert [frame["step"] for frame in log[3:-1]] == list(range(len(log) - 4))
@@ -88,11 +84,9 @@ def test_a_served_recording_rings_the_bell(
     assert observation["instruction"] == episode.instruction
     for name, shade in (("cam_head", 10), ("cam_left_wrist", 20), ("cam_right_wrist", 30)):
         camera = observation["vision"][name]
-        assert camera["color"].shape == (240, 320, 3)
-        assert camera["color"].dtype == np.uint8
+        assert camera["color"].shape == (240, 320, 3) and camera["color"].dtype == np.uint8
         assert camera["color"][0, 0].tolist() == [shade, 0, 255]
-        assert camera["shape"] == [240, 320]
-        assert camera["intrinsic_matrix"].shape == (3, 3)
+        assert camera["shape"] == [240, 320] and camera["intrinsic_matrix"].shape == (3, 3)
     for side in ("left", "right"):
         assert observation["state"][f"{side}_arm_joint_state"].shape == (6,)
         assert observation["state"][f"{side}_ee_joint_state"].tolist() == [1.0]
@@ -100,8 +94,7 @@ def test_a_served_recording_rings_the_bell(
         assert np.linalg.norm(tcp[:3] - ee[:3]) == pytest.approx(0.12, abs=1e-5)
 
 
-def test_end_effector_actions(new_episode: Episodes) -> None:
-    episode = new_episode()
+def test_end_effector_actions(episode: PolicyEpisode) -> None:
     now = episode.observe()
     shift = np.array([0.0, 0.0, 0.02, 0, 0, 0, 0])
     row, kind = action_of({"left_ee_pose": now.endposes["left"] + shift}, "ee", now, "server")
@@ -114,9 +107,8 @@ def test_end_effector_actions(new_episode: Episodes) -> None:
     np.testing.assert_allclose(moved, shift[:3], atol=4e-3)
 
 
-def test_rows_of_numbers_will_do(new_episode: Episodes, expert_actions: np.ndarray) -> None:
-    now = new_episode().observe()
-    three = expert_actions[:3]
+def test_rows_of_numbers_will_do(episode: PolicyEpisode, expert_actions: np.ndarray) -> None:
+    now, three = episode.observe(), expert_actions[:3]
     for answer in (three, three.tolist(), {"actions": three}):
         rows = [action_of(a, "joint", now, "server")[0] for a in chunk_of(answer, "server")]
         np.testing.assert_array_equal(rows, three)
@@ -138,17 +130,14 @@ def test_rows_of_numbers_will_do(new_episode: Episodes, expert_actions: np.ndarr
     ],
 )
 def test_a_bad_answer_is_the_policys_failure_and_the_next_episode_goes_on(
-    answer: Frame, new_episode: Episodes
+    answer: Frame, new_episode: Callable[[], PolicyEpisode]
 ) -> None:
-    log: list[Frame] = []
-    with serving(strict(lambda _: answer, log)) as where:
-        policy = open_xpolicylab(where, PolicySetup())
+    with served(lambda _: answer, []) as policy:
         for _ in range(2):
-            with pytest.raises(ServerFailed, match=where):
+            with pytest.raises(ServerFailed, match=r"^ws://127\.0\.0\.1:\d+: "):
                 policy.play(new_episode())
-        policy.close()
 
 
 def test_wrong_options_are_named() -> None:
-    with pytest.raises(BadValue, match="action_type"):
+    with pytest.raises(BadFile, match="unknown action_type 'torque'"):
         open_xpolicylab("localhost:1?action_type=torque", PolicySetup())

@@ -7,21 +7,17 @@ from rtphys.results import summarise
 
 
 def test_a_summary_tells_both_denominators_and_pairs_seeds() -> None:
+    played = {
+        ("clean", "a"): {1: True, 2: True, 3: True},
+        ("clean", "b"): {1: False, 2: True},
+        ("phys_random", "a"): {1: False, 3: True},
+        ("phys_random", "b"): {},
+    }
     records = {
-        ("clean", "a"): [record(1, task="a"), record(2, task="a"), record(3, task="a")],
-        ("clean", "b"): [record(1, False, task="b"), record(2, task="b")],
-        ("phys_random", "a"): [
-            record(1, False, task="a", protocol="phys_random"),
-            record(3, task="a", protocol="phys_random"),
-        ],
-        ("phys_random", "b"): [],
+        (protocol, task): [record(*one, task=task, protocol=protocol) for one in seeds.items()]
+        for (protocol, task), seeds in played.items()
     }
-    lists = {
-        ("clean", "a"): instances("a", "clean", 1, 2, 3),
-        ("clean", "b"): instances("b", "clean", 1, 2),
-        ("phys_random", "a"): instances("a", "phys_random", 1, 3),
-        ("phys_random", "b"): instances("b", "phys_random", 5, 6),
-    }
+    lists = {key: instances(key[1], key[0], *(seeds or (5, 6))) for key, seeds in played.items()}
     found = summarise(records, lists)
     row = next(row for row in found.tasks if row.protocol == "phys_random" and row.task == "a")
     assert row.counts.of_feasible.value == 0.5 and row.reasons == {"step_limit": 1}

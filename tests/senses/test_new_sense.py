@@ -4,11 +4,13 @@ import h5py
 import numpy as np
 import pytest
 
+from rtphys.data.episode import Sensed
 from rtphys.data.hdf5_file import GROUP, build, open_read
 from rtphys.data.hdf5_senses import read_senses, sense_streams, write_senses
-from rtphys.data.sensed import Sensed
 from rtphys.senses import SENSES, Field, Sense
 from rtphys.senses.sense import Array, Arrays, Pixels
+from rtphys.senses.touch import Touch
+from rtphys.spec.recording import RecordingSpec
 
 CAMERAS = ["head_camera", "left_camera"]
 T, H, W = 4, 6, 8
@@ -69,10 +71,29 @@ def test_one_class_is_written_read_and_verified(brightness: Brightness, layout: 
             assert problem.endswith(f"not float32 {(T - (layout == 'native'), H, W + 1)}")
 
 
+class Grip(Sense):
+    """How hard each finger presses: of what the fingers feel."""
+
+    name = "grip"
+    adds = "normal force of each finger"
+    scope = "world"
+    size = 16
+    fields = (Field("grip", ("rtphys/grip", "rtphys/grip"), np.float32, ("finger",), packed=False),)
+
+    def capture(self, source: Touch) -> Arrays:
+        return {"grip": source.normal_peak}
+
+
+def test_a_sense_that_cameras_do_not_draw_turns_on_what_it_needs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(SENSES, "grip", Grip())
+    assert RecordingSpec(senses=("grip",)).touch and not RecordingSpec(senses=("states",)).touch
+
+
 def test_one_class_is_observed(brightness: Brightness) -> None:
     pytest.importorskip("gymnasium")
     from rtphys.gym.shapes import sensed
-    from rtphys.spec.recording import RecordingSpec
 
     spec = RecordingSpec(("head", "left"), ("brightness",))
     space = sensed(spec)["brightness"]

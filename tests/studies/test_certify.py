@@ -1,4 +1,4 @@
-"""Certification: the same lists whatever the workers, the wishes and the kills; reproving them."""
+"""Certified lists: the same whatever the workers, the wishes and the kills; reproving them."""
 
 import os
 import signal
@@ -33,7 +33,7 @@ from rtphys.results.instances import (
 from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.studies import certify as module
 from rtphys.studies.certify import (
-    Certification,
+    CertificationSeries,
     CertificationTask,
     MeasuredInstance,
     certify,
@@ -62,10 +62,10 @@ def wish(out: Path, **changes) -> Wish:
     return spec, replace(CertificationRun((TASK,), (PROTOCOL,), out), **changes)
 
 
-def opened(out: Path, baselines: tuple[str, ...] = BOTH, **changes) -> Certification:
+def opened(out: Path, baselines: tuple[str, ...] = BOTH, **changes) -> CertificationSeries:
     template, run = wish(out, baselines=baselines, **changes)
     (spec,) = run.specs(template)
-    return Certification(out, spec, FINGERPRINT)
+    return CertificationSeries(out, spec, FINGERPRINT)
 
 
 def listed(out: Path, protocol: str = PROTOCOL) -> InstanceList:
@@ -83,7 +83,7 @@ def verdict(seed: int, baselines: tuple[str, ...]) -> BenchmarkInstance:
     return BenchmarkInstance(seed, "", f"{seed:016x}", replay, twin)
 
 
-def work(made: Certification, most: int = 1000) -> list[tuple[int, tuple[str, ...]]]:
+def work(made: CertificationSeries, most: int = 1000) -> list[tuple[int, tuple[str, ...]]]:
     """Does at most so many jobs; returns what each was: seed after the first, baselines."""
     done = []
     while made.wants(1) and len(done) < most:
@@ -94,7 +94,7 @@ def work(made: Certification, most: int = 1000) -> list[tuple[int, tuple[str, ..
     return done
 
 
-def take(made: Certification, *rows: BenchmarkInstance) -> None:
+def take(made: CertificationSeries, *rows: BenchmarkInstance) -> None:
     """What comes back from workers, each of them busy."""
     while len(made.running) < len(rows):
         made.begin()
@@ -150,7 +150,7 @@ def test_another_fingerprint_is_refused(tmp_path: Path, closed: bool) -> None:
         opened(tmp_path, first_seed=7)
     other = FINGERPRINT.model_copy(update={"assets": "else"})
     with pytest.raises(DatasetMismatch, match="assets was '', now 'else'"):
-        Certification(tmp_path, made.spec, other)
+        CertificationSeries(tmp_path, made.spec, other)
 
 
 def test_a_hopeless_list_is_given_up_wherever_it_was_killed(tmp_path: Path) -> None:

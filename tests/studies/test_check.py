@@ -4,16 +4,18 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import default_pack
-from rtphys.cli.check import complaints
+from rtphys.cli.authoring import complaints
 from rtphys.cli.main import app
+from rtphys.core.library import bundled
 from rtphys.policies.baselines import Walk
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import check as check_module
-from rtphys.studies.check import BASELINES, CheckResult, Score, check, solves
+from rtphys.studies.check import BASELINES, CheckResult, Score, check, solves, watch
 from rtphys.studies.requests import CheckPlan
 from rtphys.task.spec import load_task
 
@@ -59,47 +61,47 @@ def test_a_lost_worker_is_a_failure_with_its_reason() -> None:
     assert score.accepted == [0] and score.deterministic
 
 
-def test_an_idle_robot_that_succeeds_is_complained_about() -> None:
-    assert complaints([score_of(("expert", 0, GOOD), ("idle", 0, CheckResult()))]) == []
-    (text,) = complaints(
-        [score_of(("idle", 0, CheckResult(success=True)), ("idle", 1, CheckResult()))]
-    )
-    assert text == "click_bell, clean: the baseline idle solves 1 of 2 seeds"
+WON = CheckResult(success=True)
 
 
-def test_an_expert_that_solves_nothing_is_complained_about() -> None:
-    assert complaints([score_of(("expert", 0, LOST), ("expert", 1, GOOD))]) == []
-    (text,) = complaints([score_of(("expert", 0, LOST), ("expert", 1, LOST))])
-    assert text == "click_bell, clean: the expert solves none of 2 seeds"
-
-
-def test_two_outcomes_of_one_seed_are_complained_about() -> None:
-    same = score_of(("expert", 0, GOOD), ("again", 0, GOOD))
-    assert complaints([same]) == []
-    other = score_of(("expert", 0, GOOD), ("again", 0, CheckResult(hash="b")))
-    (text,) = complaints([other])
-    assert "different states" in text
+@pytest.mark.parametrize(
+    ("trials", "said"),
+    [
+        ([("expert", 0, GOOD), ("idle", 0, CheckResult())], []),
+        (
+            [("idle", 0, WON), ("idle", 1, CheckResult())],
+            ["click_bell, clean: the baseline idle solves 1 of 2 seeds"],
+        ),
+        ([("expert", 0, LOST), ("expert", 1, GOOD)], []),
+        (
+            [("expert", 0, LOST), ("expert", 1, LOST)],
+            ["click_bell, clean: the expert solves none of 2 seeds"],
+        ),
+        ([("expert", 0, GOOD), ("again", 0, GOOD)], []),
+        (
+            [("expert", 0, GOOD), ("again", 0, CheckResult(hash="b"))],
+            ["click_bell, clean: a seed that was tried twice went through different states"],
+        ),
+    ],
+)
+def test_what_no_task_may_do_is_complained_about(
+    trials: list[tuple[str, int, CheckResult]], said: list[str]
+) -> None:
+    assert complaints([score_of(*trials)]) == said
 
 
 def test_the_random_walk_stays_within_limits_and_is_keyed() -> None:
-    import numpy as np
-
     limits = np.array([[[-0.1, 0.2]] * 6] * 2)
     walks = []
     for seed in (1, 1, 2):
-        source, command = Walk(seed, limits), np.zeros(14)
-        walk = []
+        source, walk = Walk(seed, limits), [np.zeros(14)]
         for _ in range(200):
-            command = source.after(command)
-            walk.append(command)
-        walks.append(np.array(walk))
-    arms = walks[0][:, [0, 5, 7, 12]]
-    assert arms.min() >= -0.1
-    assert arms.max() <= 0.2
-    assert np.ptp(arms) > 0.2
-    assert 0 <= walks[0][:, [6, 13]].min() <= walks[0][:, [6, 13]].max() <= 1
-    assert (walks[0] == walks[1]).all()
-    assert (walks[0] != walks[2]).any()
+            walk.append(source.after(walk[-1]))
+        walks.append(np.array(walk[1:]))
+    arms, hands = walks[0][:, [0, 5, 7, 12]], walks[0][:, [6, 13]]
+    assert arms.min() >= -0.1 and arms.max() <= 0.2 < np.ptp(arms)
+    assert 0 <= hands.min() <= hands.max() <= 1
+    assert (walks[0] == walks[1]).all() and (walks[0] != walks[2]).any()
 
 
 def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -169,39 +171,58 @@ def test_scores_do_not_depend_on_the_number_of_workers() -> None:
 
 
 @pytest.mark.sim
-@pytest.mark.parametrize("robot", ["idle", "random"])
-def test_a_blind_robot_does_not_ring_the_bell(robot: str) -> None:
-    task, pack = load_task("click_bell"), default_pack()
-    assert not any(
-        solves(EpisodeSpec("click_bell", "phys_random").at(s), task, pack, robot) for s in (0, 1)
-    )
-
-
-@pytest.mark.sim
 @pytest.mark.parametrize(
-    ("name", "seed", "protocol"),
+    ("name", "protocol", "seeds", "baseline"),
     [
-        ("click_alarmclock", 100031, "clean"),  # a level hand that drifts past presses the button
-        ("turn_switch", 100061, "phys_random_all"),  # the force alone creeps the rocker to its stop
+        ("click_bell", "phys_random", (0, 1), "idle"),
+        ("click_bell", "phys_random", (0, 1), "random"),
+        # With each task's first success condition these were successes of the random walk:
+        # a level hand that drifts past presses the button,
+        ("click_alarmclock", "clean", (100031,), "random"),
+        # the force alone creeps the rocker to its stop.
+        ("turn_switch", "phys_random_all", (100061,), "random"),
     ],
 )
-def test_what_chance_once_solved_it_no_longer_does(name: str, seed: int, protocol: str) -> None:
-    """With each task's first success condition these were successes of the random robot."""
-    task = load_task(name)
-    assert not solves(EpisodeSpec(name, protocol).at(seed), task, default_pack(), "random")
+def test_who_sees_nothing_solves_nothing(
+    name: str, protocol: str, seeds: tuple[int, ...], baseline: str
+) -> None:
+    task, pack, spec = load_task(name), default_pack(), EpisodeSpec(name, protocol)
+    assert not any(solves(spec.at(seed), task, pack, baseline) for seed in seeds)
 
 
 @pytest.mark.sim
-def test_a_task_that_holds_at_the_start_is_solved_by_idling(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_task_that_holds_at_the_start_is_solved_by_idling(own_task) -> None:
     """The idle robot's zero means something: here it succeeds."""
-    (tmp_path / "tasks").mkdir()
-    (tmp_path / "tasks" / "nothing_to_do.py").write_text(
+    own_task(
+        "nothing_to_do",
         "from dataclasses import replace\n"
         "from rtphys.task import load_task, opened\n"
-        "task = replace(load_task('click_bell'), success=opened('left'))\n"
+        "task = replace(load_task('click_bell'), success=opened('left'))\n",
     )
-    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
     task, pack = load_task("nothing_to_do"), default_pack()
     assert solves(EpisodeSpec("nothing_to_do", "clean").at(0), task, pack, "idle")
+
+
+@pytest.mark.sim
+def test_a_script_that_sticks_is_told_with_its_line_and_the_tilt(own_task) -> None:
+    """The cup is to lie on the coaster's own axes, which are y up, and so on its side."""
+    text = (bundled() / "tasks" / "place_empty_cup.py").read_text()
+    for old, new in (
+        ('robot.scene.functional("coaster", 0)', 'robot.scene.pose("coaster")'),
+        (", aim=Aim(spot, 0, ONTO)", ""),
+        (", point=0, how=ONTO", ", how=ONTO"),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    own_task("my_cup", text)
+    own_task("_by_the_rim", (bundled() / "tasks" / "_by_the_rim.py").read_text())
+    task = load_task("my_cup")
+    watched = watch(EpisodeSpec("my_cup", "clean").at(1), task, default_pack())
+    assert watched.attempt.reason == "unreachable"
+    assert watched.line.startswith("my_cup.py:") and 'arm.place("cup", spot' in watched.line
+    assert watched.placed is not None and watched.placed.prop == "cup"
+    assert watched.placed.tilt > 1
+    assert [name for name, _, _ in watched.stages][-1].endswith("lift")
+    bell = EpisodeSpec("click_bell", "clean").at(0)
+    again = watch(bell, load_task("click_bell"), default_pack())
+    assert again.attempt.accepted and (again.line, again.placed) == ("", None)

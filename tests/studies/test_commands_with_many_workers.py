@@ -25,11 +25,7 @@ COMMANDS = {
     "certify": "certify --task click_bell --protocol clean --feasible 4 --out OUT",
     "check": "check click_bell --seeds 4 --baselines 0 --json OUT/check.json",
     "sensitivity": "sensitivity --task click_bell --only friction --seeds 2 --steps 1 --out OUT",
-    "kept failures": f"{COLLECT} --task click_bell,lift_pot --episodes 2 --keep-failures 2",
-    "twin": f"{COLLECT} --task click_bell --episodes 3 --twin clean",
-    "sweep": f"{COLLECT} --task click_bell --episodes 2 --sweep friction=0.1,0.5",
     "shard": f"{COLLECT} --task click_bell,lift_pot --episodes 3 --shard 1/4",
-    "drawing workers": f"{COLLECT} --task click_bell,lift_pot --episodes 3 --gpus 1",
 }
 EVALUATE = "evaluate --task click_bell --protocol clean --episodes 3 --policy"
 
@@ -40,9 +36,7 @@ def run(line: str, out: Path, workers: int, more: Sequence[str] = ()) -> dict[st
     (out.parent / "sitecustomize.py").write_text(SLOW_DISK)
     slow = {"PYTHONPATH": os.pathsep.join([str(out.parent), *sys.path])} if workers > 1 else {}
     words = [*line.replace("OUT", str(out)).split(), *more]
-    if workers:
-        words += ["--workers", str(workers)]
-    command = [sys.executable, "-m", "rtphys.cli.main", *words]
+    command = [sys.executable, "-m", "rtphys.cli.main", *words, "--workers", str(workers)]
     done = subprocess.run(command, env={**os.environ, **slow}, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
     return {
@@ -90,22 +84,3 @@ def test_an_evaluation_and_what_it_records(policy: str, lists: Path, tmp_path: P
     one = evaluated(1)
     assert any(name.endswith(".hdf5") for name in one)
     assert one == evaluated(8)
-
-
-def test_an_export(tmp_path: Path) -> None:
-    """Of what one worker has collected, and of what many have."""
-    found = []
-    for workers in (1, 8):
-        data = tmp_path / str(workers)
-        run(f"{COLLECT} --task click_bell --episodes 2", data, workers)
-        exported = tmp_path / f"export {workers}"
-        run(
-            "",
-            tmp_path / f"log {workers}",
-            0,
-            ["export", "lerobot", str(data), "--out", str(exported)],
-        )
-        found.append(
-            {p.relative_to(exported): content(p) for p in exported.rglob("*") if p.is_file()}
-        )
-    assert found[0] and found[0] == found[1]

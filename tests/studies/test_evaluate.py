@@ -19,7 +19,7 @@ from rtphys.campaign.pool import WorkerError, WorkerFailure
 from rtphys.campaign.series import Listener, Progress
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data.faults import DatasetExists, DatasetMismatch
+from rtphys.data.faults import DatasetMismatch
 from rtphys.data.video import probe
 from rtphys.data.writer import DatasetWriter
 from rtphys.episode.fingerprint import fingerprint_of
@@ -45,9 +45,9 @@ from rtphys.studies.evaluate import (
     ChangedSinceCertified,
     EvaluateWorker,
     EvaluationResult,
+    EvaluationSeries,
     EvaluationTask,
     NotCertified,
-    TaskEvaluation,
     evaluate,
     recording_header,
 )
@@ -70,20 +70,20 @@ MANY = [FIRST_SEED, FIRST_SEED + 2, FIRST_SEED + 3]  # the one between them is i
 IDLE = EvaluationHeader(EvaluationSpec("idle").of("clean", "lift_pot"), FINGERPRINT)
 
 
-def opened(out: Path, episodes: int = 3) -> TaskEvaluation:
+def opened(out: Path, episodes: int = 3) -> EvaluationSeries:
     rows = tuple(
         BenchmarkInstance(seed, "" if seed in MANY else "slipped")
         for seed in range(MANY[0], MANY[-1] + 1)
     )
     listed = InstanceList("lift_pot", "clean", FINGERPRINT, rows)
-    return TaskEvaluation(out, IDLE, listed.first(episodes))
+    return EvaluationSeries(out, IDLE, listed.first(episodes))
 
 
 def record(seed: int, success: bool = False) -> EpisodeRecord:
     return EpisodeRecord("lift_pot", "clean", seed, success, steps=seed % 7)
 
 
-def take(made: TaskEvaluation, *seeds: int) -> None:
+def take(made: EvaluationSeries, *seeds: int) -> None:
     while len(made.running) < len(seeds):
         made.begin()
     for seed in seeds:
@@ -117,10 +117,10 @@ def test_records_of_other_instances_are_refused(tmp_path: Path) -> None:
     take(opened(tmp_path), *MANY)
     rows = (BenchmarkInstance(MANY[1]),)
     with pytest.raises(BadFile, match=r"lift_pot.ledger: its seeds are not those of the instance"):
-        TaskEvaluation(tmp_path, IDLE, InstanceList("lift_pot", "clean", FINGERPRINT, rows))
+        EvaluationSeries(tmp_path, IDLE, InstanceList("lift_pot", "clean", FINGERPRINT, rows))
     other = replace(IDLE, fingerprint=FINGERPRINT.model_copy(update={"assets": "else"}))
     with pytest.raises(DatasetMismatch, match=r"fingerprint.assets was '', now 'else'"):
-        TaskEvaluation(tmp_path, other, opened(tmp_path).instances)
+        EvaluationSeries(tmp_path, other, opened(tmp_path).instances)
 
 
 def test_a_lost_episode_is_a_failure_with_its_reason(tmp_path: Path) -> None:
@@ -324,8 +324,6 @@ def test_a_folder_holds_one_evaluation(
     ):
         with pytest.raises(DatasetMismatch, match=clause):
             run(tmp_path, lists, pack, **{**CLEAN, **changes})
-    with pytest.raises(DatasetExists, match="resume"):
-        run(tmp_path, lists, pack, resume=False, **CLEAN)
     with monkeypatch.context() as edited:
         edited.setattr(module, "files_digest", lambda _: "of a later edit")
         with pytest.raises(DatasetMismatch, match="files of the policy were edited"):
@@ -382,19 +380,13 @@ def test_a_dataset_is_replayed_on_its_own_seeds(tmp_path: Path, pack: Pack) -> N
 @pytest.mark.sim
 @pytest.mark.slow
 @pytest.mark.render
-def test_what_a_policy_sees_does_not_depend_on_the_process(
-    tmp_path: Path, pack: Pack, lists: Path
-) -> None:
-    looking = {"look": "yes", "actions": "8"}
-    for workers in (1, 2):
-        run(tmp_path / str(workers), lists, pack, options=looking, workers=workers)
-    run(tmp_path / "blind", lists, pack, options={"actions": "8"})
-    assert files_of(tmp_path / "1") == files_of(tmp_path / "2")
-    states = [
-        [one.state for one in read_results(tmp_path / name).records["clean", TASK]]
-        for name in ("1", "blind")
-    ]
-    assert states[0] != states[1]  # it did look
+def test_a_policy_sees_when_it_asks_to(tmp_path: Path, pack: Pack, lists: Path) -> None:
+    """That it sees the same in every process, `test_commands_with_many_workers` holds."""
+    states = []
+    for name, look in (("looking", {"look": "yes"}), ("blind", {})):
+        made = run(tmp_path / name, lists, pack, options={**look, "actions": "8"}, **CLEAN)
+        states.append([one.state for one in made])
+    assert states[0] != states[1]
 
 
 @pytest.mark.sim

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
+from rtphys.campaign.series import Listener, Progress
 from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
@@ -15,9 +16,8 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import render as module
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
 from rtphys.studies.render import MissingPack, RenderTask, RenderWorker, render
-from rtphys.studies.requests import RenderSpec
+from rtphys.studies.requests import RenderSpec, Run
 
 TASK = "click_bell"
 
@@ -53,8 +53,11 @@ class TestDrawnAgain:
         self, plain: Path, stored: Path, tmp_path: Path
     ) -> None:
         for n, source in enumerate((plain, stored)):
-            out = tmp_path / str(n)
-            done = render(RenderSpec(data=source, out=out, workers=1))
+            out, heard = tmp_path / str(n), list[Progress]()
+            listener = Listener()
+            listener.started = heard.extend
+            done = render(RenderSpec(data=source, out=out, workers=1), listener)
+            assert [(one.new_accepted, one.done) for one in heard] == [(1, True)]
             assert done.compared == 3 * len(Dataset(source)[0]) and done.differing == 0
             assert files(out) == files(source)
 
@@ -72,7 +75,7 @@ class TestDrawnAgain:
             paths,
             "legacy",
             scene,
-            plan.recording_spec(entry),
+            plan.recording(entry),
             True,
             entry.resolved.assets["digest"],
             tmp_path,

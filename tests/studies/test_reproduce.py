@@ -28,7 +28,6 @@ from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import stored
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
 from rtphys.studies.reproduce import (
     ReproduceWorker,
     Reproduction,
@@ -36,6 +35,7 @@ from rtphys.studies.reproduce import (
     recorded_attempts,
     reproduced,
 )
+from rtphys.studies.requests import Run
 from rtphys.task.spec import Task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
@@ -241,6 +241,7 @@ KINDS = {
     "only": replace(BELL, protocol="clean", only=("friction",), recovery=False),
     "held": replace(BELL, overrides={"friction": 0.3}, pair_tasks=True),
     "own domain": replace(BELL, ranges=load_domain("global")),
+    "shader": replace(PLAN, episode=BELL, recording=replace(HEAD, shader="default")),
     "unseen": replace(BELL, protocol="official_random", split="unseen"),
 }
 

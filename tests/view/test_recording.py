@@ -16,7 +16,7 @@ from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 RERUN = Path(sys.executable).with_name("rerun")

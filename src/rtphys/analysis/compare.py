@@ -56,11 +56,7 @@ class Column:
 
 @dataclass(frozen=True)
 class PairedComparison:
-    """Outcomes of two evaluations on the instances that both were run on, under one protocol.
-
-    A seed is the same instance in both only where robot, code, assets, domain and look are the
-    same, and the physics that was drawn.
-    """
+    """Outcomes of two evaluations on the instances that both were run on, under one protocol."""
 
     first: str
     second: str
@@ -135,14 +131,13 @@ def columns_of(evaluations: Sequence[Results], protocol: str | None = None) -> l
     columns = []
     for chosen in [protocol] if protocol else protocols:
         for label, results in zip(_labels(evaluations), evaluations, strict=True):
-            known = {task: rows for (name, task), rows in results.records.items() if name == chosen}
-            rates = {
-                task: Rate(sum(record.success for record in rows), len(rows))
-                for task, rows in known.items()
-            }
-            missing = {task: results.unfinished(chosen, task) for task in known}
+            rates, unfinished = dict[str, Rate](), dict[str, tuple[int, int]]()
+            for (name, task), rows in results.records.items():
+                if name == chosen:
+                    rates[task] = Rate(sum(record.success for record in rows), len(rows))
+                    if counts := results.unfinished(chosen, task):
+                        unfinished[task] = counts
             if rates:
-                unfinished = {task: counts for task, counts in missing.items() if counts}
                 columns.append(Column(label, chosen, rates, unfinished))
     return columns
 
@@ -150,8 +145,9 @@ def columns_of(evaluations: Sequence[Results], protocol: str | None = None) -> l
 def paired_comparisons(evaluations: Sequence[Results]) -> list[PairedComparison]:
     """Compares every two evaluations under every protocol on their common instances.
 
-    The certified lists need not be equal: a seed that only one of the two was run on is left out.
-    So is one that is another instance in each, which `unpaired` tells.
+    A seed is the same instance in both only where robot, code, assets, domain and look are the
+    same, and the physics that was drawn. Seeds that only one was run on are left out; so are those
+    that are another instance in each, which `unpaired` tells.
     """
     comparisons = []
     labelled = zip(_labels(evaluations), evaluations, strict=True)
@@ -179,11 +175,12 @@ def _same_instances(
     if common and (clause := _differing(ours, theirs)):
         return [], f"{counted(len(common), 'common seeds')}: other instances ({clause})"
     same = [(a, b) for a, b in common if not _differing(a.physics, b.physics)]
-    if len(same) == len(common):
+    other = [(a, b) for a, b in common if _differing(a.physics, b.physics)]
+    if not other:
         return same, ""
-    a, b = next((a, b) for a, b in common if _differing(a.physics, b.physics))
+    (a, b), number = other[0], counted(len(other), "common seeds")
     clause = f"seed {a.seed}: {_differing(a.physics, b.physics)}"
-    return same, f"{counted(len(common) - len(same), 'common seeds')}: other physics ({clause})"
+    return same, f"{number}: other physics ({clause})"
 
 
 def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> str:
@@ -225,18 +222,21 @@ def rank_agreements(columns: Sequence[Column]) -> list[RankAgreement]:
 
 
 def _labels(evaluations: Sequence[Results]) -> list[str]:
-    """Name of each evaluation: its policy, or its folder where two have the same policy.
+    """Of each evaluation its policy; where two have the same, its folder's name, or its path.
 
     The robot too, where they have several.
     """
-    policies = [short_name(results.policy) for results in evaluations]
-    folders = [results.path.name for results in evaluations]
-    robots = {results.robot for results in evaluations}
+    choices = [
+        [short_name(results.policy) for results in evaluations],
+        [results.path.name for results in evaluations],
+        [str(results.path) for results in evaluations],
+    ]
+    robots = [results.robot for results in evaluations]
     labels = []
-    for policy, folder, results in zip(policies, folders, evaluations, strict=True):
-        same = str(results.path) if folders.count(folder) > 1 else folder
-        label = policy if policies.count(policy) == 1 else same
-        labels.append(f"{label} ({results.robot})" if len(robots) > 1 else label)
+    for number, robot in enumerate(robots):
+        unique = (names[number] for names in choices if names.count(names[number]) == 1)
+        label = next(unique, choices[-1][number])
+        labels.append(f"{label} ({robot})" if len({*robots}) > 1 else label)
     return labels
 
 
@@ -269,18 +269,16 @@ def limits_of_comparison(evaluations: Sequence[Results]) -> list[str]:
         "Physical Random. Its Clean and Official Random are quoted from other evaluations.",
     ]
     for results in evaluations:
-        packs = sorted({one.fingerprint.assets[:8] for one in results.lists.values()})
+        packs = ", ".join(sorted({one.fingerprint.assets[:8] for one in results.lists.values()}))
         trials = sorted({len(records) for records in results.records.values()})
         counts = " to ".join(map(str, dict.fromkeys((trials[0], trials[-1]))))
-        sentences.append(
-            f"{short_name(results.policy)}: {counts} feasible seeds of each task, on the asset "
-            f"pack {', '.join(packs)}."
-        )
-    sentences.append(
+        seeds = f"{counts} feasible seeds of each task"
+        sentences.append(f"{short_name(results.policy)}: {seeds}, on the asset pack {packs}.")
+    return [
+        *sentences,
         "Where assets differ, drops between protocols and ranks of tasks can be compared, "
-        "success rates cannot."
-    )
-    return sentences
+        "success rates cannot.",
+    ]
 
 
 def _paper_table(name: str) -> list[dict[str, str]]:

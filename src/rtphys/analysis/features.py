@@ -5,7 +5,7 @@ knows the friction.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -52,6 +52,7 @@ PADS = {
 }
 """Array of `Touch` -> how the fingers of one gripper are combined."""
 
+WRENCH = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z")
 WHOLE = "whole"  # the stage that stands for the whole episode
 MAX_IDLE = 0.02  # share of the busier arm's way [rad] up to which an arm counts as idle
 BOTH = 0.5  # share of it from which both arms are busy, and left comes first
@@ -111,64 +112,47 @@ def arm_rows(
     return arms
 
 
-def _commands(arm: ArmRows) -> dict[str, Array]:
-    return {**_numbered("command", arm.commands), "command_opening": arm.opening_commands}
+def signals(arm: ArmRows) -> dict[str, Array]:
+    """`group/name` -> values (T,) of one arm.
 
-
-def _joints(arm: ArmRows) -> dict[str, Array]:
-    """Measured posture; by the arm's own kinematics the tool's place [m] and where it points."""
+    Of joints, by the arm's own kinematics, also the tool's place [m] and where it points; of effort
+    also the force [N] and moment [N m] on the tool that explain it. The ratio of the pads' forces
+    is the friction of what slips; elsewhere it says only that it holds.
+    """
     poses = np.array([arm.kinematics.ee_matrix(q) for q in arm.joints])
     points = poses[:, :3, 0]
-    tool = {
-        f"{name}_{axis}": values[:, k]
-        for name, values in (("tool", poses[:, :3, 3] + arm.tcp * points), ("points", points))
-        for k, axis in enumerate("xyz")
-    }
-    return {**_numbered("joint", arm.joints), "opening": arm.opening, **tool}
-
-
-def _tracking(arm: ArmRows) -> dict[str, Array]:
-    """How far each joint and the fingers are behind their commands."""
-    lag = _numbered("lag", arm.commands - arm.joints)
-    return {**lag, "lag_opening": arm.opening_commands - arm.opening}
-
-
-def _effort(arm: ArmRows) -> dict[str, Array]:
-    """Effort of the joints, and the force [N] and moment [N m] on the tool that explain it."""
+    tools = {"tool": poses[:, :3, 3] + arm.tcp * points, "points": points}
     wrench = np.array([tool_wrench(arm, q, e) for q, e in zip(arm.joints, arm.effort, strict=True)])
-    names = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z")
-    across = np.hypot(wrench[:, 0], wrench[:, 1])
-    return {
-        **_numbered("effort", arm.effort),
-        "squeeze": np.abs(arm.finger_effort).mean(axis=1),
-        **dict(zip(names, wrench.T, strict=True)),
-        "force_ratio": across / np.maximum(np.abs(wrench[:, 2]), MIN_LOAD),
-    }
-
-
-def _touch(arm: ArmRows) -> dict[str, Array]:
-    """Whether it touches, the forces on its pads, and slip.
-
-    The ratio of the forces is the friction of what slips; elsewhere it says only that it holds.
-    """
+    across, along = np.hypot(wrench[:, 0], wrench[:, 1]), np.abs(wrench[:, 2])
     ratio = arm.pads["tangential"] / np.maximum(arm.pads["normal"], MIN_LOAD)
-    slipping = np.where(arm.pads["slip"] > MIN_SLIP, ratio, 0.0)
-    return {"touch": arm.touch, **arm.pads, "ratio": ratio, "slipping_ratio": slipping}
-
-
-GROUPS: dict[str, Callable[[ArmRows], dict[str, Array]]] = {
-    "commands": _commands,
-    "joints": _joints,
-    "tracking": _tracking,
-    "effort": _effort,
-    "touch": _touch,
-}
-"""Group of signals -> name and values (T,) of each, for one arm."""
-
-
-def signals(arm: ArmRows) -> dict[str, Array]:
-    """`group/name` -> values (T,) of one arm."""
-    return {f"{g}/{name}": x for g, of in GROUPS.items() for name, x in of(arm).items()}
+    groups = {
+        "commands": {
+            **_numbered("command", arm.commands),
+            "command_opening": arm.opening_commands,
+        },
+        "joints": {
+            **_numbered("joint", arm.joints),
+            "opening": arm.opening,
+            **{f"{n}_{x}": at[:, k] for n, at in tools.items() for k, x in enumerate("xyz")},
+        },
+        "tracking": {
+            **_numbered("lag", arm.commands - arm.joints),
+            "lag_opening": arm.opening_commands - arm.opening,
+        },
+        "effort": {
+            **_numbered("effort", arm.effort),
+            "squeeze": np.abs(arm.finger_effort).mean(axis=1),
+            **dict(zip(WRENCH, wrench.T, strict=True)),
+            "force_ratio": across / np.maximum(along, MIN_LOAD),
+        },
+        "touch": {
+            "touch": arm.touch,
+            **arm.pads,
+            "ratio": ratio,
+            "slipping_ratio": np.where(arm.pads["slip"] > MIN_SLIP, ratio, 0.0),
+        },
+    }
+    return {f"{group}/{name}": x for group, named in groups.items() for name, x in named.items()}
 
 
 def _numbered(name: str, values: Array) -> dict[str, Array]:
@@ -181,19 +165,14 @@ def tool_wrench(arm: ArmRows, q: Array, effort: Array) -> Array:
     By virtual work, effort = -JᵀF. Directions in which the arm is nearly straight say little and
     count as zero.
     """
-    jacobian = np.array([_twist(arm, q, k) for k in range(len(q))])  # (n, 6)
+    jacobian = np.empty((len(q), 6))  # velocity and angular velocity per unit speed of a joint
+    for row, nudge in zip(jacobian, NUDGE * np.eye(len(q)), strict=True):
+        ahead, behind = (arm.kinematics.ee_matrix(q + sign * nudge) for sign in (1, -1))
+        change = (ahead - behind) / (2 * NUDGE)
+        spin = change[:3, :3] @ behind[:3, :3].T
+        turn = (spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1])
+        row[:3], row[3:] = (change @ (arm.tcp, 0, 0, 1))[:3], 0.5 * np.array(turn)
     return -np.linalg.pinv(jacobian, rcond=WEAKEST) @ effort
-
-
-def _twist(arm: ArmRows, q: Array, joint: int) -> Array:
-    """Velocity of the tool centre point and angular velocity (6,) per unit speed of a joint."""
-    nudge = np.zeros(len(q))
-    nudge[joint] = NUDGE
-    ahead, behind = (arm.kinematics.ee_matrix(q + sign * nudge) for sign in (1, -1))
-    change = (ahead - behind) / (2 * NUDGE)
-    spin = change[:3, :3] @ behind[:3, :3].T
-    turn = (spin[2, 1] - spin[1, 2], spin[0, 2] - spin[2, 0], spin[1, 0] - spin[0, 1])
-    return np.array([*(change @ (arm.tcp, 0, 0, 1))[:3], *(0.5 * np.array(turn))])
 
 
 def features_of(
@@ -216,14 +195,10 @@ def features_of(
         values[f"{stage}/duration"] = _kept(float(time[rows[-1]] - time[rows[0]]))
         for role, named in sensed.items():
             for name, signal in named.items():
-                values[f"{stage}/{role}/{name}"] = statistics(signal[rows])
+                x = signal[rows]
+                statistics = (x.mean(), x.std(), x.min(), x.max(), x[-1], x[-1] - x[0])
+                values[f"{stage}/{role}/{name}"] = [*map(_kept, statistics)]  # as `STATISTICS`
     return values
-
-
-def statistics(x: Array) -> list[float]:
-    """The numbers of a signal (T,) within a stage, in the order of `STATISTICS`."""
-    values = (x.mean(), x.std(), x.min(), x.max(), x[-1], x[-1] - x[0])
-    return [_kept(float(value)) for value in values]
 
 
 def _kept(value: float) -> float:
@@ -325,7 +300,7 @@ def sense(plan: IdentifyPlan, pack: Pack, listener: Listener = QUIET) -> None:
     code = code_digest([Path(__file__)])
     files.make_folder(plan.out)
     with FolderLock(plan.out):
-        studies: list[TaskEpisodes] = []
+        studies = list[TaskEpisodes]()
         for spec in plan.specs():
             ground = fingerprint_of(load_task(spec.task), spec.protocol, pack).to_json()
             studies.append(TaskEpisodes(plan, FeaturesSpec(spec, plan.first_seed, ground, code)))

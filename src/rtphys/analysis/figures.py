@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.colors import ListedColormap
@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 from rtphys.core.poses import Array
 from rtphys.results.statistics import Rate
 
+T = TypeVar("T")
 MANY = 20  # tasks
 NOTHING = "0.85"  # grey of a cell whose attribute does not act, or was not measured
 ROW = 0.24  # [inch] smallest height of a task's row of rates
@@ -78,64 +79,53 @@ def draw_task_map(cells: Cells, scale: Scale, path: Path) -> None:
 
     Values outside 0 to 1 are drawn as the nearer of these.
     """
-    grid = _Grid(cells)
-    shares = 100 * np.clip(grid.numbers(lambda task, key: cells[task][key]), 0, 1)
-    image = grid.panel.imshow(shares, vmin=0, vmax=100, cmap=scale.colours, aspect="auto")
+    panel, shares, wide = _map(cells, lambda share: 100 * np.clip(share, 0, 1))
+    image = panel.imshow(shares, vmin=0, vmax=100, cmap=scale.colours, aspect="auto")
     for (row, column), share in np.ndenumerate(shares):
         if np.isfinite(share):
             red, green, blue, _ = image.cmap(share / 100)
             colour = "k" if 0.3 * red + 0.6 * green + 0.1 * blue > 0.45 else "w"
-            size = 5 if grid.wide else 7
-            label = grid.panel.text(column, row, f"{share:.0f}", fontsize=size, color=colour)
-            label.set(ha="center", va="center")
-    bar = grid.figure.colorbar(image, ax=grid.panel, shrink=0.6, pad=0.01)
+            style = {"fontsize": 5 if wide else 7, "color": colour, "ha": "center", "va": "center"}
+            panel.text(column, row, f"{share:.0f}", **style)
+    bar = panel.figure.colorbar(image, ax=panel, shrink=0.6, pad=0.01)
     bar.set_label(scale.label, fontsize=8)
     bar.ax.tick_params(labelsize=7)
-    grid.figure.savefig(path, dpi=150)
+    panel.figure.savefig(path, dpi=150)
 
 
 def draw_relevance(cells: Mapping[str, Mapping[str, Relevance]], path: Path) -> None:
     """Write a PNG: which attribute breaks a task, and which could be identified in it."""
-    grid, order = _Grid(cells), list(COLOURS)
-    values = grid.numbers(lambda task, key: order.index(cells[task][key]))
-    colours = ListedColormap(list(COLOURS.values()))
-    grid.panel.imshow(values, vmin=-0.5, vmax=len(order) - 0.5, cmap=colours, aspect="auto")
+    order, colours = list(COLOURS), list(COLOURS.values())
+    panel, values, wide = _map(cells, order.index)
+    shown = {"cmap": ListedColormap(colours), "vmin": -0.5, "vmax": len(order) - 0.5}
+    panel.imshow(values, aspect="auto", **shown)
     named = [Patch(facecolor=c, edgecolor="0.5", label=r.value) for r, c in COLOURS.items()]
     named.append(Patch(facecolor=NOTHING, label="does not act, or not measured"))
-    columns = len(named) if grid.wide else 3
-    grid.figure.legend(
-        handles=named, loc="outside upper center", ncols=columns, fontsize=7, frameon=False
-    )
-    grid.figure.savefig(path, dpi=150)
+    place = {"loc": "outside upper center", "ncols": len(named) if wide else 3}
+    panel.figure.legend(handles=named, fontsize=7, frameon=False, **place)
+    panel.figure.savefig(path, dpi=150)
 
 
-class _Grid:
-    """An empty map. A page is wider than high, so many tasks are columns."""
+def _map(
+    cells: Mapping[str, Mapping[str, T]], value: Callable[[T], float]
+) -> tuple[Any, Array, bool]:
+    """Axes of an empty map, its numbers (nan where there is none), and whether tasks are columns.
 
-    def __init__(self, cells: Mapping[str, Mapping[str, object]]) -> None:
-        self._cells = cells
-        self._tasks = sorted(cells)
-        self._keys = sorted({key for of in cells.values() for key in of})
-        self.wide = len(self._tasks) > MANY
-        names = [key.replace("_", " ") for key in self._keys]
-        rows, columns = (names, self._tasks) if self.wide else (self._tasks, names)
-        across, down = (0.23, 0.23) if self.wide else (0.6, 0.2)  # [inch] of a cell
-        size = (2.6 + across * len(columns), 1.9 + down * len(rows))
-        self.figure = Figure(figsize=size, layout="constrained")
-        self.panel = self.figure.subplots()
-        self.panel.set_facecolor(NOTHING)
-        self.panel.set_xticks(range(len(columns)), columns, rotation=60, ha="right")
-        self.panel.set_yticks(range(len(rows)), rows)
-        self.panel.tick_params(labelsize=7)
-
-    def numbers(self, value: Callable[[str, str], float]) -> Array:
-        """The map's numbers, nan where there is none."""
-        rows = [
-            [value(task, key) if key in self._cells[task] else np.nan for key in self._keys]
-            for task in self._tasks
-        ]
-        table = np.array(rows, float).reshape(len(self._tasks), len(self._keys))
-        return table.T if self.wide else table
+    A page is wider than high, so many tasks are columns.
+    """
+    tasks, keys = sorted(cells), sorted({key for of in cells.values() for key in of})
+    rows = [[value(cells[t][k]) if k in cells[t] else np.nan for k in keys] for t in tasks]
+    table, wide = np.array(rows, float).reshape(len(tasks), len(keys)), len(tasks) > MANY
+    names = [key.replace("_", " ") for key in keys]
+    down, across = (names, tasks) if wide else (tasks, names)
+    width, height = (0.23, 0.23) if wide else (0.6, 0.2)  # [inch] of a cell
+    size = (2.6 + width * len(across), 1.9 + height * len(down))
+    panel = Figure(figsize=size, layout="constrained").subplots()
+    panel.set_facecolor(NOTHING)
+    panel.set_xticks(range(len(across)), across, rotation=60, ha="right")
+    panel.set_yticks(range(len(down)), down)
+    panel.tick_params(labelsize=7)
+    return panel, table.T if wide else table, wide
 
 
 def draw_rates(columns: Rates, tasks: Sequence[str], title: str, path: Path) -> None:

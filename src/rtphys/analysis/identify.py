@@ -1,7 +1,7 @@
 """`identify`: how well an estimator infers each attribute of each task from features."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -25,17 +25,9 @@ from rtphys.data.ledger import Ledger, read_rows
 from rtphys.data.lock import FolderLock
 from rtphys.physics import Domain, attributes
 from rtphys.physics.distribution import SameAs, extremes
+from rtphys.spec import option
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.spec.option import (
-    Option,
-    Positive,
-    Seed,
-    Tasks,
-    Workers,
-    at_least,
-    checked_dataclass,
-    one_of,
-)
+from rtphys.spec.option import Option, Positive, Seed, Tasks, Workers, at_least, one_of
 from rtphys.spec.protocol import load_protocol, protocol_names
 from rtphys.spec.stored import load
 
@@ -43,7 +35,7 @@ FORMAT = 1  # of a result file
 DECIMALS = 4  # in it; no score is known better
 
 
-@checked_dataclass(frozen=True)
+@option.checked_dataclass(frozen=True)
 class IdentifyPlan:
     """One run of `identify`: one estimator on episodes of tasks under one protocol.
 
@@ -89,7 +81,6 @@ class IdentifyPlan:
 
     @property
     def result_file(self) -> Path:
-        """Where the results of the estimator are written."""
         return self.out / f"{short_name(self.estimator)}.json"
 
 
@@ -105,9 +96,6 @@ def read_samples(path: Path, count: int) -> list[Sample]:
         if not count:
             break
     return rows
-
-
-# ---- results -------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -140,8 +128,8 @@ class Result:
     def mean(self, key: str, tasks: Sequence[str], beyond: bool = False) -> float | None:
         """Mean R2 of an attribute over those of the tasks that have a score of it."""
         scores = [self.tasks[task].scores.get(key) for task in tasks if task in self.tasks]
-        there = [s.beyond if beyond else s for s in scores if s is not None]
-        values = [s.r2 for s in there if s is not None]
+        there = [score.beyond if beyond else score for score in filter(None, scores)]
+        values = [score.r2 for score in filter(None, there)]
         return float(np.mean(values)) if values else None
 
 
@@ -158,9 +146,6 @@ def read_result(path: Path) -> Result:
     if (number := content.get("format")) != FORMAT:
         raise BadFile(path, f"is no result of rtphys identify of format {FORMAT}, but {number!r}")
     return load(Result, content, path)
-
-
-# ---- the scores of one task ----------------------------------------------------------------------
 
 
 class ScoringTask(NamedTuple):
@@ -203,7 +188,7 @@ class ScoreWorker:
         return do
 
 
-@checked_dataclass(frozen=True)
+@option.checked_dataclass(frozen=True)
 class ScoresSpec:
     """What decides the scores of one task: the first line of their ledger."""
 
@@ -213,19 +198,6 @@ class ScoresSpec:
     library: str  # version of scikit-learn, where it is that
     seeds: tuple[int, ...]  # of the episodes
     keys: tuple[str, ...]  # of the attributes, in the order of the rows
-
-    @staticmethod
-    def of(estimator: str, seeds: Iterable[int], keys: Iterable[str]) -> "ScoresSpec":
-        """The spec of an estimator as its file and the code are now."""
-        file = estimator.partition(":")[2].rpartition(":")[0]
-        return ScoresSpec(
-            estimator,
-            file=files.facts_of(Path(file)).sha256 if file else "",
-            code=code_digest(Path(str(part.__file__)) for part in (estimators, scoring)),
-            library=metadata.version("scikit-learn") if estimator == BASELINE else "",
-            seeds=tuple(seeds),
-            keys=tuple(keys),
-        )
 
 
 class TaskScores(Series[ScoringTask, AttributeScore]):
@@ -242,7 +214,15 @@ class TaskScores(Series[ScoringTask, AttributeScore]):
         self._episodes, self._attempts = len(samples), len(rows)
         self.left_out = left_out(samples, spec.domain)
         self.keys = [key for key in spec.domain.keys if key not in self.left_out]
-        header = ScoresSpec.of(plan.estimator, (sample.seed for sample in samples), self.keys)
+        file = plan.estimator.partition(":")[2].rpartition(":")[0]
+        header = ScoresSpec(
+            plan.estimator,
+            file=files.facts_of(Path(file)).sha256 if file else "",
+            code=code_digest(Path(str(part.__file__)) for part in (estimators, scoring)),
+            library=metadata.version("scikit-learn") if plan.estimator == BASELINE else "",
+            seeds=tuple(sample.seed for sample in samples),
+            keys=tuple(self.keys),
+        )
         path = plan.out / short_name(plan.estimator) / f"{spec.task}.jsonl"
         self._scores: list[AttributeScore] = []
         try:

@@ -5,22 +5,14 @@ from typing import Annotated
 
 from rtphys.core.errors import BadValue
 from rtphys.physics.attribute import attributes
-from rtphys.spec.option import (
-    Option,
-    Positive,
-    Seed,
-    Tasks,
-    Workers,
-    at_least,
-    checked_dataclass,
-    one_of,
-)
+from rtphys.spec import option
+from rtphys.spec.option import Option, Positive, Seed, Tasks, Workers, at_least, one_of
 from rtphys.task.spec import load_task
 
 DEMONSTRATION = "replay"
 
 
-@checked_dataclass(frozen=True)
+@option.checked_dataclass(frozen=True)
 class SearchSpec:
     """What is asked about a task: of which attributes, who acts, and how closely to look."""
 
@@ -40,7 +32,7 @@ class SearchSpec:
     first_seed: Annotated[Seed, Option("The first seed to try.")] = 0
 
 
-@checked_dataclass(frozen=True)
+@option.checked_dataclass(frozen=True)
 class SensitivityPlan:
     """One run of `sensitivity`: the same search in several tasks."""
 

@@ -1,12 +1,13 @@
 """How well an estimator infers an attribute from features: R2 on seeds not learnt from."""
 
+from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.analysis.estimators import Estimator
+from rtphys.analysis.estimators import TINY, Estimator
 from rtphys.core.poses import Array
 from rtphys.core.seeds import stream
 
@@ -77,10 +78,6 @@ class Table:
         labels = [self.samples[i].labels[key] for i in rows]
         return self.values[rows], np.array(labels, float).reshape(len(rows), -1)
 
-    def select(self, columns: Sequence[int]) -> "Table":
-        """The same samples with these columns alone."""
-        return Table(self.samples, tuple(self.names[i] for i in columns), self.values[:, columns])
-
 
 def table_of(samples: Sequence[Sample]) -> Table:
     """The table of the episodes among some samples; no label takes part in choosing its columns.
@@ -91,26 +88,20 @@ def table_of(samples: Sequence[Sample]) -> Table:
     """
     ordered = sorted((s for s in samples if not s.reason), key=lambda sample: sample.seed)
     rows = [sample.columns for sample in ordered]
-    names = sorted({name for row in rows for name in row})
+    counts = Counter(name for row in rows for name in row)
+    names = sorted(name for name, count in counts.items() if count >= COMMON * len(rows))
     values = np.array([[row.get(name, np.nan) for name in names] for row in rows], float)
-    table = Table(ordered, tuple(names), values.reshape(len(ordered), len(names)))
     if not names:
-        return table
-    table = table.select(np.flatnonzero(np.isfinite(table.values).mean(axis=0) >= COMMON).tolist())
-    gaps = np.isnan(table.values)
-    filled = np.where(gaps, np.nanmedian(table.values, axis=0), table.values)
-    table = Table(ordered, table.names, filled)
-    table = table.select(np.flatnonzero(np.ptp(filled, axis=0) > 0).tolist())
-    kept: list[int] = []
-    for columns in table.groups.values():
-        spread = table.values[:, columns] - table.values[:, columns].mean(axis=0)
-        unit = spread / np.linalg.norm(spread, axis=0)
-        open_ = np.ones(len(columns), bool)
-        for i, column in enumerate(columns):
-            if open_[i]:
-                kept.append(int(column))
-                open_ &= np.abs(unit[:, i] @ unit) <= ALIKE
-    return table.select(sorted(kept))
+        return Table(ordered, (), np.empty((len(ordered), 0)))
+    values = np.where(np.isnan(values), np.nanmedian(values, axis=0), values)
+    spread, kept = values - values.mean(axis=0), defaultdict[str, list[int]](list)
+    unit = spread / np.maximum(np.linalg.norm(spread, axis=0), TINY)
+    for column in np.flatnonzero(np.ptp(values, axis=0) > 0):
+        earlier = kept[group_of(names[column])]
+        if not (np.abs(unit[:, earlier].T @ unit[:, column]) > ALIKE).any():
+            earlier.append(int(column))
+    chosen = sorted(column for columns in kept.values() for column in columns)
+    return Table(ordered, tuple(names[column] for column in chosen), values[:, chosen])
 
 
 class NotFinite(ValueError):
@@ -141,8 +132,7 @@ class Score:
 def score(table: Table, key: str, bounds: tuple[float, float], make: Make) -> Score:
     """Judges an estimator on one attribute of one task.
 
-    Args:
-        bounds: the range from which each component of the attribute is drawn.
+    `bounds`: the range from which each component of the attribute is drawn.
 
     Raises `NotFinite`: the estimator returned no finite numbers. Whatever else it raises passes.
     """

@@ -11,16 +11,14 @@ from rtphys.campaign.machine import cores
 from rtphys.campaign.pool import WorkerFailure
 from rtphys.campaign.series import QUIET, Listener, Progress, Series, run_all
 from rtphys.core.errors import Infeasible
-from rtphys.core.poses import Array
 from rtphys.core.untrusted import JSON
 from rtphys.data import files
 from rtphys.data.json_text import pretty
 from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
 from rtphys.episode import begin
-from rtphys.episode.control import actions_of, replay
 from rtphys.episode.fingerprint import fingerprint_of
-from rtphys.episode.generate import prepare
+from rtphys.episode.generate import Attempt, prepare
 from rtphys.physics.attribute import Part, attribute
 from rtphys.physics.distribution import By, Distribution, SameAs, extremes
 from rtphys.physics.domain import Domain
@@ -191,7 +189,7 @@ class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._session = PolicySession(self.policy)
-        self._actions: dict[tuple[str, int], Array | None] = {}
+        self._demonstrations: dict[tuple[str, int], Attempt] = {}
 
     def finish(self) -> None:
         self._session.close()
@@ -199,7 +197,7 @@ class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
     def do(self, job: SensitivityTask) -> bool:
         """A policy's crash is its failure. Raises `PolicyGone`: it is not there."""
         task, spec, axis = self.tasks[job.task], EpisodeSpec(job.task, NOMINAL), job.axis
-        nominal, overrides = spec.at(job.seed), dict[str, Value]()
+        overrides = dict[str, Value]()
         try:
             if axis is not None:
                 drawn: Vector = ()
@@ -214,12 +212,10 @@ class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
                 return self.demonstrate(recipe).accepted
             if self.policy == DEMONSTRATION:
                 key = job.task, job.seed
-                if key not in self._actions:
-                    tried = self.demonstrate(nominal)
-                    recording = tried.recording if tried.accepted else None
-                    self._actions[key] = None if recording is None else actions_of(recording)
-                actions = self._actions[key]
-                return actions is not None and replay(recipe, task, self.pack, actions)
+                if key not in self._demonstrations:
+                    tried = self.demonstrate(spec.at(job.seed))
+                    self._demonstrations[key] = replace(tried, instance=None)  # worlds are large
+                return bool(self.replay(recipe, self._demonstrations[key]))
             policy = self._session.policy(PolicySetup(job.task, NOMINAL))
             episode = begin(recipe, task, self.pack, keep="nothing")
         except Infeasible:
@@ -244,8 +240,8 @@ class TaskSpec:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """Whether the actor succeeded in one episode."""
+class SensitivityRow:
+    """Whether the actor succeeded in one episode: a row of a ledger."""
 
     axis: str  # name; `NOMINAL` of the search for paired seeds
     share: float
@@ -268,7 +264,7 @@ class TaskSensitivity:
         self.seeds: list[int] = []  # paired: the actor succeeds nominally
         self.outcomes: dict[tuple[str, float, int], bool] = {}
         self.path = plan.out / f"{spec.task}.json"
-        self._ledger = Ledger(self.path.with_suffix(".jsonl"), spec, Outcome, self._restore)
+        self._ledger = Ledger(self.path.with_suffix(".jsonl"), spec, SensitivityRow, self._restore)
         domain, has = domain_for_task(spec.task), parts(load_task(spec.task).props(0))
         self.bisections = [
             Bisection(axis, self.search.steps)
@@ -277,36 +273,38 @@ class TaskSensitivity:
             for axis in axes(domain, key)
         ]
 
-    def _restore(self, row: Outcome) -> None:
+    def _restore(self, row: SensitivityRow) -> None:
         self.outcomes[row.axis, row.share, row.seed] = row.success
 
-    def keep(self, row: Outcome) -> None:
+    def keep(self, row: SensitivityRow) -> None:
         """Adds an outcome to the ledger, unless it is there."""
         if (row.axis, row.share, row.seed) not in self.outcomes:
             self._restore(row)
             self._ledger.append(row)
 
-    def rounds(self) -> Iterator[list["Trial"]]:
+    def rounds(self) -> Iterator[list["LevelSeries"]]:
         """What can be tried at once: the paired seeds, then one level of every open axis."""
-        yield [Trial(self)]
+        yield [LevelSeries(self)]
         if not self.seeds:
             return
-        while trials := [Trial(self, b, b.next) for b in self.bisections if b.next is not None]:
+        while trials := [
+            LevelSeries(self, b, b.next) for b in self.bisections if b.next is not None
+        ]:
             yield trials
 
     def write(self) -> dict[str, JSON]:
         """Writes the answers and returns them. Raises `CannotWrite`."""
         sides: dict[str, list[Bisection]] = {}
-        for bisection in self.bisections:
+        for bisection in self.bisections if self.seeds else ():
             sides.setdefault(bisection.axis.key, []).append(bisection)
-        answers: dict[str, JSON] = {k: answer(of) for k, of in sides.items() if self.seeds}
+        answers: dict[str, JSON] = {key: answer(of) for key, of in sides.items()}
         head: dict[str, JSON] = {"format": FORMAT, **stored(self.spec)}
         result = {**head, "seeds": [*self.seeds], "attributes": answers}
         files.replace_file(self.path, pretty(result))
         return result
 
 
-class Trial(Series[SensitivityTask, bool]):
+class LevelSeries(Series[SensitivityTask, bool]):
     """One level of one axis on the paired seeds; without a bisection, the search for these."""
 
     def __init__(
@@ -335,7 +333,7 @@ class Trial(Series[SensitivityTask, bool]):
         return "" if self.level or result else "failed"
 
     def commit(self, seed: int, result: bool) -> str:
-        self.task.keep(Outcome(self.name, self.share, seed, result))
+        self.task.keep(SensitivityRow(self.name, self.share, seed, result))
         if self.level:
             self.level.of += 1
             self.level.successes += result

@@ -20,7 +20,7 @@ START_TRIES = 3  # workers in a row that may die before they are ready
 
 @dataclass(frozen=True)
 class Limits:
-    """What a worker may use. Time counts from its being ready, and from a job's begin."""
+    """What a worker may use. A job's time begins when its worker has it and is ready."""
 
     seconds: float = 600.0  # [s] of CPU time for one job
     patience: float = 6000.0  # [s] of wall clock for one job, less what it waits for a core

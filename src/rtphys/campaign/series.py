@@ -65,7 +65,7 @@ class Progress:
 
 
 class Series(ABC, Generic[J, R]):
-    """Seeds whose results are not committed yet: which run, which wait, and when it is enough.
+    """The seeds of one goal: which of them run, whose results wait, and when there are enough.
 
     Args:
         seeds: in the order in which their results are committed.

@@ -10,16 +10,23 @@ import typer
 
 from rtphys.cli.datasets import say_digest
 from rtphys.cli.derived import AsJson, takes
-from rtphys.cli.progress import campaign_progress, summary_table
-from rtphys.cli.tables import fitting_table, print_rows, print_table
+from rtphys.cli.screen import (
+    campaign_progress,
+    fitting_table,
+    print_rows,
+    print_table,
+    summary_table,
+)
 from rtphys.cli.terminal import Incomplete, command_line, resumable, say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, counted
+from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.layout import TaskDataset
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import Option
 from rtphys.spec.protocol import load_protocol
-from rtphys.studies.collect_request import (
+from rtphys.studies.requests import (
     Run,
     find_collection,
     read_specs,
@@ -27,6 +34,7 @@ from rtphys.studies.collect_request import (
     shard_of,
     specs_for,
 )
+from rtphys.task.rates import expected
 
 
 @dataclass(frozen=True)
@@ -70,9 +78,20 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
     from rtphys.studies.collect import collect as run_collection
     from rtphys.studies.collect import without_effect
 
-    specs = _specs(request, template, context)
-    if not request.manifest:  # which says it itself
+    if request.manifest:
+        beside = {"manifest", "dry_run", "as_json", *(field.name for field in fields(Run))}
+        for name in context.params.keys() - beside:
+            source = context.get_parameter_source(name)
+            if source is not None and source.name == "COMMANDLINE":
+                allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
+                raise BadValue(name, context.params[name], allowed)
+        specs = read_specs(find_collection(request.manifest))
+    elif request.task:
+        specs = specs_for(template, library.matching("tasks", request.task), request.sweep)
         say(_what_varies(template.episode), err=request.as_json)
+    else:
+        allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
+        raise BadValue("task", None, allowed)
     for sentence in without_effect(specs):
         say(sentence, err=True)
     if request.dry_run:
@@ -110,29 +129,9 @@ def _what_varies(spec: EpisodeSpec) -> str:
     return f"protocol {spec.variation}: {what}{'; ' + held if held else ''}"
 
 
-def _specs(
-    request: Request, template: CollectionSpec, context: typer.Context
-) -> tuple[CollectionSpec, ...]:
-    if request.manifest:
-        beside = {"manifest", "dry_run", "as_json", *(field.name for field in fields(Run))}
-        for name in context.params.keys() - beside:
-            source = context.get_parameter_source(name)
-            if source is not None and source.name == "COMMANDLINE":
-                allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
-                raise BadValue(name, context.params[name], allowed)
-        return read_specs(find_collection(request.manifest))
-    if not request.task:
-        allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
-        raise BadValue("task", None, allowed)
-    return specs_for(template, library.matching("tasks", request.task), request.sweep)
-
-
 def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> None:
     """Prints each task dataset, what is there already, and what this machine would refuse."""
-    from rtphys.data.attempts import Accepted, read_attempts
-    from rtphys.data.layout import TaskDataset
     from rtphys.studies.collect import check, check_machine
-    from rtphys.task.rates import expected
 
     check(specs, run)
     table = fitting_table(["folder"], ("episodes", "there", "seeds from", "cameras", "domain"))

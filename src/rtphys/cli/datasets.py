@@ -1,18 +1,31 @@
-"""`rtphys render`, `merge`, `subset` and `convert`: a new dataset made of others."""
+"""Commands that make datasets of others, check them, and write what other tools read."""
 
+import re
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from rtphys.cli.derived import names_in, takes
-from rtphys.cli.progress import campaign_progress
-from rtphys.cli.tables import progress_bar
-from rtphys.cli.terminal import command_line, resumable, say
-from rtphys.core.errors import counted
+from rtphys.cli.screen import campaign_progress, progress_bar
+from rtphys.cli.terminal import command_line, printable, resumable, say
+from rtphys.core.errors import BadValue, counted
+from rtphys.data import files
+from rtphys.data import verify as checking
+from rtphys.data.attempts import Accepted
+from rtphys.data.check_episode import Effort, Problem
+from rtphys.data.dataset import Dataset
+from rtphys.data.layout import MANIFEST
+from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
+from rtphys.data.rewrite import convert as convert_dataset
+from rtphys.data.rewrite import merge as merge_datasets
+from rtphys.data.rewrite import subset as write_subset
+from rtphys.data.selection import Selection, seed_set
+from rtphys.spec.option import Option, Seed, Workers, checked_dataclass
 from rtphys.studies.requests import RenderSpec
 
-Dataset = Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")]
+Folder = Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")]
+SHOWN = 20  # differences of an export, at most
 
 
 @takes(RenderSpec)
@@ -53,15 +66,13 @@ def merge(
 
         rtphys merge shard1 shard2 --out data
     """
-    from rtphys.data.rewrite import merge as merge_datasets
-
     with resumable():
         names = merge_datasets(parts, out)
     _say_result(out, names)
 
 
 def subset(
-    dataset: Dataset,
+    dataset: Folder,
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")],
     task: Annotated[list[str] | None, typer.Option(help="Only these tasks.")] = None,
     config: Annotated[list[str] | None, typer.Option(help="Only these configurations.")] = None,
@@ -76,12 +87,6 @@ def subset(
         rtphys subset data --out small --seeds 0:50
         rtphys subset data --out cleaned --drop-seeds 17,23
     """
-    from rtphys.data.attempts import Accepted
-    from rtphys.data.dataset import Dataset
-    from rtphys.data.manifest import TaskEntry
-    from rtphys.data.rewrite import subset as write_subset
-    from rtphys.data.selection import seed_set
-
     known = Dataset(dataset)
     tasks, configs = names_in(task or ()), names_in(config or ())
     for name in tasks:
@@ -103,8 +108,6 @@ def subset(
 
 
 def _say_result(out: Path, names: list[str]) -> None:
-    from rtphys.data.manifest import read_manifest
-
     episodes = sum(entry.episodes for entry in read_manifest(out).task_datasets.values())
     say(f"{counted(episodes, 'episodes')} in {counted(len(names), 'task datasets')}, in {out}")
     say_digest(out)
@@ -113,15 +116,11 @@ def _say_result(out: Path, names: list[str]) -> None:
 
 def say_digest(out: Path, err: bool = False) -> None:
     """What to publish beside a dataset, so that others can tell it from any other."""
-    from rtphys.data import files
-    from rtphys.data.layout import MANIFEST
-    from rtphys.data.manifest import dataset_digest
-
     say(f"digest {dataset_digest(files.read(out / MANIFEST))}", err=err)
 
 
 def convert(
-    source: Dataset,
+    source: Folder,
     out: Annotated[Path, typer.Option(help="Folder for the converted dataset.")],
     to: Annotated[str, typer.Option(help="Layout to write: legacy or native.")] = "legacy",
 ) -> None:
@@ -134,10 +133,172 @@ def convert(
 
         rtphys convert data --out data_legacy --to legacy
     """
-    from rtphys.data.rewrite import convert as convert_dataset
-
     with progress_bar("converting") as bar:
         written = convert_dataset(source, out, to, bar)
     say("pictures of the other layout were encoded again, for their channel order", err=True)
     for name in written:
         say(f"{out}/{name}")
+
+
+@checked_dataclass(frozen=True)
+class Checks:
+    """What is checked of a dataset, and against what."""
+
+    path: Annotated[Path, Option("Folder that holds manifest.json.", positional=True)] = Path(
+        "data"
+    )
+    quick: Annotated[bool, Option("Trust the checksums: do not decode the pictures.")] = False
+    deep: Annotated[bool, Option("Decode the videos too; does it make physical sense?")] = False
+    fresh: Annotated[bool, Option("Look again into what was found sound before.")] = False
+    expect: Annotated[str, Option("Digest that the dataset must have, as it was published.")] = ""
+    reproduce: Annotated[
+        Seed, Option("Make so many episodes, and rejected seeds, again and compare all of them.")
+    ] = 0
+    workers: Workers = None
+
+    def __post_init__(self) -> None:
+        if self.quick and self.deep:
+            raise BadValue("quick", self.quick, "`deep` is given too; choose one of them")
+        if self.expect and not re.fullmatch("sha256:[0-9a-f]{64}", self.expect):
+            raise BadValue("expect", self.expect, "`sha256:` and 64 hexadecimal digits")
+
+
+@takes(Checks)
+def verify(checks: Checks) -> None:
+    """Check every file of a dataset, and derive its physics again from the seeds.
+
+    Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
+    proves.
+
+    Examples:
+
+        rtphys verify data
+        rtphys verify data --deep --reproduce 5
+    """
+    out = checks.path.parent if checks.path.name == MANIFEST else checks.path
+    effort = Effort.QUICK if checks.quick else Effort.DEEP if checks.deep else Effort.NORMAL
+    memory = None if checks.fresh else checking.default_path()
+    with progress_bar("verifying") as bar:
+        report = checking.verify(out, effort, memory=memory, progress=bar)
+    wrong, made = list[str](), ""
+    if report.sound and not (report.episodes or report.failures):
+        wrong.append("it holds no episode: the run was aborted, or no attempt was accepted")
+    if checks.expect and report.digest:
+        if checks.expect != report.digest:
+            wrong.append(f"the dataset is {report.digest}, not the expected {checks.expect}")
+        if report.newer:
+            newer = counted(report.newer, "newer attempts")
+            wrong.append(f"{newer} in the folder, which the digest does not cover")
+    report.problems += [Problem(out / MANIFEST, text) for text in wrong]
+    if checks.reproduce and report.sound:
+        # Imported here: all other checks need no simulator.
+        from rtphys.studies.reproduce import reproduced
+
+        with campaign_progress("seeds") as listener:
+            found = reproduced(out, checks.reproduce, checks.workers, listener)
+        report.problems += found.problems
+        report.notes += found.notes
+        for name in (*found.episodes, *found.rejections):
+            say(printable(f"made again: {name}", one_line=True), err=True)
+        made = f"; {counted(len(found.episodes), 'episodes')} made again"
+        made += f", {counted(len(found.rejections), 'rejected seeds')} tried again"
+    for problem in report.problems:
+        say(printable(str(problem), one_line=True))
+    for note in report.notes:
+        say(printable(f"note: {note}", one_line=True), err=True)
+    if report.digest:
+        say(f"digest {report.digest}")
+    counts = [counted(report.episodes, "episodes")]
+    counts += [counted(report.failures, "failures that were kept")] if report.failures else []
+    counts += [counted(report.files, "files"), f"{report.bytes / 1e6:.1f} MB{made}"]
+    verdict = "sound" if report.sound else counted(len(report.problems), "problems")
+    say(f"{out}: {verdict} ({', '.join(counts)})", err=not report.sound)
+    raise typer.Exit(not report.sound)
+
+
+export = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    help="Write a dataset in the format of another tool.",
+)
+
+
+@export.command()
+def lerobot(
+    dataset: Folder,
+    out: Annotated[Path, typer.Option(help="New folder to write.")],
+    version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
+    task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
+    protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
+    config: Annotated[str | None, typer.Option(help="Only this configuration.")] = None,
+    seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
+    camera_names: Annotated[
+        str, typer.Option(help="aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
+    ] = "aloha",
+    features: Annotated[
+        list[str] | None,
+        typer.Option(help="Also in each frame: physics, environment_state, contact, touch, depth."),
+    ] = None,
+    sentences: Annotated[
+        str, typer.Option(help="Of each episode: first, all in turns, or task for the task's name.")
+    ] = "first",
+) -> None:
+    """Write a LeRobot dataset.
+
+    Each episode's physics is in the columns phys/<attribute>. The same command after a kill goes
+    on where it ended.
+
+    Examples:
+
+        rtphys export lerobot data --out lr
+        rtphys export lerobot data --version v2.1 --features physics --out lr21
+    """
+    # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
+    from rtphys.export.lerobot import ExportSpec, export_lerobot
+    from rtphys.export.lerobot_plan import READERS
+
+    spec = ExportSpec(version, camera_names, tuple(names_in(features or [])), sentences)
+    chosen = Selection(task, config, seed).of(Dataset(dataset).where(protocol=protocol))
+    with progress_bar("exporting") as bar:
+        export_lerobot(chosen, out, spec, bar)
+    say(f"{out}: {counted(len(chosen), 'episodes')}, LeRobot {version}, for {READERS[version]}")
+
+
+@export.command()
+def card(
+    dataset: Folder,
+    name: Annotated[str, typer.Option(help="Name of the dataset.")] = "rtphys demonstrations",
+    licence: Annotated[str, typer.Option("--license", help="SPDX identifier.")] = "apache-2.0",
+    url: Annotated[str, typer.Option(help="Address where it will be published.")] = "",
+    published: Annotated[str, typer.Option(help="Date of publication, YYYY-MM-DD.")] = "",
+) -> None:
+    """Write README.md for Hugging Face and croissant.json beside the manifest."""
+    from rtphys.export.card import CardText, write_card
+
+    for path in write_card(Dataset(dataset), CardText(name, licence, url, published)):
+        say(str(path))
+
+
+def verify_export(
+    export: Annotated[Path, typer.Argument(help="Folder that `rtphys export lerobot` wrote.")],
+    dataset: Annotated[Path, typer.Argument(help="The dataset that it was made of.")],
+) -> None:
+    """Compare every number and every picture of a LeRobot export with its dataset.
+
+    Exit code 1 if something differs.
+
+    Example:
+
+        rtphys verify-export lr data
+    """
+    # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
+    from rtphys.export.lerobot_verify import verify_export as compare
+
+    with progress_bar("comparing") as bar:
+        problems = compare(export, Dataset(dataset), bar)
+    for problem in problems[:SHOWN]:
+        say(problem)
+    if problems:
+        say(f"{export}: {len(problems)} differences", err=True)
+        raise typer.Exit(1)
+    say(f"{export}: every number and picture is the dataset's")

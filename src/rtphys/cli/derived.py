@@ -23,16 +23,15 @@ from rtphys.spec.option import Offers, Option
 JSON_HELP = "Plain JSON on standard output instead of a table."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
-_READ_BY_TYPER = (bool, int, float, str, Path)
 _NAMED = "task_names"  # the words of a command that are its tasks
-_METAVARS = {bool: None, int: "N", float: "X", Path: "PATH"}  # others: TEXT
+# What typer reads by itself -> how the help calls a value; all else is text.
+_METAVARS = {bool: None, int: "N", float: "X", str: "TEXT", Path: "PATH"}
 PANELS = {
     "EpisodeSpec": "What an episode is",
     "CollectionSpec": "Which attempts are made and kept",
     "CertificationSpec": "Which attempts are made and kept",
     "RecordingSpec": "What is recorded",
     "Run": "How it runs",
-    "Limits": "How it runs",
     "CertificationRun": "How it runs",
     "EvaluationRun": "How it runs",
     "EvaluationSpec": "The policy",
@@ -96,7 +95,7 @@ def takes(
 
 
 class _Part(NamedTuple):
-    """A dataclass to be filled in: which fields are asked for, and where the others come from."""
+    """A dataclass that command-line values fill in, and which of its fields they may set."""
 
     kind: type
     rest: Any = MISSING  # one with the values of the other fields; MISSING: the class's defaults
@@ -112,7 +111,7 @@ class _Part(NamedTuple):
             made = field.default_factory
             default = field.default if made is MISSING else made()
             default = getattr(self.rest, field.name, default)
-            notes, kind = getattr(hint, "__metadata__", ()), _without_notes(hint)
+            notes, kind = getattr(hint, "__metadata__", ()), _kind(hint)[0]
             options = [note for note in notes if isinstance(note, Option)]
             if options:
                 yield field.name, hint, default, options[-1]  # the outermost annotation wins
@@ -141,11 +140,10 @@ def _value(hint: object, raw: object, name: str, default: Any) -> object:
         return None if default is MISSING else default
     if not isinstance(raw, Sequence) or isinstance(raw, str):
         return raw
-    words = [str(word) for word in raw]
-    plain = get_args(hint)[0]
-    if get_origin(plain) is not Mapping:
+    words, (kind, _) = [str(word) for word in raw], _kind(hint)
+    if get_origin(kind) is not Mapping:
         return names_in(words)
-    if get_args(plain)[1] is not str:
+    if get_args(kind)[1] is not str:
         from rtphys.physics.load import parse_overrides
 
         return parse_overrides(words)
@@ -165,56 +163,42 @@ def _parameters(part: _Part, common: Sequence[str]) -> Iterator[inspect.Paramete
         if isinstance(found, _Part):
             yield from _parameters(found, common)
             continue
-        spelled, called = _spelled_type(hint), found.name or name
-        tasks = called == "task" and list[str] in (spelled, *get_args(spelled))
+        kind, optional = _kind(hint)
+        called, origin = found.name or name, get_origin(kind)
+        several = origin in (tuple, Mapping)
+        spelled = list[str] if several else kind if kind in _METAVARS else str
+        optional |= origin is Mapping or (not several and spelled is not kind)
+        tasks = called == "task" and several
         if tasks:
             text = "Tasks or patterns such as 'stack_*'; as an option: --task NAME,NAME."
             words = typer.Argument(help=text, metavar="TASKS", show_default=False)
-            kind = Annotated[list[str] | None, words]
-            yield inspect.Parameter(_NAMED, keyword, default=None, annotation=kind)
+            named = Annotated[list[str] | None, words]
+            yield inspect.Parameter(_NAMED, keyword, default=None, annotation=named)
+        if tasks or (several and optional):
             default = None
-        if default is MISSING:
+        elif default is MISSING:
             default = inspect.Parameter.empty
-        elif spelled == list[str] | None:
-            default = None
-        flag, text = "--" + called.replace("_", "-"), found.help
-        flags = f"{flag}/--no-{flag[2:]}" if default is True else flag
-        panel = PANELS.get(part.kind.__name__) if common and name not in common else None
-        metavar = _METAVARS.get(_plain(spelled), "TEXT")
+        flag, panel = "--" + called.replace("_", "-"), PANELS.get(part.kind.__name__)
         option = typer.Option(
-            flags,
-            help=text,
-            metavar=metavar,
-            rich_help_panel=panel,
+            f"{flag}/--no-{flag[2:]}" if default is True else flag,
+            help=found.help,
+            metavar=_METAVARS.get(spelled, "TEXT"),
+            rich_help_panel=panel if common and name not in common else None,
             hidden=tasks,  # the words say it
         )
-        kind = typer.Argument(help=text) if found.positional else option
-        annotation = Annotated[spelled, kind]
+        note = typer.Argument(help=found.help) if found.positional else option
+        annotation = Annotated[spelled | None if optional else spelled, note]
         yield inspect.Parameter(name, keyword, default=default, annotation=annotation)
 
 
-def _spelled_type(hint: object) -> Any:
-    """What typer is to read: several words for names and mappings, a word for what is loaded."""
-    plain = _without_notes(hint)
-    union = get_origin(plain) in (Union, UnionType)
-    options = [_without_notes(part) for part in get_args(plain)] if union else [plain]
-    kinds = [get_origin(part) or part for part in options if part is not NoneType]
-    if len(kinds) == 1 and kinds[0] in (tuple, Mapping):
-        return list[str] if not union and kinds[0] is tuple else list[str] | None
-    if len(kinds) == 1 and kinds[0] in _READ_BY_TYPER:
-        return kinds[0] | None if union else kinds[0]
-    return str | None
-
-
-def _plain(spelled: Any) -> Any:
-    """A type without `| None`."""
-    return next((kind for kind in get_args(spelled) if kind is not NoneType), spelled)
-
-
-def _without_notes(hint: object) -> object:
+def _kind(hint: Any) -> tuple[Any, bool]:
+    """What a field holds, without notes and None; and whether it may be None."""
     while get_origin(hint) is Annotated:
         hint = get_args(hint)[0]
-    return hint
+    if get_origin(hint) not in (Union, UnionType):
+        return hint, False
+    kinds = [part for part in get_args(hint) if part is not NoneType]
+    return _kind(kinds[0])[0] if len(kinds) == 1 else None, len(kinds) < len(get_args(hint))
 
 
 def names_in(words: Sequence[str]) -> tuple[str, ...]:

@@ -1,29 +1,113 @@
-"""`rtphys evaluate`: a policy on certified instances."""
+"""Commands for policies: certified lists, evaluations, and comparisons of them."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
 
 import typer
 from rich.table import Table
 
-from rtphys.cli.derived import AsJson, takes
-from rtphys.cli.progress import campaign
-from rtphys.cli.tables import fitting_table, print_table
-from rtphys.cli.terminal import say, say_json
-from rtphys.results.evaluation import EvaluationSpec
-from rtphys.studies.requests import EvaluationRun
-
-if TYPE_CHECKING:
-    from rtphys.results.evaluation import Results
-    from rtphys.results.statistics import Rate
-    from rtphys.results.summary import Counts, Summary
+from rtphys.analysis import compare as analysis
+from rtphys.analysis.compare import Column, Comparison, unfinished
+from rtphys.analysis.estimators import short_name
+from rtphys.analysis.identify import Result, read_result
+from rtphys.assets.pack import default_pack
+from rtphys.cli.derived import AsJson, Json, takes
+from rtphys.cli.screen import campaign, fitting_table, print_rows, print_table, reasons
+from rtphys.cli.terminal import Incomplete, say, say_json
+from rtphys.core.errors import counted
+from rtphys.results import read_results
+from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
+from rtphys.results.statistics import Rate
+from rtphys.results.summary import Counts, Summary
+from rtphys.studies.requests import CertificationRun, CertificationSpec, EvaluationRun
 
 SHOWN = 5  # attributes per protocol, those with the smallest p-values
+MAX_NAMED = 3  # evaluations whose names fit above their columns
 
 
-COMMON = ("policy", "protocols", "episodes", "out", "workers", "video", "record")
+@takes(
+    *(CertificationSpec, CertificationRun, AsJson),
+    common=("protocols", "feasible", "out", "workers"),
+)
+def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> None:
+    """Find the seeds on which policies are evaluated: those that the expert solves.
+
+    No pictures are drawn. One list a task and protocol, with every seed that was tried. It may be
+    interrupted: the same command goes on where it stopped.
+
+    --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
+    moves no state, the lists so get the present fingerprint in minutes. Exit code 1: one differs.
+
+    Examples:
+
+        rtphys certify click_bell --protocol clean,phys_random --out bench
+        rtphys certify '*' --protocol clean --reprove 1 --out bench
+    """
+    from rtphys.studies.certify import certify as run_certification
+
+    if run.reprove:
+        _reprove(spec, run)
+        return
+    if left_out := run.left_out():
+        text = f"left out, since the attribute acts on nothing there: {'; '.join(left_out)}"
+        say(text, err=True)
+    with campaign("feasible seeds") as (pack, listener):
+        made = run_certification(spec, run, pack, listener)
+
+    def share(flags: Sequence[bool | None]) -> str:
+        known = [flag for flag in flags if flag is not None]
+        return f"{sum(known)} / {len(known)}" if known else "-"
+
+    heads = ("feasible", "attempts", "replay", "open-loop replay of clean")
+    table = fitting_table(["task", "protocol"], (*heads, "reasons for infeasibility"))
+    rows = list[dict[str, object]]()
+    for found in (one.instances for one in made):
+        replayed = [one.replay for one in found.feasible]
+        twin = [one.twin for one in found.feasible]
+        counts = (str(len(found.feasible)), str(found.attempts), share(replayed), share(twin))
+        table.add_row(found.task, found.protocol, *counts, reasons(found.rejected))
+        rows.append(
+            {
+                "task": found.task,
+                "protocol": found.protocol,
+                "feasible": [one.seed for one in found.feasible],
+                "attempts": found.attempts,
+                "rejected": dict(found.rejected),
+                "replayed": replayed,
+                "twin": twin,
+            }
+        )
+    print_rows(table, rows, output.as_json)
+    ends = [(one.progress.name, one.halted or one.progress.stopped) for one in made]
+    if given_up := [f"{name}: {text}" for name, text in ends if text]:
+        raise Incomplete("; ".join(given_up))
 
 
-@takes(EvaluationSpec, EvaluationRun, AsJson, common=COMMON)
+def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
+    from rtphys.studies.certify import reprove
+
+    with campaign("instances") as (pack, listener):
+        studies = reprove(spec, run, pack, listener)
+    for line in (line for study in studies for line in study.differences):
+        typer.echo(line)
+    renewed = sum(study.renewed for study in studies)
+    stale = sum(study.stale and not study.renewed for study in studies)
+    solved = sum(study.solved for study in studies)
+    held = sum(not study.differences for study in studies)
+    typer.echo(
+        f"{held} of {counted(len(studies), 'lists')} hold "
+        f"({counted(solved, 'instances')} solved again); {renewed} have a new header, "
+        f"{stale} stay stale"
+    )
+    if held < len(studies):
+        raise typer.Exit(1)
+
+
+@takes(
+    *(EvaluationSpec, EvaluationRun, AsJson),
+    common=("policy", "protocols", "episodes", "out", "workers", "video", "record"),
+)
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
     """Run a policy on certified instances and say how often it succeeds.
 
@@ -39,7 +123,6 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         rtphys evaluate lift_pot --policy lerobot:act --protocol phys_random
     """
     run.check(spec)
-    from rtphys.results import read_results
     from rtphys.studies.evaluate import evaluate as run_evaluation
 
     with campaign("episodes") as (pack, listener):
@@ -47,7 +130,15 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
     if output.as_json:
         say_json(summary.to_json())
     else:
-        _show(summary)
+        print_table(rates_table(summary))
+        for row in summary.tasks:
+            if row.language:
+                say(f"{row.protocol}, {row.task}: {row.language}")
+        print_table(loads_table(summary))
+        if summary.pairs:
+            print_table(pairs_table(summary))
+        if any(summary.breaks.values()):
+            print_table(attributes_table(summary))
     out = run.folder(spec.policy)
     broken, every = errors_of(read_results(out))
     if broken:
@@ -58,10 +149,8 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         raise typer.Exit(1)
 
 
-def errors_of(results: "Results") -> tuple[str, bool]:
+def errors_of(results: Results) -> tuple[str, bool]:
     """What the policy raised first, in one line, and where to read on; whether it always raised."""
-    from rtphys.results.evaluation import ledger_file
-
     played = [record for records in results.records.values() for record in records]
     broken = [record for record in played if record.reason == "policy_error"]
     if not broken:
@@ -73,20 +162,7 @@ def errors_of(results: "Results") -> tuple[str, bool]:
     return f"policy_error of seed {first.seed}: {raised}; {rest}", len(broken) == len(played)
 
 
-def _show(summary: "Summary") -> None:
-    """Prints success rates, paired differences, and the attributes with the largest effect."""
-    print_table(rates_table(summary))
-    for row in summary.tasks:
-        if row.language:
-            say(f"{row.protocol}, {row.task}: {row.language}")
-    print_table(loads_table(summary))
-    if summary.pairs:
-        print_table(pairs_table(summary))
-    if any(summary.breaks.values()):
-        print_table(attributes_table(summary))
-
-
-def rates_table(summary: "Summary") -> Table:
+def rates_table(summary: Summary) -> Table:
     """Success rates of each task and protocol."""
     columns = ("of benchmark instances", "of all seeds tried", "still true after 0.5 s", "failures")
     table = fitting_table(["protocol", "task"], columns, "success, with 95 % intervals")
@@ -102,7 +178,7 @@ def rates_table(summary: "Summary") -> Table:
     return table
 
 
-def loads_table(summary: "Summary") -> Table:
+def loads_table(summary: Summary) -> Table:
     """Largest force and torque of the successful episodes, and how many were rough."""
     title = "what the robot suffered in successful episodes: median, 90 %, largest"
     columns = ("force on a link [N]", "torque [of the motor's]", "rough")
@@ -115,15 +191,13 @@ def loads_table(summary: "Summary") -> Table:
     return table
 
 
-def _rates(counts: "Counts") -> tuple[str, str, str]:
-    from rtphys.results.statistics import Rate
-
+def _rates(counts: Counts) -> tuple[str, str, str]:
     held = Rate(counts.held, counts.rollouts)
     # One interval a row fits into 80 columns; summary.json holds the others.
     return _rate(counts.of_feasible, bounds=True), _rate(counts.of_tried), _rate(held)
 
 
-def _rate(rate: "Rate | None", bounds: bool = False) -> str:
+def _rate(rate: Rate | None, bounds: bool = False) -> str:
     if rate is None or rate.value is None:
         return "-"
     low, high = map(_percent, rate.interval)
@@ -135,7 +209,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f}".removesuffix(".0")
 
 
-def pairs_table(summary: "Summary") -> Table:
+def pairs_table(summary: Summary) -> Table:
     """Comparison of every two protocols on their common seeds."""
     title = "the same seeds under two protocols (McNemar, exact)"
     columns = ("seeds", "both", "only first", "only second", "p")
@@ -147,7 +221,7 @@ def pairs_table(summary: "Summary") -> Table:
     return table
 
 
-def attributes_table(summary: "Summary") -> Table:
+def attributes_table(summary: Summary) -> Table:
     """Effects of the attributes with the smallest p-values on success."""
     title = "which physics breaks the policy: log-odds of success from lowest to highest"
     columns = ("attribute", "range", "log-odds", "p", "p (Holm)")
@@ -160,3 +234,149 @@ def attributes_table(summary: "Summary") -> Table:
             p = f"{curve.p:.2g}", f"{effect.p_holm:.2g}"
             table.add_row(protocol, ", ".join([effect.key, *effect.same]), span, slope, *p)
     return table
+
+
+def compare(
+    folders: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            help="Folders that rtphys evaluate has written, or files of rtphys identify."
+        ),
+    ] = None,
+    protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
+    paper: Annotated[
+        bool, typer.Option("--paper", help="Add the five methods that the paper reports.")
+    ] = False,
+    figure: Annotated[Path | None, typer.Option(help="Also draw the rates into this PNG.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Success by task and policy with 95 % intervals, and a paired test on common seeds.
+
+    A second table tells how alike two policies rank the tasks.
+
+    Without a folder, --paper shows the paper's tables. Result files of `rtphys identify` (.json)
+    are shown side by side instead: the mean R2 of each attribute.
+
+    Examples:
+
+        rtphys compare eval/one eval/other --protocol phys_random
+        rtphys compare eval/one --paper --figure rates.png
+    """
+    from rtphys.analysis.figures import draw_rates
+
+    if not folders and not paper:
+        raise typer.BadParameter("name a result folder, or say --paper")
+    if folders and all(path.suffix == ".json" for path in folders):
+        _show_identified([read_result(path) for path in folders])
+        return
+    evaluations = [read_results(folder) for folder in folders or []]
+    comparison = analysis.compare(evaluations, protocol, paper)
+    columns, tasks = comparison.columns, comparison.tasks
+    if figure is not None:
+        title = "success among feasible seeds, 95 % intervals"
+        draw_rates([(f"{c.label}, {c.protocol}", c.rates) for c in columns], tasks, title, figure)
+        say(str(figure), err=True)
+    if as_json:
+        say_json(comparison.to_json())
+        return
+    _show_rates(columns, tasks)
+    if paper:
+        title = "the paper's Table 1: mean success [%] over 50 tasks"
+        protocols = list(analysis.PAPER_PROTOCOLS.values())
+        table = fitting_table(["method"], protocols, title, justify="right")
+        for method, means in analysis.paper_means().items():
+            table.add_row(method, *(f"{means[name]:.2f}" for name in protocols))
+        table.caption = (
+            "Means of the 50 tasks of its Table 3: Motus 39.56, pi0.5 31.50 (as printed: 39.60, "
+            "31.60)."
+        )
+        print_table(table)
+        for sentence in analysis.limits_of_comparison(evaluations):
+            say(sentence)
+    _show_pairs(comparison)
+
+
+def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
+    def cell(rate: Rate | None, partial: bool) -> str:
+        if rate is None or rate.value is None:
+            return "-"
+        low, high = rate.interval
+        return f"{100 * rate.value:.0f} ({100 * low:.0f}-{100 * high:.0f})" + "*" * partial
+
+    heads = [f"{column.label}, {column.protocol}" for column in columns]
+    title = "success [%], in brackets its 95 % interval"
+    if len(heads) > MAX_NAMED:
+        title += "".join(f"\n[{number}] {head}" for number, head in enumerate(heads, start=1))
+        heads = [f"[{number}]" for number in range(1, len(heads) + 1)]
+    table = fitting_table(["task"], heads, title, justify="right")
+    for task in tasks:
+        table.add_row(task, *(cell(c.rates.get(task), task in c.unfinished) for c in columns))
+    table.add_section()
+    means = [column.mean(tasks) for column in columns]
+    shown = ["-" if mean is None else f"{100 * mean:.2f}" for mean in means]
+    table.add_row("mean of these tasks", *shown)
+    totals = [cell(column.total(tasks), bool(column.unfinished)) for column in columns]
+    table.add_row("all their rollouts", *totals)
+    print_table(table)
+    for clause in unfinished(columns):
+        say(f"* unfinished: {clause}")
+
+
+def _show_pairs(comparison: Comparison) -> None:
+    names = ["first", "second", "protocol"]
+    if comparison.pairs:
+        title = "on the same instances (p: McNemar's exact test)"
+        columns = ("instances", "only first", "only second", "second - first", "p")
+        table = fitting_table(names, columns, title, justify="right")
+        for pair in comparison.pairs:
+            outcome = pair.outcome
+            gap = "-" if outcome.difference is None else f"{100 * outcome.difference:+.1f} points"
+            counts = map(str, (outcome.trials, outcome.only_first, outcome.only_second))
+            table.add_row(pair.first, pair.second, pair.protocol, *counts, gap, f"{outcome.p:.2g}")
+        print_table(table)
+    for pair in comparison.pairs:
+        for reason in pair.unpaired:
+            say(f"not paired: {pair.first}, {pair.second}, {pair.protocol}, {reason}")
+    if comparison.ranks:
+        title = "how alike they rank the tasks (Spearman's rho; 1: the same order, 0: unrelated)"
+        table = fitting_table(names, ("tasks", "rho", "p"), title, justify="right")
+        for rank in comparison.ranks:
+            rho = "-" if rank.rho is None else f"{rank.rho:+.2f}"
+            p = "-" if rank.p is None else f"{rank.p:.2g}"
+            table.add_row(rank.first, rank.second, rank.protocol, str(rank.tasks), rho, p)
+        print_table(table)
+
+
+def _show_identified(results: Sequence[Result]) -> None:
+    """Mean R2 by attribute and estimator over the tasks that all of them have."""
+    tasks = [t for t in results[0].tasks if all(t in result.tasks for result in results)]
+    names = [short_name(result.estimator) for result in results]
+    if len({result.protocol for result in results}) > 1:
+        names = [f"{n}, {result.protocol}" for n, result in zip(names, results, strict=True)]
+    columns = [f"{name}{where}" for where in ("", ", beyond") for name in names]
+    title = f"mean R2 over {counted(len(tasks), 'tasks')} of all"
+    table = fitting_table(["attribute"], columns, title=title, justify="right")
+    for key in sorted({key for r in results for of in r.tasks.values() for key in of.scores}):
+        means = [r.mean(key, tasks, beyond) for beyond in (False, True) for r in results]
+        if any(mean is not None for mean in means):
+            table.add_row(key, *("-" if mean is None else f"{mean:.2f}" for mean in means))
+    print_table(table)
+    for name, result in zip(names, results, strict=True):
+        failed = sum(len(result.tasks[task].failed) for task in tasks)
+        if failed:
+            say(f"{name} failed on {counted(failed, 'attributes')} of these tasks; left out")
+
+
+def robotwin_root(
+    folder: Annotated[Path, typer.Argument(help="New folder, or one that this command wrote.")],
+) -> None:
+    """Write a folder that looks like RoboTwin to its launch scripts.
+
+    Link policies into its policy/ folder, then run inside it, for example:
+    python script/eval_policy.py --config policy/NAME/deploy_policy.yml --overrides
+    --task_name click_bell --task_config phys_random --policy_name NAME
+    """
+    from rtphys.robotwin_root.write import write_root
+
+    written = write_root(folder, default_pack())
+    say(f"{folder}: {counted(len(written), 'files')}; link your policies into {folder / 'policy'}")

@@ -15,16 +15,52 @@ from typer.core import TyperGroup
 from rtphys.cli.terminal import GIVEN, command_line, say
 from rtphys.core.errors import BadValue, RtphysError
 
-MODULES = {
-    **dict.fromkeys(("tasks", "new-task", "domains", "protocols"), "catalogue"),
-    **dict.fromkeys(("render", "merge", "subset", "convert"), "datasets"),
-    **dict.fromkeys(("export", "verify-export", "robotwin-root"), "export"),
-    **dict.fromkeys(("identify", "sensitivity"), "research"),
-    **dict.fromkeys(("bench", "doctor"), "machine"),
-    **dict.fromkeys(("show", "view", "report"), "show"),
-    **dict.fromkeys(("check", "try"), "check"),
+GROUPS = {
+    "Make a dataset": {
+        "collect": ("collect", "Collect verified episodes of one or more tasks."),
+        "render": ("datasets", "Draw a dataset again: other cameras, sizes, senses or looks."),
+        "merge": ("datasets", "Join datasets, such as the shards of a collection."),
+        "subset": ("datasets", "Copy a part of a dataset."),
+        "convert": ("datasets", "Write a dataset again in the other official layout."),
+        "verify": ("datasets", "Check a dataset against its manifest, and its seeds."),
+        "export": ("datasets", "Write a dataset in the format of another tool."),
+        "verify-export": (
+            "datasets",
+            "Compare a LeRobot export with its dataset, number by number.",
+        ),
+    },
+    "Look at it": {
+        "show": ("show", "Show one episode in the terminal or as a picture."),
+        "view": ("show", "Look at an episode in Rerun, a viewer of recordings."),
+        "report": ("show", "Show a dataset, or an evaluation, on one HTML page."),
+    },
+    "Extend it: tasks and physics of your own": {
+        "tasks": ("authoring", "List the tasks and what they need."),
+        "new-task": ("authoring", "Write a task file to start from."),
+        "try": ("authoring", "Try a task's expert once: its stages, and where it stuck."),
+        "check": ("authoring", "Try a task's expert over many seeds, without pictures."),
+        "domains": ("authoring", "Show and check the ranges of the physical attributes."),
+        "protocols": ("authoring", "Show what may differ between episodes."),
+        "physics": ("physics", "Draw physical attributes and prove their laws."),
+    },
+    "Evaluate policies": {
+        "certify": ("evaluate", "Find the seeds on which policies are evaluated."),
+        "evaluate": ("evaluate", "Say how often a policy succeeds on certified instances."),
+        "compare": ("evaluate", "Show evaluations side by side, and beside the paper's."),
+        "robotwin-root": ("evaluate", "Write a folder that RoboTwin's scripts take for RoboTwin."),
+    },
+    "Studies": {
+        "sensitivity": ("research", "Measure how far from nominal physics may be in a task."),
+        "identify": ("research", "Find which physics can be inferred from what a robot senses."),
+    },
+    "This machine": {
+        "assets": ("machine", "Build, inspect or link the asset packs."),
+        "bench": ("machine", "Measure what an episode costs on this machine."),
+        "doctor": ("machine", "Find what keeps this machine from working, and its cure."),
+    },
 }
-"""Command -> its module in this package; every other one has a module of its own name."""
+"""Title of a group in the help -> its commands -> the module in this package, and the help."""
+COMMANDS = {name: facts for group in GROUPS.values() for name, facts in group.items()}
 # Package -> the optional part of rtphys that brings it.
 EXTRAS = {
     "pyarrow": "lerobot",
@@ -45,7 +81,10 @@ FORMER = {
     "physics": {"prove": "law-test", "--seed": "--first-seed"},
     "show": {"--number": "--episode"},
 }
-GONE = {("collect", "--estimate"): "`--dry-run` says what the table in docs/scale.md knows"}
+GONE = {
+    ("collect", "--estimate"): "`--dry-run` says what the table in docs/scale.md knows",
+    ("verify", "--shader"): "a dataset says itself what its pictures were drawn with",
+}
 """Options of 1.0 that are no more, and what there is instead."""
 OF_LIBRARIES = ("task", "task or domain", "domain", "protocol", "embodiment", "attribute")
 FIRST = {"--library", "--assets", "--fallback", "--debug"}  # stand before the command's name
@@ -158,19 +197,17 @@ def _refusals_said() -> Iterator[None]:
         _stop(f"{where}{error.strerror or error}{hint}", 2)
 
 
-def add_stubs(app: typer.Typer, commands: Mapping[str, str], group: str | None = None) -> None:
-    """Register name -> help, so that help and "did you mean" know every command."""
-
-    def stub() -> None:
-        raise RuntimeError("a stub ran: LazyGroup did not resolve the command")
-
-    for name, text in commands.items():
-        app.command(name, help=text, rich_help_panel=group)(stub)
+def add_commands(app: typer.Typer) -> None:
+    """Register every command's name and help, so that help and "did you mean" know them all."""
+    for title, commands in GROUPS.items():
+        for name, (_, text) in commands.items():
+            # Nothing ever calls it: `LazyGroup` puts the command in its place.
+            app.command(name, help=text, rich_help_panel=title)(lambda: None)
 
 
 def load(name: str):
     """The real command: the function of its name in its module, or the group of its name."""
-    module = import_module(f"rtphys.cli.{MODULES.get(name, name)}")
+    module = import_module(f"rtphys.cli.{COMMANDS[name][0]}")
     identifier = name.replace("-", "_")
     inner = getattr(module, f"{identifier}_" if iskeyword(identifier) else identifier)
     if not isinstance(inner, typer.Typer):

@@ -1,8 +1,7 @@
 """The `rtphys` command: global options and the list of commands.
 
 To add a command, write a function of its name (dashes become underscores), or a `typer.Typer` of
-its name if it has commands of its own, in `rtphys/cli/<name>.py` or in a module that
-`rtphys.cli.lazy.MODULES` names, and add a line below.
+its name if it has commands of its own, in a module of this package, and add it to `lazy.GROUPS`.
 """
 
 import os
@@ -12,51 +11,9 @@ from typing import Annotated
 
 import typer
 
-from rtphys.cli.lazy import LazyGroup, add_stubs
+from rtphys.cli.lazy import LazyGroup, add_commands
 from rtphys.cli.terminal import say
-
-GROUPS = {
-    "Make a dataset": {
-        "collect": "Collect verified episodes of one or more tasks.",
-        "render": "Draw a dataset again: other cameras, sizes, senses or looks.",
-        "merge": "Join datasets, such as the shards of a collection.",
-        "subset": "Copy a part of a dataset.",
-        "convert": "Write a dataset again in the other official layout.",
-        "verify": "Check a dataset against its manifest, and its seeds.",
-        "export": "Write a dataset in the format of another tool.",
-        "verify-export": "Compare a LeRobot export with its dataset, number by number.",
-    },
-    "Look at it": {
-        "show": "Show one episode in the terminal or as a picture.",
-        "view": "Look at an episode in Rerun, a viewer of recordings.",
-        "report": "Show a dataset, or an evaluation, on one HTML page.",
-    },
-    "Extend it: tasks and physics of your own": {
-        "tasks": "List the tasks and what they need.",
-        "new-task": "Write a task file to start from.",
-        "try": "Try a task's expert once: its stages, and where it stuck.",
-        "check": "Try a task's expert over many seeds, without pictures.",
-        "domains": "Show and check the ranges of the physical attributes.",
-        "protocols": "Show what may differ between episodes.",
-        "physics": "Draw physical attributes and prove their laws.",
-    },
-    "Evaluate policies": {
-        "certify": "Find the seeds on which policies are evaluated.",
-        "evaluate": "Say how often a policy succeeds on certified instances.",
-        "compare": "Show evaluations side by side, and beside the paper's.",
-        "robotwin-root": "Write a folder that RoboTwin's scripts take for RoboTwin.",
-    },
-    "Studies": {
-        "sensitivity": "Measure how far from nominal physics may be in a task.",
-        "identify": "Find which physics can be inferred from what a robot senses.",
-    },
-    "This machine": {
-        "assets": "Build, inspect or link the asset packs.",
-        "bench": "Measure what an episode costs on this machine.",
-        "doctor": "Find what keeps this machine from working, and its cure.",
-    },
-}
-COMMANDS = {name: text for group in GROUPS.values() for name, text in group.items()}
+from rtphys.core.errors import BadValue
 
 SHIPPED = ("probes", "examples/own_attributes")  # libraries of their own, beside the tasks
 
@@ -76,8 +33,7 @@ app = typer.Typer(
     epilog=EPILOG,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for _group, _commands in GROUPS.items():
-    add_stubs(app, _commands, _group)
+add_commands(app)
 
 
 def _version(wanted: bool) -> None:
@@ -127,6 +83,8 @@ def main(
     if assets:
         os.environ["RTPHYS_ASSETS"] = str(assets.resolve())
     if fallback:
+        if not os.environ.get("RTPHYS_ASSETS"):
+            raise BadValue("fallback", fallback, "it needs `assets`, which lacks models")
         os.environ["RTPHYS_ASSETS_FALLBACK"] = fallback
 
 

@@ -1,29 +1,30 @@
 """`rtphys physics`: draw values, test the laws, audit a dataset's labels."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from rtphys.assets.embodiment import DEFAULT
-from rtphys.cli.catalogue import domain_named, value_text
+from rtphys.assets.pack import default_pack
+from rtphys.cli.authoring import domain_named, value_text
 from rtphys.cli.derived import Json, names_in
-from rtphys.cli.tables import fitting_table, print_table
+from rtphys.cli.screen import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, Infeasible, UnknownName, counted
+from rtphys.data.dataset import Dataset
 from rtphys.physics import Physics, Value, parse_overrides
 from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.physics.reach import keys_of
 from rtphys.spec.episode import EpisodeSpec, Recipe
+from rtphys.task.spec import load_task
 
 if TYPE_CHECKING:
-    from rtphys.data.dataset import Dataset
     from rtphys.laws.audit.specimen import Measurement
     from rtphys.laws.law import Trial
 
@@ -75,22 +76,27 @@ def sample(
         ]
         say_json([{"domain": domain.name, **row} for row in rows])
         return
+    keys = sorted({key for values in drawn.values() for key in filter(is_attribute, values)})
     seeds = list(drawn)
     for start in range(0, len(seeds), SEEDS):
-        print_table(_table(domain.name, {s: drawn[s] for s in seeds[start : start + SEEDS]}))
+        few = seeds[start : start + SEEDS]
+        columns = ("unit", *(f"seed {seed}" for seed in few))
+        table = fitting_table(["attribute"], columns, f"domain {domain.name}")
+        for key in [*keys, "camera_mode", "camera_direction"]:
+            cells = [_cell(drawn[s].get(key), key in drawn[s].varied) for s in few]
+            table.add_row(key, attribute(key).unit if key in keys else "", *cells)
+        print_table(table)
 
 
 def _inside_bodies(recipe: Recipe) -> Physics:
     """The draw with the centre of mass that fits; the first one where the episode has none."""
     from rtphys.task.props import check_props
-    from rtphys.task.spec import load_task
 
     first = recipe.spec.draw(recipe.seed)
     with suppress(Infeasible):  # no layout: no episode either
         check_props(first, load_task(recipe.task).props(recipe.seed))
     if not keys_of("center_of_mass", first.varied):
         return first
-    from rtphys.assets.pack import default_pack
     from rtphys.episode.generate import prepare
 
     try:
@@ -98,16 +104,6 @@ def _inside_bodies(recipe: Recipe) -> Physics:
     except Infeasible as problem:
         say(f"seed {recipe.seed} gives no episode: {problem}", err=True)
         return first
-
-
-def _table(name: str, drawn: Mapping[int, Physics]) -> Table:
-    columns = ("unit", *(f"seed {seed}" for seed in drawn))
-    table = fitting_table(["attribute"], columns, f"domain {name}")
-    keys = sorted({key for values in drawn.values() for key in filter(is_attribute, values)})
-    for key in [*keys, "camera_mode", "camera_direction"]:
-        cells = [_cell(values.get(key), key in values.varied) for values in drawn.values()]
-        table.add_row(key, attribute(key).unit if key in keys else "", *cells)
-    return table
 
 
 def _cell(value: Value, varied: bool) -> str:
@@ -135,7 +131,6 @@ def law_test(
     `rtphys physics audit` measures the labels of one. The exit code is 1 where a law is broken.
     """
     # Imported here: the simulator takes a second that no other command should wait for.
-    from rtphys.assets.pack import default_pack
     from rtphys.laws.lab import Lab
     from rtphys.laws.law import law_tests_of, trials_of
     from rtphys.plan.kinematics import check_robot
@@ -152,8 +147,15 @@ def law_test(
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
         shown = trials if every else worst(trials)
         rows += [facts_of(law.key, trial, *names) for trial in shown]
-        if not as_json:
-            _print_law(law.key, law.law, shown)
+        if as_json:
+            continue
+        # Not a table, whose cells would wrap on a narrow terminal.
+        say(f"\n{law.key}:  {law.law}")
+        say(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
+        for t in shown:
+            numbers = f"{t.expected:10.4g} {t.measured:10.4g} {t.unit:6} {100 * t.error:7.2g}%"
+            setting = t.setting.removeprefix(f"{law.key} = ")
+            say(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
     if as_json:
         say_json(rows)
     else:
@@ -171,16 +173,6 @@ def worst(trials: "Sequence[Trial]") -> "list[Trial]":
         if known is None or trial.error / trial.tolerance > known.error / known.tolerance:
             worst_of[trial.setting] = trial
     return list(worst_of.values())
-
-
-def _print_law(key: str, law: str, trials: "Sequence[Trial]") -> None:
-    """One line a trial; not a table, whose cells would wrap on a narrow terminal."""
-    say(f"\n{key}:  {law}")
-    say(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
-    for t in trials:
-        numbers = f"{t.expected:10.4g} {t.measured:10.4g} {t.unit:6} {100 * t.error:7.2g}%"
-        setting = t.setting.removeprefix(f"{key} = ")
-        say(f"{'ok' if t.passed else 'FAIL':5}{numbers}  {setting}: {t.what}")
 
 
 @physics.command()
@@ -203,46 +195,40 @@ def audit(
     The exit code is 1 where anything deviates by more than its tolerance. docs/physics.md defines
     the labels.
     """
-    from rtphys.data.dataset import Dataset
     from rtphys.laws.audit.selection import selections_by_task_dataset
 
-    data = Dataset(dataset)
-    known = library.names("tasks", None)
+    data, known = Dataset(dataset), library.names("tasks", None)
     for task in data.tasks if labels else ():
         if task not in known:
             raise UnknownName("task", task, known, dataset)
-    report, sound = _labels(data, as_json, repeat) if labels else ({}, True)
-    found = selections_by_task_dataset(data)
-    for name, selections in found.items():
+
+    def tell(text: str) -> None:
         if not as_json:
-            say(f"\n{name}\n  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
-        for one in () if as_json else selections:
-            counts = f"{one.accepted.sum()} of {len(one.accepted)}"
-            shift = f"{one.distance:6.3f} {one.p:8.2g}"
-            say(f"  {one.key:24} {counts:>12} {shift}  {one.sentence}")
+            say(text)
+
+    report, sound = _labels(data, repeat, tell) if labels else ({}, True)
+    selected: dict[str, list[Facts]] = {}
+    for name, selections in selections_by_task_dataset(data).items():
+        tell(f"\n{name}\n  {'attribute':24} {'accepted':>12} {'KS':>6} {'p':>8}")
+        selected[name] = []
+        for one in selections:
+            accepted, attempted = one.accepted.sum(), len(one.attempted)
+            counts = f"{accepted} of {attempted}"
+            tell(f"  {one.key:24} {counts:>12} {one.distance:6.3f} {one.p:8.2g}  {one.sentence}")
+            facts = facts_of(one.key, one, "distance", "p", "sentence")
+            selected[name].append({**facts, "attempted": attempted, "accepted": accepted})
         if out is not None:
             from rtphys.report.figures import draw_selections
 
             out.mkdir(parents=True, exist_ok=True)
             draw_selections(selections, name, out / f"{name.replace('/', '_')}.png")
     if as_json:
-        report["selection"] = {
-            name: [
-                {
-                    **facts_of(one.key, one, "distance", "p", "sentence"),
-                    "attempted": len(one.attempted),
-                    "accepted": one.accepted.sum(),
-                }
-                for one in selections
-            ]
-            for name, selections in found.items()
-        }
-        say_json(report)
+        say_json({**report, "selection": selected})
     if not sound:
         raise typer.Exit(1)
 
 
-def _labels(data: "Dataset", as_json: bool, repeat: int) -> tuple[Facts, bool]:
+def _labels(data: Dataset, repeat: int, tell: Callable[[str], None]) -> tuple[Facts, bool]:
     """Audits every label; as JSON, and whether all are sound."""
     from rtphys.episode.audit import Totals, audited
 
@@ -252,32 +238,27 @@ def _labels(data: "Dataset", as_json: bool, repeat: int) -> tuple[Facts, bool]:
         notes = {"problems": list(one.problems), "notes": list(one.notes)}
         wrong = [_measurement(m) for m in one.deviations]
         rows.append({"file": str(one.path), **notes, "deviations": wrong})
-        if not as_json:
-            for problem in one.problems:
-                say(f"{one.path}: {problem}")
-            for m in one.deviations:
-                unit = attribute(m.key).unit
-                label, measured = (value_text(v, ".6g") for v in (m.label, m.measured))
-                values = f"label {label}, measured {measured} {unit}"
-                say(f"{one.path}: {m.key} at {m.place}: {values}, tolerance {m.tolerance:.3g}")
-            for note in one.notes:
-                say(f"{one.path}: note: {note}")
+        for problem in one.problems:
+            tell(f"{one.path}: {problem}")
+        for m in one.deviations:
+            label, measured = (value_text(v, ".6g") for v in (m.label, m.measured))
+            values = f"label {label}, measured {measured} {attribute(m.key).unit}"
+            tell(f"{one.path}: {m.key} at {m.place}: {values}, tolerance {m.tolerance:.3g}")
+        for note in one.notes:
+            tell(f"{one.path}: note: {note}")
         if time.monotonic() - shown > LINE_EVERY:
             shown = time.monotonic()
             say(f"{totals.episodes} of {counted(len(data), 'episodes')} measured", err=True)
+    counts = f"in {totals.sound} of {counted(totals.episodes, 'episodes')}"
+    tell(f"{counts}, the rebuilt world does what the label says")
+    if totals.worst:
+        tell(f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'allowed':>9}  unit")
+    for key, m in sorted(totals.worst.items()):
+        deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}  {attribute(key).unit}"
+        tell(f"  {key:24} {totals.measured[key]:7} {deviation}")
     unmeasured = sorted(totals.unmeasured.items())
-    if not as_json:
-        counts = f"in {totals.sound} of {counted(totals.episodes, 'episodes')}"
-        say(f"{counts}, the rebuilt world does what the label says")
-        if totals.worst:
-            say(
-                f"\n  {'attribute':24} {'values':>7} {'largest deviation':>18} {'allowed':>9}  unit"
-            )
-        for key, m in sorted(totals.worst.items()):
-            deviation = f"{m.deviation:18.2g} {m.tolerance:9.2g}  {attribute(key).unit}"
-            say(f"  {key:24} {totals.measured[key]:7} {deviation}")
-        for (key, why), count in unmeasured:
-            say(f"  {key:24} {count:7} not measured: {why}")
+    for (key, why), count in unmeasured:
+        tell(f"  {key:24} {count:7} not measured: {why}")
     report: Facts = {
         "episodes": totals.episodes,
         "sound": totals.sound,

@@ -5,18 +5,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
-from rtphys.analysis.identify import IdentifyPlan
+from rtphys.analysis.identify import IdentifyPlan, Result, judge
 from rtphys.analysis.request import SensitivityPlan
 from rtphys.cli.derived import AsJson, takes
-from rtphys.cli.progress import campaign, campaign_progress
-from rtphys.cli.tables import fitting_table, print_rows, print_table
+from rtphys.cli.screen import campaign, campaign_progress, fitting_table, print_rows, print_table
 from rtphys.cli.terminal import Incomplete, resumable, say, say_json
 from rtphys.core.errors import counted
 from rtphys.physics.attribute import attribute
 from rtphys.spec.option import Option
 
 if TYPE_CHECKING:
-    from rtphys.analysis.identify import Result
     from rtphys.analysis.scoring import Score
 
 MAX_ONE_BY_ONE = 6  # tasks; more are shown by attribute
@@ -50,7 +48,6 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
         rtphys compare identify/trees.json identify/Mine.json
     """
     from rtphys.analysis.features import sense
-    from rtphys.analysis.identify import judge
 
     with campaign("episodes") as (pack, listener):
         sense(plan, pack, listener)
@@ -71,38 +68,22 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
         raise Incomplete(f"not every task gave {wanted}: {', '.join(short)}")
 
 
-def show(result: "Result") -> None:
+def show(result: Result) -> None:
     """Each task and attribute where tasks are few, else each attribute over all tasks."""
-    if len(result.tasks) <= MAX_ONE_BY_ONE:
-        _one_by_one(result)
+    if few := len(result.tasks) <= MAX_ONE_BY_ONE:
+        columns = ("R2", "95 %", "shuffled", "beyond", "n", "carried by")
+        table = fitting_table(["task", "attribute"], columns)
     else:
-        _by_attribute(result)
-    for task, of in result.tasks.items():
-        for key, why in of.failed.items():
-            say(f"{task}, {key}: the estimator failed: {why}", err=True)
-
-
-def _one_by_one(result: "Result") -> None:
-    columns = ("R2", "95 %", "shuffled", "beyond", "n", "carried by")
-    table = fitting_table(["task", "attribute"], columns)
-    for task, of in result.tasks.items():
+        columns = ("tasks", "mean R2", "best", f"R2 >= {GOOD}", "mean shuffled", "carried by")
+        table = fitting_table(["attribute"], columns)
+    for task, of in result.tasks.items() if few else ():
         for key, score in of.scores.items():
             low, high = score.interval
             beyond = "-" if score.beyond is None else f"{score.beyond.r2:.2f}"
             cells = (f"{score.r2:.2f}", f"{low:.2f} .. {high:.2f}", f"{score.shuffled:.2f}", beyond)
             table.add_row(task, key, *cells, str(score.n), carriers(score))
         table.add_section()
-    print_table(table)
-    for task, of in result.tasks.items():
-        if of.left_out:
-            reasons = ", ".join(f"{key} ({why})" for key, why in of.left_out.items())
-            say(f"{task}: left out: {reasons}")
-
-
-def _by_attribute(result: "Result") -> None:
-    columns = ("tasks", "mean R2", "best", f"R2 >= {GOOD}", "mean shuffled", "carried by")
-    table = fitting_table(["attribute"], columns)
-    for key in sorted({key for of in result.tasks.values() for key in of.scores}):
+    for key in () if few else sorted({key for of in result.tasks.values() for key in of.scores}):
         scores = {t: f.scores[key] for t, f in result.tasks.items() if key in f.scores}
         if not scores:
             continue
@@ -113,6 +94,12 @@ def _by_attribute(result: "Result") -> None:
         cells = (f"{mean:.2f}", f"{best} {scores[best].r2:.2f}", str(inferred), f"{shuffled:.2f}")
         table.add_row(key, str(len(scores)), *cells, carriers(scores[best]))
     print_table(table)
+    for task, of in result.tasks.items():
+        if of.left_out and few:
+            reasons = ", ".join(f"{key} ({why})" for key, why in of.left_out.items())
+            say(f"{task}: left out: {reasons}")
+        for key, why in of.failed.items():
+            say(f"{task}, {key}: the estimator failed: {why}", err=True)
 
 
 def carriers(score: "Score") -> str:

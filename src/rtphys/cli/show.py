@@ -5,24 +5,28 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 import typer
 from rich.text import Text
 
+from rtphys.assets.pack import pack_with
 from rtphys.cli.derived import AsJson, takes
-from rtphys.cli.tables import fitting_table, print_table, progress_bar
+from rtphys.cli.screen import fitting_table, print_table, progress_bar
 from rtphys.cli.terminal import say, say_json
 from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError
+from rtphys.data.dataset import Dataset, Episode
+from rtphys.data.files import make_folder, replace_file
+from rtphys.data.jpeg import encode_png
+from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.selection import One
+from rtphys.results import read_results
 from rtphys.spec.option import Option
-
-if TYPE_CHECKING:
-    from rtphys.data.dataset import Episode
 
 SUFFIX = ".rrd"
 VIEWER = "rerun"  # the program that shows a recording
@@ -36,8 +40,8 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Sheet(AsJson):
-    """Where the pictures go."""
+class ShownHere(Shown):
+    """And where its pictures go."""
 
     out: Annotated[
         Path | None, Option("Also write a contact sheet and a joint plot into this folder.")
@@ -45,13 +49,13 @@ class Sheet(AsJson):
 
 
 @dataclass(frozen=True)
-class RerunFile:
-    """Where the recording goes."""
+class ShownInRerun(Shown):
+    """And where its recording goes."""
 
     out: Annotated[Path | None, Option("Write an .rrd file instead of opening the viewer.")] = None
 
 
-def chosen(shown: Shown, which: One) -> "Episode":
+def chosen(shown: Shown, which: One) -> Episode:
     """The first episode that fits; says how many others do, if it was not any that was meant."""
     first, *others = which.of_path(shown.path)
     if others and which != One():
@@ -60,17 +64,15 @@ def chosen(shown: Shown, which: One) -> "Episode":
     return first
 
 
-def name_of(episode: "Episode") -> str:
+def name_of(episode: Episode) -> str:
     """For files: all that it differs in from any other of its dataset."""
-    from rtphys.data.layout import embodiment_folder
-
     kind = "failure" if episode.failed else "episode"
     robot = embodiment_folder(episode.embodiment)
     return f"{episode.task}_{episode.config}_{robot}_{kind}_{episode.number}"
 
 
-@takes(Shown, One, Sheet)
-def show(shown: Shown, which: One, sheet: Sheet) -> None:
+@takes(ShownHere, One, AsJson)
+def show(shown: ShownHere, which: One, output: AsJson) -> None:
     """What an episode holds: task, physics, stages, contacts.
 
     Of a failure that was kept, also what went wrong, and when.
@@ -86,7 +88,8 @@ def show(shown: Shown, which: One, sheet: Sheet) -> None:
     moved = {
         name: float(np.ptp(pose[:, :3], axis=0).max()) for name, pose in frames.object_poses.items()
     }
-    if sheet.as_json:
+    stages = _stages(episode)
+    if output.as_json:
         labels = episode.meta.attributes.items()
         say_json(
             {
@@ -108,17 +111,24 @@ def show(shown: Shown, which: One, sheet: Sheet) -> None:
                 "physics": {key: label.model_dump() for key, label in labels},
                 "stages": [
                     {"stage": name, "from": start, "to": end, "touched": touched}
-                    for name, start, end, touched in _stages(episode)
+                    for name, start, end, touched in stages
                 ],
             }
         )
     else:
-        _show_facts(episode, moved)
-    if sheet.out is not None:
-        _draw(episode, sheet.out)
+        _show_facts(episode, moved, stages)
+    if (out := shown.out) is not None:
+        from rtphys.report.pictures import contact_sheet, joint_plot
+
+        make_folder(out)
+        stem = name_of(episode)
+        sheet, plot = out / f"{stem}.png", out / f"{stem}_joints.svg"
+        replace_file(sheet, encode_png(contact_sheet(episode)))
+        replace_file(plot, joint_plot(episode).encode())
+        say(f"{sheet}\n{plot}")
 
 
-def _show_facts(episode: "Episode", moved: dict[str, float]) -> None:
+def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Stage]") -> None:
     verdict, failure, time = episode.meta.verdict, episode.failure, episode.frames.time
     after = verdict.first_success_time
     rows = {
@@ -154,12 +164,15 @@ def _show_facts(episode: "Episode", moved: dict[str, float]) -> None:
         table.add_row(key, value, label.unit, style=style)
     print_table(table)
     table = fitting_table(["stage"], ["from", "to", "touched"], "\nStages")
-    for name, start, end, touched in _stages(episode):
+    for name, start, end, touched in stages:
         table.add_row(name, f"{start:.2f} s", f"{end:.2f} s", ", ".join(touched))
     print_table(table)
 
 
-def _stages(episode: "Episode") -> list[tuple[str, float, float, list[str]]]:
+Stage = tuple[str, float, float, list[str]]
+
+
+def _stages(episode: Episode) -> list[Stage]:
     """Name of each stage, when it begins and ends [s], and what was touched, with which hand."""
     frames = episode.frames
     edges = [0, *(np.flatnonzero(np.diff(frames.stage)) + 1).tolist(), len(frames)]
@@ -179,21 +192,8 @@ def _stages(episode: "Episode") -> list[tuple[str, float, float, list[str]]]:
     ]
 
 
-def _draw(episode: "Episode", out: Path) -> None:
-    from rtphys.data.files import make_folder, replace_file
-    from rtphys.data.jpeg import encode_png
-    from rtphys.report.pictures import contact_sheet, joint_plot
-
-    make_folder(out)
-    stem = name_of(episode)
-    sheet, plot = out / f"{stem}.png", out / f"{stem}_joints.svg"
-    replace_file(sheet, encode_png(contact_sheet(episode)))
-    replace_file(plot, joint_plot(episode).encode())
-    say(f"{sheet}\n{plot}")
-
-
-@takes(Shown, One, RerunFile)
-def view(shown: Shown, which: One, file: RerunFile) -> None:
+@takes(ShownInRerun, One)
+def view(shown: ShownInRerun, which: One) -> None:
     """Look at an episode in Rerun: cameras, the scene in 3D, forces, joints, physics, stages.
 
     Of a failure that was kept, the instant at which it went wrong is marked.
@@ -203,25 +203,30 @@ def view(shown: Shown, which: One, file: RerunFile) -> None:
         rtphys view data --episode 3
         rtphys view data --failure 0 --out failure.rrd
     """
-    out = file.out
+    out = shown.out
     if out is not None and out.suffix != SUFFIX:
         raise BadValue("out", str(out), f"its name ends in {SUFFIX}")
     episode = chosen(shown, which)
-    from rtphys.assets.pack import pack_with
-    from rtphys.data.files import make_folder
     from rtphys.episode.solids import solids
-    from rtphys.view import VERSION, show_recording, write_recording
+    from rtphys.view import VERSION, record
 
-    digest = _assets_digest(episode)
+    for folder in episode.paths.hdf5.parents:
+        entries = Dataset(folder).task_datasets if (folder / MANIFEST).is_file() else ()
+        mine = (e for e in entries if episode.paths.hdf5.is_relative_to(e.below(folder).folder))
+        if (entry := next(mine, None)) is not None:  # a task may be there with two robots
+            break
+    else:
+        raise BadFile(episode.paths.hdf5, "belongs to no dataset")
+    digest = entry.resolved.assets.get("digest", "")
     if (pack := pack_with(digest)) is None:
         raise MissingAsset(f"assets of digest {digest}", shown.path, episode.task)
     scene = solids(episode, pack)
     if out is None:
         check_viewer(VERSION)
-        show_recording(episode, scene)
+        record(episode, scene)
         return
     make_folder(out.parent)
-    write_recording(episode, scene, out)
+    record(episode, scene, out)
     size = f"{out.stat().st_size / 1e6:.1f} MB"
     say(f"{out} ({size}, written by Rerun {VERSION}); to open it: rerun {shlex.quote(str(out))}")
 
@@ -246,18 +251,6 @@ def check_viewer(version: str) -> None:
         )
 
 
-def _assets_digest(episode: "Episode") -> str:
-    """Of the assets that it was collected with."""
-    from rtphys.data.dataset import Dataset
-
-    for folder in episode.paths.hdf5.parents:
-        if (folder / "manifest.json").is_file():
-            for entry in Dataset(folder).task_datasets:  # a task may be there with two robots
-                if episode.paths.hdf5.is_relative_to(entry.below(folder).folder):
-                    return entry.resolved.assets.get("digest", "")
-    raise BadFile(episode.paths.hdf5, "belongs to no dataset")
-
-
 def report(
     dataset: Annotated[
         Path, typer.Argument(help="A dataset, or a folder that rtphys evaluate has written.")
@@ -278,12 +271,8 @@ def report(
         rtphys report data --task click_bell
         rtphys report eval/random
     """
-    from rtphys.data.dataset import Dataset
-    from rtphys.data.layout import MANIFEST
-
     if not (dataset / MANIFEST).exists() and any(dataset.glob("*/*.ledger")):
         from rtphys.report.evaluation_page import write_evaluation_report
-        from rtphys.results import read_results
 
         say(str(write_evaluation_report(read_results(dataset))))
         return

@@ -92,6 +92,6 @@ def mismatch_reason() -> str:
 
 
 def warn() -> None:
-    """Warn if this process computes other bits than it would with the right specs."""
+    """Warn if this process computes other bits than it would with the right settings."""
     if AVX512 in cpu_features() and (reason := mismatch_reason()):
         warnings.warn(f"states may differ from other machines': {reason}", stacklevel=3)

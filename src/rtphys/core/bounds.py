@@ -1,9 +1,9 @@
 """Bounds on what is read from files that others may have written; no other module sets one."""
 
 NAME_BYTES = 200  # of a task, a configuration, a protocol; a file system takes 255
-FILE_BYTES = 2**29  # of a file that is read as a whole, such as a journal or a video
+FILE_BYTES = 2**29  # of a file that is read as a whole, such as a video or a mesh
 LINE_BYTES = 2**26  # of one line of a log; ours have 2 kB, with a hundred pieces of clutter 20
-JSON_BYTES = 2**28  # of a JSON document; a manifest has about 1 kB an episode
+JSON_BYTES = 2**28  # of a JSON document; a manifest has about 12 kB a task
 JSON_ITEMS = 10_000_000  # commas and brackets of a document: about 1.5 GB of Python objects
 JSON_DEPTH = 64  # deepest of our own files: 9
 LIST_BYTES = 2**24  # of a protocol's certified lists; 50 tasks of 7,000 instances

@@ -170,7 +170,7 @@ def load_file(path: Path, kind: str, top: Path | None = None) -> ModuleType:
     are loaded once.
 
     Args:
-        top: the folder above the file's own whose files it may import (`from .._bowls import nest`).
+        top: a folder above the file's own that it may import from (`from .._bowls import nest`).
 
     Raises:
         BadFile: no such file, not a Python file, or it raises.

@@ -1,1 +1,1 @@
-"""Files of a dataset: schemas, HDF5 layouts, video, journal and manifest. Needs no simulator."""
+"""Files of a dataset: schemas, HDF5 layouts, videos, ledgers and manifest. Needs no simulator."""

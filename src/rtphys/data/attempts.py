@@ -11,9 +11,9 @@ from pydantic import Field, FiniteFloat, JsonValue
 from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import BadFile
 from rtphys.data.files import FileFacts
+from rtphys.data.json_text import Model, Seed
 from rtphys.data.layout import LEDGER, EpisodePaths, TaskDataset
 from rtphys.data.ledger import Line, parse_row, read_header, read_lines, read_rows
-from rtphys.data.schema_model import Model, Seed
 from rtphys.spec.collection import TaskHeader
 
 Number = Annotated[int, Field(ge=0, le=EPISODES)]
@@ -54,7 +54,7 @@ class Accepted(OnDisk):
 
 
 class KeptFailure(OnDisk):
-    """Files of an attempt that failed: entry i of `failures` is `failures/*/episode_<i>`."""
+    """Files of an attempt that failed: number i is `failures/*/episode_<i>`."""
 
     number: Number
     event: str = Field(description="see `failure.event` of its label")
@@ -80,9 +80,9 @@ class Rejected(Model):
         return self.kept
 
 
-ATTEMPT: type[Accepted | Rejected] = Annotated[  # type: ignore[assignment] - read by pydantic
-    Accepted | Rejected, Field(discriminator="verdict")
-]
+Row = Accepted | Rejected
+ATTEMPT: type[Row] = Annotated[Row, Field(discriminator="verdict")]  # type: ignore[assignment]
+"""What pydantic reads a row as."""
 
 
 @dataclass
@@ -99,7 +99,7 @@ class Totals:
     since_accepted: int = 0  # attempts since the last episode
     last_seed: int = -1
 
-    def add(self, row: Accepted | Rejected) -> None:
+    def add(self, row: Row) -> None:
         """Counts one more attempt. Raises `ValueError`: its number is not the next one."""
         accepted = isinstance(row, Accepted)
         what, number = ("episode", self.episodes) if accepted else ("failure", self.failures)
@@ -110,17 +110,16 @@ class Totals:
         self.attempts += 1
         self.last_seed = row.seed
         self.could_act.update(row.physics)
+        self.since_accepted = 0 if accepted else self.since_accepted + 1
         if accepted:
             self.episodes += 1
             self.frames += row.frames
             self.recovered += row.recovered
-            self.since_accepted = 0
         else:
             self.failures += row.kept is not None
             self.rejections[row.reason] += 1
-            self.since_accepted += 1
 
-    def add_line(self, line: Line, path: Path) -> Accepted | Rejected:
+    def add_line(self, line: Line, path: Path) -> Row:
         """Counts the attempt of a ledger's line, and returns it. Raises `BadFile`."""
         row = parse_row(ATTEMPT, line, path)
         with line.named(path):
@@ -128,7 +127,7 @@ class Totals:
         return row
 
 
-def read_attempts(path: Path) -> Iterator[Accepted | Rejected]:
+def read_attempts(path: Path) -> Iterator[Row]:
     """Every attempt of a task dataset in order. Raises `BadFile`, which names line and key."""
     return read_rows(ATTEMPT, path)
 

@@ -34,21 +34,19 @@ class DrawCheck:
         self, entry: TaskEntry, find_pack: Callable[[str], Pack | None] = pack_with
     ) -> None:
         """`find_pack` may remember: task datasets that share a pack then read its models once."""
-        self._spec, resolved = entry.spec.episode, entry.resolved
-        self._rules, self._refusal = None, ""
-        name, stated = resolved.domain.get("name"), resolved.domain.get("digest")
+        self._split, resolved = entry.spec.episode.split, entry.resolved
+        self._rules: Rules | str  # or why they cannot be told
+        name = resolved.domain.get("name")
         try:
-            rules = entry.header.rules
-            if (digest := rules.domain.digest) == stated:
-                self._rules = rules
-            else:
-                self._refusal = f"domain {name} has digest {digest}, not its own"
+            self._rules = entry.header.rules
+            if (digest := self._rules.domain.digest) != resolved.domain.get("digest"):
+                self._rules = f"domain {name} has digest {digest}, not its own"
         except (RtphysError, ValueError, KeyError, TypeError) as error:
-            self._refusal = f"domain {name} or the rules of the look cannot be read: {error}"
+            self._rules = f"domain {name} or the rules of the look cannot be read: {error}"
         looks, assets = resolved.visual is not None, resolved.assets.get("digest", "")
         self.pack = find_pack(assets)
         try:
-            task = load_task(self._spec.task)
+            task = load_task(entry.spec.episode.task)
             if task.digest != resolved.versions.get("task"):
                 raise RtphysError(f"{task.source} is another version of the task")
             self.task = task
@@ -59,8 +57,8 @@ class DrawCheck:
 
     def problems(self, meta: PhysMeta) -> list[str]:
         """One sentence for each value that is not what the seed gives."""
-        if self._rules is None:
-            return [self._refusal]
+        if isinstance(self._rules, str):
+            return [self._rules]
         return self._physics(meta, self._rules) + self._look(meta, self._rules)
 
     def _physics(self, meta: PhysMeta, rules: Rules) -> list[str]:
@@ -114,19 +112,19 @@ class DrawCheck:
         if meta.visual is None or rules.visual is None:
             missing = meta.visual is None and rules.visual is None
             return [] if missing else ["visual is not what the manifest says"]
-        stored, split = meta.visual.model_dump(), self._spec.split
-        chance = rules.chance(meta.seed)
+        stored, chance = meta.visual.model_dump(), rules.chance(meta.seed)
         found = backdrop_problems(stored, rules.visual, chance)
-        if stored["split"] != split:
-            found.append(f"visual.split is {stored['split']!r}, the manifest says {split!r}")
+        if stored["split"] != self._split:
+            found.append(f"visual.split is {stored['split']!r}, the manifest says {self._split!r}")
         if found or self.task is None or self.pack is None:
             return found
         try:
             props = self.task.props(meta.seed)
         except Infeasible as problem:
             return [f"seed {meta.seed} has no layout: {problem.detail}"]
-        drawn = draw_look(rules.visual, chance, (self.task, props), self.pack, split).to_json()
-        return _clauses("visual.", {key: (stored[key], value) for key, value in drawn.items()})
+        drawn = draw_look(rules.visual, chance, (self.task, props), self.pack, self._split)
+        pairs = {key: (stored[key], value) for key, value in drawn.to_json().items()}
+        return _clauses("visual.", pairs)
 
 
 def _value(raw: JSON) -> Value:

@@ -13,13 +13,12 @@ from rtphys.assets.pack import Pack
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.core.poses import quat_to_matrix
 from rtphys.data import files, jpeg, schema, video
-from rtphys.data.attempts import Accepted, Rejected
+from rtphys.data.attempts import Accepted, Rejected, Row
 from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.episode import FRAME_STEPS, Frames
 from rtphys.data.hdf5_episode import (
     CLOUDS,
     FORMAT_VERSION,
-    Pictures,
     derived,
     read_frames,
     read_pictures,
@@ -28,7 +27,7 @@ from rtphys.data.hdf5_episode import (
 from rtphys.data.hdf5_file import array, holds, note, open_read, text
 from rtphys.data.hdf5_senses import declared, read_names, sense_streams
 from rtphys.data.layout import EMBODIMENT, EpisodePaths, embodiment_folder
-from rtphys.data.schema import FailureMeta, Instructions, Kind, PhysMeta
+from rtphys.data.schema import FailureMeta, Instructions, PhysMeta
 from rtphys.senses import SENSES
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.stored import differences, stored
@@ -75,7 +74,7 @@ class Hdf5Facts:
 def check_episode(
     paths: EpisodePaths,
     header: TaskHeader,
-    row: Accepted | Rejected,
+    row: Row,
     effort: Effort,
     pack: Pack | None = None,
 ) -> tuple[PhysMeta | None, list[Problem]]:
@@ -87,7 +86,7 @@ def check_episode(
     """
     spec = header.spec
     facts = check_hdf5(paths.hdf5, spec.recording.layout, decode=effort >= Effort.NORMAL)
-    frames = facts.frames
+    frames, meta = facts.frames, None
     wrong: dict[Path, list[str]] = {path: [] for path in paths.all()}
     wrong[paths.hdf5] += facts.problems
     try:
@@ -96,12 +95,18 @@ def check_episode(
             wrong[paths.video].append(f"has {count} frames for {len(frames)} recorded ones")
     except (BadFile, video.BadVideo) as error:
         wrong[paths.video].append(getattr(error, "problem", str(error)))
-    words = _model(Instructions, paths.instruction, wrong)
-    if words is not None and facts.seen and words.seen not in ([], [*facts.seen]):
-        wrong[paths.instruction].append("its sentences are not those in the HDF5 file")
-    meta = _model(FailureMeta if isinstance(row, Rejected) else PhysMeta, paths.phys_meta, wrong)
-    if meta is not None:
+    try:
+        words = schema.read(Instructions, paths.instruction)
+        if facts.seen and words.seen not in ([], [*facts.seen]):
+            wrong[paths.instruction].append("its sentences are not those in the HDF5 file")
+    except BadFile as error:
+        wrong[paths.instruction].append(error.problem)
+    try:
+        kind = FailureMeta if isinstance(row, Rejected) else PhysMeta
+        meta = schema.read(kind, paths.phys_meta)
         wrong[paths.phys_meta] += _check_meta(meta, header, row)
+    except BadFile as error:
+        wrong[paths.phys_meta].append(error.problem)
     if meta is not None and frames is not None:
         if set(meta.cameras) - set(spec.recording.official):
             wrong[paths.phys_meta].append("names cameras that were not recorded")
@@ -113,15 +118,7 @@ def check_episode(
     return meta, [Problem(path, text) for path, texts in wrong.items() for text in texts]
 
 
-def _model(kind: type[Kind], path: Path, wrong: Mapping[Path, list[str]]) -> Kind | None:
-    try:
-        return schema.read(kind, path)
-    except BadFile as error:
-        wrong[path].append(error.problem)
-        return None
-
-
-def _check_meta(meta: PhysMeta, header: TaskHeader, row: Accepted | Rejected) -> list[str]:
+def _check_meta(meta: PhysMeta, header: TaskHeader, row: Row) -> list[str]:
     spec, verdict, domain = header.spec, meta.verdict, header.resolved.domain
     pairs: dict[str, tuple[object, object]] = {
         "episode": (meta.episode, row.on_disk and row.on_disk.number),
@@ -153,7 +150,7 @@ def _check_recording(
     facts: Hdf5Facts,
     frames: Frames,
     header: TaskHeader,
-    row: Accepted | Rejected,
+    row: Row,
     pack: Pack | None,
 ) -> list[str]:
     """Length, robot, senses, and sizes of pictures where the ledger names one."""
@@ -179,11 +176,11 @@ def _other_robot(frames: Frames, name: str, pack: Pack | None) -> list[str]:
     if embodiment_folder(name) == EMBODIMENT and per_arm != (usual, usual):
         other = next(joints for joints in per_arm if joints != usual)
         return [f"an arm has {other} joints, not {usual}: it is not the aloha's"]
-    try:
-        robot = None if pack is None else pack.embodiment(name)
-    except RtphysError:  # of a library that is not here
+    if pack is None:
         return []
-    if robot is None:
+    try:
+        robot = pack.embodiment(name)
+    except RtphysError:  # of a library that is not here
         return []
     if per_arm != (own := robot.action_layout.per_arm):
         return [f"its arms have {per_arm} joints, those of {name} have {own}"]
@@ -198,10 +195,8 @@ def check_hdf5(path: Path, layout: str, *, decode: bool) -> Hdf5Facts:
     try:
         with open_read(path) as file:
             return _facts(file, layout, decode)
-    except BadFile as error:
+    except BadFile as error:  # also what HDF5 itself raises
         return Hdf5Facts((error.problem,))
-    except (OSError, RuntimeError, ValueError, KeyError, TypeError) as error:
-        return Hdf5Facts((f"not a whole {layout} file ({error})",))  # what HDF5 itself raises
 
 
 def _facts(file: h5py.File, layout: str, decode: bool) -> Hdf5Facts:
@@ -229,40 +224,34 @@ def _facts(file: h5py.File, layout: str, decode: bool) -> Hdf5Facts:
             problems.append(f"{key} is {is_}, not {should}")
         elif not np.array_equal(found, value):
             problems.append(f"{key} differs from the recorded frames")
-    shapes = {}
+    shapes: dict[str, tuple[int, int, int]] = {}
     for name in frames.cameras:  # one at a time, so that the memory of one serves the next
-        pictures = read_pictures(file, layout, name)
-        problems += _picture_problems(name, pictures, len(frames), layout, decode)
-        shapes[name] = pictures.shape
-    sensed, senses = check_senses(file, layout, frames, shapes, decode)
+        streams, shapes[name] = read_pictures(file, layout, name)
+        if len(streams) != len(frames):
+            problems.append(f"{name} has {len(streams)} pictures for {len(frames)} frames")
+        for index, stream in enumerate(streams):
+            whole = decode or index in (0, len(streams) - 1)
+            if problem := _picture_problem(stream, shapes[name], layout, whole):
+                problems.append(f"{name} picture {index} {problem}")
+    sensed, senses = _check_senses(file, layout, frames, shapes, decode)
     problems += sensed
     return Hdf5Facts((*problems, *_motion(frames)), frames, tuple(seen), shapes, senses)
 
 
-def _picture_problems(
-    name: str, pictures: Pictures, frames: int, layout: str, decode: bool
-) -> list[str]:
-    problems, (streams, shape) = list[str](), pictures
-    if len(streams) != frames:
-        problems.append(f"{name} has {len(streams)} pictures for {frames} frames")
-    for index, stream in enumerate(streams):
-        problem = ""
-        if not (stream.startswith(b"\xff\xd8") and stream.endswith(b"\xff\xd9")):
-            problem = "is no whole JPEG stream"
-        elif decode or index in (0, len(streams) - 1):
-            try:
-                if (stated := jpeg.shape_of(stream)) != shape:
-                    problem = f"is {stated}, not {shape}"
-                else:
-                    jpeg.decode(stream)
-                    if jpeg.marked(stream) != (layout == "native"):
-                        native = "is not marked as standard RGB"
-                        problem = native if layout == "native" else "is marked XPL-RGB1"
-            except jpeg.BadImage:
-                problem = "does not decode"
-        if problem:
-            problems.append(f"{name} picture {index} {problem}")
-    return problems
+def _picture_problem(stream: bytes, shape: tuple[int, ...], layout: str, decode: bool) -> str:
+    if not (stream.startswith(b"\xff\xd8") and stream.endswith(b"\xff\xd9")):
+        return "is no whole JPEG stream"
+    if not decode:
+        return ""
+    try:
+        if (stated := jpeg.shape_of(stream)) != shape:
+            return f"is {stated}, not {shape}"
+        jpeg.decode(stream)
+    except jpeg.BadImage:
+        return "does not decode"
+    if jpeg.marked(stream) == (layout == "native"):
+        return ""
+    return "is not marked as standard RGB" if layout == "native" else "is marked XPL-RGB1"
 
 
 def _motion(frames: Frames) -> list[str]:
@@ -276,14 +265,13 @@ def _motion(frames: Frames) -> list[str]:
         lengths = np.linalg.norm(pose[:, 3:], axis=1)
         if np.abs(lengths - 1).max() > UNIT_QUATERNION:
             problems.append(f"{name} holds quaternions that are not of unit length")
-    for arm in ("left", "right"):
-        opening = getattr(frames, f"{arm}_gripper")
+    for arm, opening in (("left", frames.left_gripper), ("right", frames.right_gripper)):
         if opening.min() < 0 or opening.max() > 1:
             problems.append(f"{arm}_gripper leaves 0..1")
     return problems
 
 
-def check_senses(
+def _check_senses(
     file: h5py.File, layout: str, frames: Frames, shapes: Mapping[str, tuple[int, ...]], every: bool
 ) -> tuple[list[str], tuple[str, ...]]:
     """What is wrong, and the senses that the file says it holds.

@@ -38,12 +38,15 @@ class RegeneratedEpisode:
 
 @dataclass
 class Comparison:
-    """What came of comparing; `alike` becomes a problem where `exact` says that it need not be."""
+    """What came of comparing.
+
+    Another renderer or encoder explains what is `alike`. Where something of the same kind was
+    `exact`, it was the same one, so what is only alike is a problem.
+    """
 
     problems: list[tuple[Path, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    # (kind, file, sentence): as like as another renderer or another encoder can make it
-    alike: list[tuple[str, Path, str]] = field(default_factory=list)
+    alike: list[tuple[str, Path, str]] = field(default_factory=list)  # kind, file, sentence
     exact: set[str] = field(default_factory=set)  # kinds of which something was equal to the bit
     made: bool = True  # False: nothing could be made again
 
@@ -183,18 +186,18 @@ def _json(
 
 def json_differences(stored: JSON, made: JSON, place: str = "") -> list[str]:
     """One sentence for each value that is not the same, keys joined by dots; few are named."""
-    named = [*_json_differences(stored, made, place)]
+
+    def compared(stored: JSON, made: JSON, place: str) -> Iterator[str]:
+        if isinstance(stored, dict) and isinstance(made, dict):
+            for key in sorted({*stored, *made}, key=lambda key: (key != "state_hash", key)):
+                inside = f"{place}.{key}" if place else key
+                if key not in stored or key not in made:
+                    yield f"{inside} is {'missing' if key in made else 'not there when made again'}"
+                else:
+                    yield from compared(stored[key], made[key], inside)
+        elif stored != made or type(stored) is not type(made):
+            yield f"{place or 'it'} is {short_repr(stored)}, made again {short_repr(made)}"
+
+    named = [*compared(stored, made, place)]
     more = [f"and {len(named) - MAX_NAMED} values more"] if len(named) > MAX_NAMED else []
     return named[:MAX_NAMED] + more
-
-
-def _json_differences(stored: JSON, made: JSON, place: str) -> Iterator[str]:
-    if isinstance(stored, dict) and isinstance(made, dict):
-        for key in sorted({*stored, *made}, key=lambda key: (key != "state_hash", key)):
-            inside = f"{place}.{key}" if place else key
-            if key not in stored or key not in made:
-                yield f"{inside} is {'missing' if key in made else 'not there when made again'}"
-            else:
-                yield from _json_differences(stored[key], made[key], inside)
-    elif stored != made or type(stored) is not type(made):
-        yield f"{place or 'it'} is {short_repr(stored)}, made again {short_repr(made)}"

@@ -5,9 +5,9 @@ for episode in Dataset("data").where(task="click_bell"):
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, cast, overload
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rtphys.core.bounds import MAX_PICTURES
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName, counted
 from rtphys.data import jpeg, schema
-from rtphys.data.attempts import Accepted, Rejected, read_attempts
+from rtphys.data.attempts import Rejected, Row, read_attempts
 from rtphys.data.episode import Frames
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import EpisodeFile
@@ -52,7 +52,7 @@ class Episode:
     failed: bool = False  # one of `Dataset.failures`
 
     def __getstate__(self) -> dict[str, object]:
-        # What was read stays behind: a data loader's workers read for themselves.
+        # Without what was read: a data loader's workers read for themselves.
         return {name: self.__dict__[name] for name in self.__dataclass_fields__}
 
     @cached_property
@@ -165,30 +165,14 @@ class _Part:
     path: Path
     manifest: Manifest
     entry: TaskEntry
-    # Key, lowest and highest value that every number of the attribute may have.
-    spans: tuple[tuple[str, float, float], ...] = ()
-    seeds: frozenset[int] | None = None  # None: of all
+    tests: tuple[Callable[[Row], bool], ...] = ()  # that an attempt passes if it is meant
 
-    def rows(self) -> Iterator[Accepted | Rejected]:
+    def rows(self) -> Iterator[Row]:
         """Attempts as far as the manifest counts, in order. Raises `BadFile`."""
         place = self.entry.below(self.path)
         place.check_links()
         rows = islice(read_attempts(place.ledger), self.entry.attempts)
-        return filter(self._fits, rows) if self.narrowed else rows
-
-    @property
-    def narrowed(self) -> bool:
-        """Whether some attempts are not meant."""
-        return bool(self.spans) or self.seeds is not None
-
-    def _fits(self, row: Accepted | Rejected) -> bool:
-        if self.seeds is not None and row.seed not in self.seeds:
-            return False
-        for key, low, high in self.spans:
-            numbers = _numbers(row.physics.get(key))
-            if not numbers or not all(low <= number <= high for number in numbers):
-                return False
-        return True
+        return (row for row in rows if all(test(row) for test in self.tests))
 
     def episodes(self, failed: bool = False) -> Iterator[Episode]:
         """Its episodes, or the failures that were kept. Raises `BadFile`."""
@@ -200,10 +184,14 @@ class _Part:
                 yield Episode(*of, held.number, row.seed, layout, paths, failed)
 
 
-def _both(known: frozenset[int] | None, seeds: Iterable[int] | None) -> frozenset[int] | None:
-    if seeds is None or known is None:
-        return known if seeds is None else frozenset(seeds)
-    return known.intersection(seeds)
+# Functions and no closures, so that a part of a dataset can be pickled.
+def _has_seed(seeds: frozenset[int], row: Row) -> bool:
+    return row.seed in seeds
+
+
+def _lies_within(key: str, low: float, high: float, row: Row) -> bool:
+    numbers = _numbers(row.physics.get(key))
+    return bool(numbers) and all(low <= number <= high for number in numbers)
 
 
 def _numbers(value: object) -> tuple[float, ...]:
@@ -304,11 +292,15 @@ class Dataset(Sequence[Episode]):
                     f"recorded {kind}", name, known, "+".join(map(str, self._folders))
                 )
         acting = {key for part in self._parts for key in part.entry.could_act}
-        for key in (physics or {}).keys() - acting:
-            raise UnknownName("attribute that can act here", key, acting)
-        spans = tuple((key, low, high) for key, (low, high) in (physics or {}).items())
+        tests: list[Callable[[Row], bool]] = []
+        for key, (low, high) in (physics or {}).items():
+            if key not in acting:
+                raise UnknownName("attribute that can act here", key, acting)
+            tests.append(partial(_lies_within, key, low, high))
+        if seeds is not None:
+            tests.append(partial(_has_seed, frozenset(seeds)))
         chosen = (
-            replace(part, spans=part.spans + spans, seeds=_both(part.seeds, seeds))
+            replace(part, tests=(*part.tests, *tests))
             for part in self._parts
             for spec in (part.entry.spec,)
             if task in (None, spec.episode.task)
@@ -325,11 +317,10 @@ class Dataset(Sequence[Episode]):
         """
         found: list[Pair] = []
         for part in self._parts:
-            spec = part.entry.spec
-            if spec.twin is not None:
-                name = TaskDataset.of(part.path, spec.sides[1]).name
+            for side in part.entry.spec.sides[1:]:
+                name = TaskDataset.of(part.path, side).name
                 if (entry := part.manifest.task_datasets.get(name)) is not None:
-                    twin = _Part(part.path, part.manifest, entry)
+                    twin = replace(part, entry=entry, tests=())
                     twins = {one.seed: one for one in twin.episodes()}
                     found += [Pair(one, twins[one.seed]) for one in part.episodes()]
         return tuple(found)
@@ -365,8 +356,7 @@ class Dataset(Sequence[Episode]):
         for part in self._parts:
             of = part.entry.spec
             for row in part.rows():
-                held = row.on_disk
-                if held is None and not attempts:
+                if (held := row.on_disk) is None and not attempts:
                     continue
                 values: dict[str, object] = {
                     "task": of.episode.task,
@@ -400,7 +390,7 @@ class Dataset(Sequence[Episode]):
                     yield f"{name}/{path}", facts
 
     def __len__(self) -> int:
-        if any(part.narrowed for part in self._parts):
+        if any(part.tests for part in self._parts):
             return len(self._episodes)
         return sum(part.entry.episodes for part in self._parts)
 

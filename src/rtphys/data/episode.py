@@ -1,4 +1,4 @@
-"""One episode in memory: what the recorder fills, what the files hold, what a loader returns."""
+"""One episode in memory: what the recorder filled, what files hold, what a loader returns."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.errors import BadFile, shortened
-from rtphys.core.untrusted import JSON as JSON
-from rtphys.data.sensed import Sensed
+from rtphys.senses import SENSES, Arrays
+from rtphys.senses.sense import Array
 
 Floats: TypeAlias = NDArray[np.floating]
 Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
+Track: TypeAlias = Sequence[Array] | Array  # T frames of a field of a sense
 
 ARMS = ("left", "right")
 CAMERA_KEYS = {  # official name, and in the native layout -> its name there
@@ -25,15 +26,13 @@ CAMERA_KEYS = {  # official name, and in the native layout -> its name there
     "front_camera": "cam_third_view",
 }
 CAMERAS = tuple(CAMERA_KEYS)
+OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
+FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
 
 
 def official_camera(name: str) -> str:
     """RoboTwin's name of a camera: `head` and `head_camera` are the same one."""
     return f"{name}_camera" if f"{name}_camera" in CAMERAS else name
-
-
-OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
-FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +63,8 @@ class Frames:
     joint_names: tuple[str, ...]  # n names
     object_poses: Mapping[str, Floats]  # name -> (T, 7)
     contacts: Mapping[str, NDArray[np.bool_]]  # name -> (T, 2), touched by (left, right) gripper
-    stage: NDArray[np.integer]  # (T,) index into stages
-    stages: tuple[str, ...]  # the expert's stages in order
+    stage: NDArray[np.integer]  # (T,) index into `stages`
+    stages: tuple[str, ...]  # the expert's, in order
     cameras: Mapping[str, CameraFrames]  # by official name: head_camera, left_camera, ...
 
     def __len__(self) -> int:
@@ -85,28 +84,23 @@ class Frames:
 
     def shapes(self) -> dict[str, tuple[NDArray[np.generic], tuple[int, ...]]]:
         """Every array by name with the shape it must have."""
-        T, n = len(self), len(self.joint_names)
-        table: dict[str, tuple[NDArray[np.generic], tuple[int, ...]]] = {"time": (self.time, (T,))}
-        for arm, joints in zip(ARMS, self.layout.per_arm, strict=True):
-            table[f"{arm}_arm"] = (getattr(self, f"{arm}_arm"), (T, joints))
-            table[f"{arm}_gripper"] = (getattr(self, f"{arm}_gripper"), (T,))
-            table[f"{arm}_endpose"] = (getattr(self, f"{arm}_endpose"), (T, 7))
-        for key in ("qpos", "qvel", "effort"):
-            table[key] = (getattr(self, key), (T, n))
-        table["stage"] = (self.stage, (T,))
-        for name, pose in self.object_poses.items():
-            table[f"object_poses/{name}"] = (pose, (T, 7))
-        for name, touch in self.contacts.items():
-            table[f"contacts/{name}"] = (touch, (T, 2))
+        left, right = self.layout.per_arm
+        n = len(self.joint_names)
+        own = {"time": (), "left_arm": (left,), "left_gripper": (), "left_endpose": (7,)}
+        own |= {"right_arm": (right,), "right_gripper": (), "right_endpose": (7,)}
+        own |= {"qpos": (n,), "qvel": (n,), "effort": (n,), "stage": ()}
+        found = {key: (getattr(self, key), shape) for key, shape in own.items()}
+        found |= {f"object_poses/{name}": (pose, (7,)) for name, pose in self.object_poses.items()}
+        found |= {f"contacts/{name}": (touch, (2,)) for name, touch in self.contacts.items()}
         matrices = {"intrinsic_cv": (3, 3), "extrinsic_cv": (3, 4), "cam2world_gl": (4, 4)}
         for name, camera in self.cameras.items():
             for key, shape in matrices.items():
-                table[f"cameras/{name}/{key}"] = (getattr(camera, key), (T, *shape))
-        return table
+                found[f"cameras/{name}/{key}"] = (getattr(camera, key), shape)
+        return {key: (array, (len(self), *shape)) for key, (array, shape) in found.items()}
 
     def problems(self) -> list[str]:
         """What is wrong with the arrays, one sentence each; empty when they agree."""
-        problems = []
+        problems: list[str] = []
         if len(self) < 2:
             problems.append(f"{len(self)} frames, a stored episode needs at least 2")
         for key, (array, shape) in self.shapes().items():
@@ -132,9 +126,29 @@ class Frames:
             raise BadFile(path, shortened("; ".join(found)))
 
 
+@dataclass(eq=False)
+class Sensed:
+    """What was sensed beyond colours: T frames of each sense that was asked for."""
+
+    senses: tuple[str, ...]  # names in `rtphys.senses`
+    # (field, camera) -> its T frames; the camera is empty but for a sense of every pixel.
+    tracks: dict[tuple[str, str], Track] = field(default_factory=dict)
+    names: dict[str, tuple[str, ...]] = field(default_factory=dict)  # by kind: "actor", "finger"
+
+    def keep(self, camera: str, arrays: Arrays) -> None:
+        """Append a frame: what the senses captured of a camera, by field."""
+        for name in self.senses:
+            for each in SENSES[name].fields:
+                if each.name in arrays:
+                    place = each.name, camera if SENSES[name].scope == "pixel" else ""
+                    track = self.tracks.setdefault(place, [])
+                    assert isinstance(track, list)
+                    track.append(arrays[each.name])
+
+
 @dataclass(frozen=True, eq=False)
 class Episode:
-    """An accepted episode on its way to disk.
+    """An episode, or a failure that is kept, on its way to disk.
 
     `images` is consumed once, T items in frame order, so that frame t + 1 renders while frame t is
     encoded. Each item needs fresh arrays: a buffer that the renderer overwrites would tear.

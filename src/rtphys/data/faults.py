@@ -5,67 +5,49 @@ from pathlib import Path
 
 from rtphys.core.errors import RtphysError
 
+CAUSES = {
+    errno.ENOSPC: "the disk is full; free some space, then repeat the command",
+    errno.EDQUOT: "the disk quota is used up; free some space, then repeat the command",
+    errno.EROFS: "the file system is read-only; choose another folder",
+    errno.EACCES: "permission denied; choose another folder",
+    errno.EPERM: "permission denied; choose another folder",
+    errno.ENOTDIR: "a file stands where a folder is needed; choose another folder",
+    errno.EEXIST: "a file stands where a folder is needed; choose another folder",
+}
 
-class DatasetError(RtphysError):
-    """Root of the errors of a dataset folder."""
 
-
-class CannotWrite(DatasetError):
+class CannotWrite(RtphysError):
     """The file system refused a write: full, read-only, no permission."""
-
-    CAUSES = {  # noqa: RUF012 - a constant table
-        errno.ENOSPC: "the disk is full; free some space, then repeat the command",
-        errno.EDQUOT: "the disk quota is used up; free some space, then repeat the command",
-        errno.EROFS: "the file system is read-only; choose another folder",
-        errno.EACCES: "permission denied; choose another folder",
-        errno.EPERM: "permission denied; choose another folder",
-        errno.ENOTDIR: "a file stands where a folder is needed; choose another folder",
-        errno.EEXIST: "a file stands where a folder is needed; choose another folder",
-    }
 
     def __init__(self, path: str | Path, cause: OSError) -> None:
         self.path, self.errno = Path(path), cause.errno
-        text = self.CAUSES.get(cause.errno or 0, cause.strerror or str(cause))
+        text = CAUSES.get(cause.errno or 0, cause.strerror or str(cause))
         super().__init__(f"cannot write {path}: {text}")
 
 
-class DatasetLocked(DatasetError):
+class DatasetLocked(RtphysError):
     """Another run writes into this folder."""
 
     def __init__(self, out: str | Path, owner: str, stale: Path | None = None) -> None:
         """`stale`: a file that stays when its owner is killed, where there are no real locks."""
-        self.out, self.owner = Path(out), owner
         cure = "wait, stop it, or choose another folder"
         if stale is not None:
             cure += f"; if it was killed, delete {stale}: this file system has no locks"
         super().__init__(f"{out}: another run writes here ({owner}); {cure}")
 
 
-class DatasetMismatch(DatasetError):
+class DatasetMismatch(RtphysError):
     """What is there was made by a run with another spec, so it cannot be continued."""
 
     def __init__(self, folder: str | Path, differences: list[str]) -> None:
-        self.folder, self.differences = Path(folder), differences
         super().__init__(
             f"{folder}: holds the work of another run and cannot be continued: "
             f"{'; '.join(differences)}. Choose another folder or ask for the same again"
         )
 
 
-class DatasetExists(DatasetError):
-    """The folder already holds episodes and the caller asked for a fresh start."""
-
-    def __init__(self, folder: str | Path, episodes: int) -> None:
-        self.folder, self.episodes = Path(folder), episodes
-        super().__init__(
-            f"{folder}: already holds episodes ({episodes} accepted); resume, delete the folder, "
-            "or choose another one"
-        )
-
-
-class BadEpisode(DatasetError):
+class BadEpisode(RtphysError):
     """An episode whose arrays contradict each other; nothing was written."""
 
     def __init__(self, problems: list[str]) -> None:
-        self.problems = problems
         super().__init__(f"the episode cannot be stored: {'; '.join(problems)}")

@@ -11,12 +11,11 @@ from rtphys.core.bounds import FILE_BYTES
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import hidden, open_ordinary, read_file
 from rtphys.data.faults import CannotWrite
-from rtphys.data.schema_model import Count, Sha256
+from rtphys.data.json_text import Count, Sha256
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.stored import CLOSED
 
 TEMPORARY = ".part"  # suffix of files that are not finished
-BLOCK = 2**20  # [bytes] read at once
 
 
 @checked_dataclass(frozen=True, config=CLOSED)  # a model would take twice as long to read
@@ -46,68 +45,48 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
 
 
-def write_synced(path: Path, data: bytes) -> FileFacts:
-    """Writes, syncs, reads back, compares. A failed write leaves no file. Raises `CannotWrite`."""
-    with _made(path):
-        _write(path, (data,))
-        if not _holds(path, data):
-            raise OSError("the disk returned other bytes than were written")
-    return FileFacts.of(data)
-
-
-@contextmanager
-def _made(path: Path) -> Iterator[None]:
-    """Removes the file if the block fails, which is turned into `CannotWrite`."""
+def _write(path: Path, pieces: Iterable[bytes], whole: bytes | None = None) -> None:
+    """Writes and syncs, and compares what the disk then has with `whole`; else leaves no file."""
     try:
         with refusals(path):
-            yield
+            path.unlink(missing_ok=True)  # of a killed run; or a link, which must not be followed
+            with path.open("xb") as file:
+                file.writelines(pieces)
+                file.flush()
+                os.fsync(file.fileno())
+            # A digest would take five times as long.
+            if whole is not None and path.read_bytes() != whole:
+                raise OSError("the disk returned other bytes than were written")
     except BaseException:
         with suppress(OSError):
             path.unlink()
         raise
 
 
-def _write(path: Path, pieces: Iterable[bytes]) -> None:
-    path.unlink(missing_ok=True)  # of a killed run; or a link, which must not be followed
-    with path.open("xb") as file:
-        file.writelines(pieces)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def _holds(path: Path, data: bytes) -> bool:
-    """Whether a file has this content; a digest of it would take five times as long."""
-    at = 0
-    with path.open("rb", buffering=0) as file:
-        while chunk := file.read(BLOCK):
-            if data[at : at + len(chunk)] != chunk:  # a view would compare byte by byte
-                return False
-            at += len(chunk)
-    return at == len(data)
+def write_synced(path: Path, data: bytes) -> FileFacts:
+    """Writes, syncs, reads back, compares. A failed write leaves no file. Raises `CannotWrite`."""
+    _write(path, (data,), data)
+    return FileFacts.of(data)
 
 
 def replace_file(path: Path, data: bytes) -> FileFacts:
     """Atomic: temporary name in the same folder, sync, rename, sync the folder."""
-    temporary = hidden(path, TEMPORARY)
-    facts = write_synced(temporary, data)
-    move(temporary, path)
-    sync_folder(path.parent)
+    facts = write_synced(hidden(path, TEMPORARY), data)
+    move(hidden(path, TEMPORARY), path)
     return facts
 
 
 def replace_pieces(path: Path, pieces: Iterable[bytes]) -> None:
     """As `replace_file`, for a content that need not fit into memory. Raises `CannotWrite`."""
-    temporary = hidden(path, TEMPORARY)
-    with _made(temporary):
-        _write(temporary, pieces)
-    move(temporary, path)
-    sync_folder(path.parent)
+    _write(hidden(path, TEMPORARY), pieces)
+    move(hidden(path, TEMPORARY), path)
 
 
 def move(source: Path, target: Path) -> None:
-    """Atomic rename on one file system. Raises `CannotWrite`."""
+    """Atomic and durable rename on one file system. Raises `CannotWrite`."""
     with refusals(target):
         source.replace(target)
+    sync_folder(target.parent)
 
 
 def sync_folder(folder: Path) -> None:
@@ -118,13 +97,6 @@ def sync_folder(folder: Path) -> None:
             os.fsync(handle)
         finally:
             os.close(handle)
-
-
-def facts_of(path: Path) -> FileFacts:
-    """Reads the whole file once. Raises `OSError`, or `BadFile`: a link, or no ordinary file."""
-    with os.fdopen(open_ordinary(path), "rb", buffering=0) as file:
-        digest = hashlib.file_digest(file, "sha256")
-        return FileFacts(size=file.tell(), sha256=digest.hexdigest())
 
 
 def read(path: Path, most: int = FILE_BYTES) -> bytes:
@@ -140,12 +112,11 @@ def open_binary(path: Path) -> IO[bytes]:
         raise BadFile(path, (error.strerror or "cannot be read").lower()) from error
 
 
-def check(path: Path) -> None:
-    """For files that a library opens. Raises `BadFile`: missing, a link, or no ordinary file."""
-    try:
-        os.close(open_ordinary(path))
-    except OSError as error:
-        raise BadFile(path, (error.strerror or "cannot be read").lower()) from error
+def facts_of(path: Path) -> FileFacts:
+    """Reads the whole file once. Raises `OSError`, or `BadFile`: a link, or no ordinary file."""
+    with os.fdopen(open_ordinary(path), "rb", buffering=0) as file:
+        digest = hashlib.file_digest(file, "sha256")
+        return FileFacts(size=file.tell(), sha256=digest.hexdigest())
 
 
 def unlinked(path: str, flags: int) -> int:

@@ -17,7 +17,7 @@ import numpy as np
 from h5py import h5t  # pyright: ignore[reportAttributeAccessIssue]
 
 from rtphys.core.errors import BadFile, UnknownName
-from rtphys.core.untrusted import open_ordinary, parse
+from rtphys.core.untrusted import open_ordinary
 from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import (
@@ -27,6 +27,7 @@ from rtphys.data.episode import (
     FRAME_STEPS,
     CameraFrames,
     Frames,
+    Sensed,
     official_camera,
 )
 from rtphys.data.hdf5_file import (
@@ -47,9 +48,9 @@ from rtphys.data.hdf5_file import (
     rows_at,
     stamp,
     text,
+    texts,
 )
 from rtphys.data.hdf5_senses import read_senses, write_senses
-from rtphys.data.sensed import Sensed
 
 FORMAT_VERSION = "v1.0"
 RECORD_VERSION = "2.0"
@@ -168,25 +169,21 @@ def episode_bytes(
     return build(fill)
 
 
-def _texts(record: h5py.Group, key: str) -> tuple[str, ...]:
-    found = parse(note(record, key).encode(), record.file.filename)
-    if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
-        raise ValueError(f"@{key} is no list of names")
-    return tuple(map(str, found))
+def _cameras(file: h5py.File, layout: str) -> list[str]:
+    return names(group(file, f"{GROUP}/cameras" if layout == "native" else "observation"))
 
 
 def read_frames(file: h5py.File, layout: str) -> Frames:
     """Raises `BadFile`: arrays are missing, damaged, or contradict each other."""
     try:
-        record = group(file, GROUP)
-        seen = names(group(file, f"{GROUP}/cameras" if layout == "native" else "observation"))
+        record, seen = group(file, GROUP), _cameras(file, layout)
         if strange := set(seen) - set(CAMERAS):
             raise KeyError(f"{min(strange)} is no camera")
         frames = Frames(
             **{name: array(file, key) for name, (key, _) in NUMBERS[layout].items()},
             stage=array(record, "stage"),
-            joint_names=_texts(record, "joint_names"),
-            stages=_texts(record, "stages"),
+            joint_names=texts(note(record, "joint_names"), file),
+            stages=texts(note(record, "stages"), file),
             object_poses=arrays(record, "object_poses"),
             contacts=arrays(record, "contacts"),
             cameras={
@@ -213,7 +210,10 @@ def read_pictures(file: h5py.File, layout: str, camera: str) -> Pictures:
     """The pictures of a camera, by its official name. Raises `BadFile`."""
     rows = _streams(layout, camera)
     try:
-        streams = _stream_rows(file, rows.key)
+        found = array(file, rows.key)
+        if found.ndim != 1 or found.dtype.kind != "S" or found.itemsize < 2:
+            raise ValueError(f"{rows.key} holds {found.dtype} {found.shape}, no picture streams")
+        streams = found.tolist()  # without the NUL padding
         if not rows.last:
             return Pictures(streams, jpeg.shape_of(streams[0]))
         height, width, depth = array(file, rows.key.replace("colors", "shape")).tolist()
@@ -225,22 +225,14 @@ def read_pictures(file: h5py.File, layout: str, camera: str) -> Pictures:
     return Pictures([*streams, last], (height, width, depth))
 
 
-def _stream_rows(file: h5py.File, key: str) -> list[bytes]:
-    found = array(file, key)
-    if found.ndim != 1 or found.dtype.kind != "S" or found.itemsize < 2:
-        raise ValueError(f"{key} holds {found.dtype} {found.shape}, no picture streams")
-    return found.tolist()  # without the NUL padding
-
-
 def read_sentences(file: h5py.File) -> list[str]:
-    """The seen instructions of a native file. Raises `BadFile`."""
+    """The seen instructions of a native file, at least one. Raises `BadFile`."""
     try:
-        seen = parse(text(file, "instructions").encode(), file.filename)
-        if not isinstance(seen, list) or not all(isinstance(one, str) for one in seen) or not seen:
-            raise ValueError("instructions are no list of sentences")
+        if seen := texts(text(file, "instructions"), file):
+            return [*seen]
+        raise ValueError("instructions are no list of sentences")
     except DAMAGED as error:
         raise BadFile(file.filename, f"not a whole native file ({error})") from error
-    return [str(sentence) for sentence in seen]
 
 
 def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed | None]:
@@ -254,30 +246,24 @@ def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed
 # ---- one picture without the others --------------------------------------------------------------
 
 
-class Spans(NamedTuple):
-    """Where the streams of one camera lie in a file [bytes]."""
+class Span(NamedTuple):
+    """Where streams lie in a file, one behind the other."""
 
-    offset: int
-    size: int  # of each
-    rows: int  # one behind the other
-    last: tuple[int, int] | None  # offset and size of one that lies apart
-
-
-_spans: dict[tuple[tuple[int, ...], str], Spans] = {}  # by a file's stamp and camera
+    offset: int  # [bytes]
+    size: int  # [bytes] of each
+    rows: int
 
 
-def _spans_of(file: h5py.File, layout: str, camera: str) -> Spans:
+_spans: dict[tuple[tuple[int, ...], str], list[Span]] = {}  # by a file's stamp and camera
+
+
+def _span(file: h5py.File, key: str) -> Span:
     """Raises `ValueError`, `KeyError`: they are no streams."""
-
-    def place(key: str) -> tuple[int, int, int]:
-        found = dataset(file, key)
-        kind, shape = found.get_type(), found.shape
-        if kind.get_class() != h5t.STRING or kind.is_variable_str() or len(shape) > 1:
-            raise ValueError(f"{key} holds no picture streams")
-        return found.get_offset(), kind.get_size(), shape[0] if shape else 1
-
-    rows = _streams(layout, camera)
-    return Spans(*place(rows.key), place(rows.last)[:2] if rows.last else None)
+    found = dataset(file, key)
+    kind, shape = found.get_type(), found.shape
+    if kind.get_class() != h5t.STRING or kind.is_variable_str() or len(shape) > 1:
+        raise ValueError(f"{key} holds no picture streams")
+    return Span(found.get_offset(), kind.get_size(), shape[0] if shape else 1)
 
 
 @dataclass(frozen=True)
@@ -317,25 +303,25 @@ class EpisodeFile:
                 raise
         try:
             key = stamp(os.fstat(opened)), camera
-            found = _spans.get(key)
-            if found is None:
+            if (spans := _spans.get(key)) is None:
                 with open_read(self.path) as file:
                     self._check(file, camera)
-                    found = _spans_of(file, self.layout, camera)
+                    rows = _streams(self.layout, camera)
+                    spans = [_span(file, one) for one in (rows.key, rows.last) if one]
                 if len(_spans) < MAX_REMEMBERED:
-                    _spans[key] = found
-            count = found.rows + (found.last is not None)
+                    _spans[key] = spans
+            count = sum(span.rows for span in spans)
             index = frame + count if frame < 0 else frame
             if not 0 <= index < count:
                 raise IndexError(f"frame {frame} of {count}")
-            offset, size = found.offset + index * found.size, found.size
-            if index == found.rows and found.last:
-                offset, size = found.last
+            first, last = spans[0], spans[-1]
+            offset, size = first.offset + index * first.size, first.size
+            if index >= first.rows:  # the one that lies apart
+                offset, size = last.offset, last.size
             return os.pread(opened, size, offset).rstrip(b"\0")
         finally:
             os.close(opened)
 
     def _check(self, file: h5py.File, camera: str) -> None:
-        known = names(group(file, f"{GROUP}/cameras" if self.layout == "native" else "observation"))
-        if camera not in known:
+        if camera not in (known := _cameras(file, self.layout)):
             raise UnknownName("camera", camera, known, self.path)

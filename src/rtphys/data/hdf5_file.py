@@ -28,7 +28,7 @@ from rtphys.core.bounds import (
     MAX_PIXELS,
 )
 from rtphys.core.errors import BadFile
-from rtphys.core.untrusted import LINK
+from rtphys.core.untrusted import LINK, parse
 
 GROUP = "rtphys"  # what the official layouts do not hold, or less exactly
 LAST = f"{GROUP}/last"  # what native rows lack of the last frame
@@ -91,7 +91,7 @@ def write_packed(made: h5py.Dataset, index: int, frame: NDArray[Any]) -> None:
 
 @contextmanager
 def open_read(source: Path | bytes) -> Iterator[h5py.File]:
-    """Opens a file or its bytes: the one door through which every reader goes.
+    """Opens a file or its bytes; every reader opens files so.
 
     A file is a tree of groups and arrays that lie in the file itself. Nothing in it leads to
     another file, back to a group above, or twice to the same place.
@@ -100,10 +100,21 @@ def open_read(source: Path | bytes) -> Iterator[h5py.File]:
         BadFile: it is not HDF5, is too large, or is no such tree. What HDF5 itself raises while the
             file is open becomes a `BadFile` too.
     """
-    where = "<memory>" if isinstance(source, bytes) else source
-    seen = _checked(source) if isinstance(source, Path) else ()
+    where, opened, seen = "<memory>", io.BytesIO(), ()
     try:
-        with h5py.File(io.BytesIO(source) if isinstance(source, bytes) else source, "r") as file:
+        if isinstance(source, bytes):
+            opened = io.BytesIO(source)
+        else:
+            where = opened = source
+            facts = source.lstat()
+            if stat.S_ISLNK(facts.st_mode):
+                raise BadFile(where, LINK)
+            if not stat.S_ISREG(facts.st_mode):
+                raise BadFile(where, "is no ordinary file")
+            if (size := facts.st_size) > LARGEST_EPISODE:
+                raise BadFile(where, f"has {size} bytes; at most {LARGEST_EPISODE} are read")
+            seen = stamp(facts)
+        with h5py.File(opened, "r") as file:
             if seen not in _trees:
                 if reason := _stray_link(file):
                     raise BadFile(where, reason)
@@ -111,34 +122,15 @@ def open_read(source: Path | bytes) -> Iterator[h5py.File]:
                     _trees.add(seen)
             yield file
     except (*DAMAGED, RuntimeError, MemoryError) as error:
-        raise BadFile(where, _problem(error)) from error
-
-
-def _problem(error: Exception) -> str:
-    """What the operating system refuses is no damage."""
-    if number := getattr(error, "errno", None):
-        return "no such file" if number == errno.ENOENT else os.strerror(number).lower()
-    return f"not a whole HDF5 file ({error})"
+        problem = f"not a whole HDF5 file ({error})"
+        if number := getattr(error, "errno", None):  # what the system refuses is no damage
+            problem = "no such file" if number == errno.ENOENT else os.strerror(number).lower()
+        raise BadFile(where, problem) from error
 
 
 def stamp(facts: os.stat_result) -> tuple[int, ...]:
     """What a file that was not changed keeps."""
     return facts.st_dev, facts.st_ino, facts.st_size, facts.st_mtime_ns
-
-
-def _checked(path: Path) -> tuple[int, ...]:
-    """The file's `stamp`. Raises `BadFile`: it is no file, or too large."""
-    try:
-        facts = path.lstat()
-    except (OSError, ValueError) as error:  # ValueError: NUL in the path
-        raise BadFile(path, _problem(error)) from error
-    if stat.S_ISLNK(facts.st_mode):
-        raise BadFile(path, LINK)
-    if not stat.S_ISREG(facts.st_mode):
-        raise BadFile(path, "is no ordinary file")
-    if facts.st_size > LARGEST_EPISODE:
-        raise BadFile(path, f"has {facts.st_size} bytes; at most {LARGEST_EPISODE} are read")
-    return stamp(facts)
 
 
 def _stray_link(file: h5py.File) -> str:
@@ -174,37 +166,25 @@ def dataset(node: h5py.Group, key: str, *, frames: bool = False) -> h5d.DatasetI
         KeyError: the key is absent or no dataset.
         ValueError: its values lie elsewhere, or are neither numbers nor text.
     """
-    found = _open(node, key)
-    dtype = _types(found.get_type().encode())[0]
-    if frames and in_chunks(found):
-        _check_chunks(found, key, dtype)
-    else:
-        _check_place(found, key, found.shape, dtype)
-    return found
-
-
-def _open(node: h5py.Group, key: str) -> h5d.DatasetID:
     try:
-        return h5d.open(node.id, key.encode())
+        found = h5d.open(node.id, key.encode())
     except (KeyError, TypeError, ValueError) as error:
         raise KeyError(f"{key} is no dataset") from error
-
-
-def _check_place(
-    found: h5d.DatasetID, key: str, shape: tuple[int, ...] | None, dtype: np.dtype
-) -> None:
+    shape, dtype = found.shape, _types(found.get_type().encode())[0]
+    if frames and in_chunks(found):
+        _check_chunks(found, key, dtype)
+        return found
     if shape is None:
         raise ValueError(f"{key} holds nothing")
     size = math.prod(shape) * dtype.itemsize
     if dtype.kind == "O" and shape:  # a few bytes of the file could be the text of each
         raise ValueError(f"{key} holds many texts of any length")
-    if size == 0:
-        return
     # Undefined for external, virtual, chunked and compact storage, and where nothing was written.
-    if found.get_offset() is None:
+    if size and found.get_offset() is None:
         raise ValueError(f"the values of {key} do not lie in the file in one piece")
     if size > SMALL and size > h5i.get_file_id(found).get_filesize():
         raise ValueError(f"{key} would have {size} bytes, more than its file")
+    return found
 
 
 def in_chunks(found: h5d.DatasetID) -> bool:
@@ -238,10 +218,9 @@ def frame_of(found: h5d.DatasetID, index: int) -> np.ndarray:
 def array(node: h5py.Group, key: str) -> np.ndarray:
     """The values of a dataset. Raises what `dataset` does."""
     # Low-level calls: `node[key][()]` takes six times as long, and a file has dozens.
-    found = _open(node, key)
-    shape, (dtype, memory) = found.shape, _types(found.get_type().encode())
-    _check_place(found, key, shape, dtype)
-    data = np.empty(shape, dtype)
+    found = dataset(node, key)
+    dtype, memory = _types(found.get_type().encode())
+    data = np.empty(found.shape, dtype)
     if data.size:
         found.read(h5s.ALL, h5s.ALL, data, memory)
     return data
@@ -289,6 +268,14 @@ def arrays(node: h5py.Group, key: str) -> dict[str, np.ndarray]:
     """The datasets directly below a group, by name; empty when the group is absent."""
     below = group(node, key) if holds(node, key) else None
     return {} if below is None else {name: array(below, name) for name in names(below)}
+
+
+def texts(content: str, file: h5py.File) -> tuple[str, ...]:
+    """The texts in a JSON list. Raises `ValueError`, `BadFile`: it is none."""
+    found = parse(content.encode(), file.filename)
+    if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
+        raise ValueError("is no list of texts")
+    return tuple(map(str, found))
 
 
 def note(node: h5py.Group, key: str) -> str:
@@ -349,14 +336,9 @@ def content_digest(source: Path | bytes) -> str:
 
     def feed(label: str, value: object) -> None:
         data = np.asarray(value)
-        if data.dtype.kind in "OU":  # text: one length-prefixed item after the other
-            digest.update(f"{label} text {data.shape}\n".encode())
-            for item in data.ravel().tolist():
-                encoded = item if isinstance(item, bytes) else str(item).encode()
-                digest.update(f"{len(encoded)}:".encode() + encoded)
-        else:
-            digest.update(f"{label} {data.dtype.str} {data.shape}\n".encode())
-            digest.update(np.ascontiguousarray(data).tobytes())
+        text = data.dtype.kind in "OU"  # whose bytes in memory are addresses
+        digest.update(f"{label} {'text' if text else data.dtype.str} {data.shape}\n".encode())
+        digest.update(repr(data.tolist()).encode() if text else data.tobytes())
 
     def visit(name: str, node: h5py.Group | h5py.Dataset) -> None:
         digest.update(f"{type(node).__name__} {name}\n".encode())
@@ -364,12 +346,10 @@ def content_digest(source: Path | bytes) -> str:
             feed(f"@{key}", node.attrs[key])
         if isinstance(node, h5py.Dataset):
             found = dataset(file, name, frames=True)
-            if not in_chunks(found):
-                feed("=", array(file, name))
-                return
-            digest.update(f"= {found.dtype.str} {found.shape}\n".encode())
-            for n in range(found.shape[0]):
-                digest.update(frame_of(found, n).tobytes())
+            packed_frames = range(found.shape[0] if in_chunks(found) else 0)
+            feed(f"= {found.shape}", [] if packed_frames else array(file, name))
+            for n in packed_frames:
+                feed("frame", frame_of(found, n))
 
     with open_read(source) as file:
         visit("/", file)

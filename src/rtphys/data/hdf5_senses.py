@@ -8,14 +8,14 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.core.errors import BadFile, UnknownName
-from rtphys.data.episode import CAMERA_KEYS
+from rtphys.data.episode import CAMERA_KEYS, Sensed, Track
 from rtphys.data.hdf5_file import (
     DAMAGED,
     GROUP,
@@ -30,16 +30,18 @@ from rtphys.data.hdf5_file import (
     put,
     rows_at,
     text,
+    texts,
     write_packed,
 )
 from rtphys.data.palette import PALETTE, coloured, row_of
-from rtphys.data.sensed import Sensed, Track
 from rtphys.senses import SENSES, Field, Sense
 from rtphys.senses.depth import to_metres, to_mm
 from rtphys.senses.segmentation import KINDS
 from rtphys.senses.sense import Array, Encoding
 from rtphys.senses.states import BodyPoses
 from rtphys.senses.touch import Touch
+
+T = TypeVar("T")
 
 DECLARED = "senses"  # attribute of `rtphys/`: JSON list of the senses that a file holds
 NAMES = f"{GROUP}/names"
@@ -79,12 +81,10 @@ class Stream:
 
     def read(self, file: h5py.File) -> Track:
         """All frames. Raises `KeyError`, `ValueError`."""
-        decode = ENCODINGS[self.field.encoding][3]
         if not self.field.packed:
-            return decode(self.rows.all(file))
-        found = dataset(file, self.rows.key, frames=True)
-        stored = [decode(frame_of(found, t)) for t in range(found.shape[0])]
-        return [*stored, decode(array(file, self.rows.last))] if self.rows.last else stored
+            return ENCODINGS[self.field.encoding][3](self.rows.all(file))
+        count = dataset(file, self.rows.key, frames=True).shape[0] + bool(self.rows.last)
+        return [self.frame(file, t) for t in range(count)]
 
     def frame(self, file: h5py.File, index: int) -> Array:
         """One of them; negative ones count from the end. Raises `IndexError` too."""
@@ -141,13 +141,10 @@ class Stream:
 
 def sense_streams(senses: Iterable[str], layout: str, cameras: Iterable[str]) -> Iterator[Stream]:
     """Every stream of senses, in the order in which files hold them."""
-    for name, sense in SENSES.items():
-        if name not in senses:
-            continue
+    for sense in (sense for name, sense in SENSES.items() if name in senses):
         for field in sense.fields:
             for camera in cameras if sense.scope == "pixel" else ("",):
-                legacy, native = field.keys
-                rows = rows_at(layout, legacy, native, camera, CAMERA_KEYS.get(camera, ""))
+                rows = rows_at(layout, *field.keys, camera, CAMERA_KEYS.get(camera, ""))
                 yield Stream(sense, field, camera, rows)
 
 
@@ -170,24 +167,17 @@ def _kinds(senses: Iterable[str]) -> set[str]:
 
 
 def declared(file: h5py.File) -> tuple[str, ...]:
-    """Senses that a file says it holds. Raises `KeyError`, `ValueError`."""
+    """Senses that a file says it holds. Raises `KeyError`, `ValueError`, `BadFile`."""
     record = group(file, GROUP)
-    return _texts(note(record, DECLARED)) if DECLARED in record.attrs else ()
-
-
-def _texts(content: str) -> tuple[str, ...]:
-    found = json.loads(content)
-    if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
-        raise ValueError("is no list of texts")
-    return tuple(found)
+    return texts(note(record, DECLARED), file) if DECLARED in record.attrs else ()
 
 
 def read_names(file: h5py.File, senses: Iterable[str]) -> dict[str, tuple[str, ...]]:
-    """The names of each kind that senses have. Raises `KeyError`, `ValueError`."""
-    return {kind: _texts(text(file, f"{NAMES}/{kind}")) for kind in _kinds(senses)}
+    """The names of each kind that senses have. Raises `KeyError`, `ValueError`, `BadFile`."""
+    return {kind: texts(text(file, f"{NAMES}/{kind}"), file) for kind in _kinds(senses)}
 
 
-def read_senses(file: h5py.File, layout: str, cameras: list[str]) -> Sensed | None:
+def read_senses(file: h5py.File, layout: str, cameras: Iterable[str]) -> Sensed | None:
     """All that a file holds; None where it holds no senses. Raises `BadFile`."""
     try:
         return _read(file, layout, cameras, senses) if (senses := declared(file)) else None
@@ -229,13 +219,11 @@ class SenseFile:
         sense = streams[field].sense
         if sense.scope == "pixel" and camera not in self.cameras:
             raise UnknownName("camera", camera, self.cameras, self.path)
-        self._check(sense.name)
-        return self._opened(lambda file: streams[field].frame(file, frame))
+        return self._opened(lambda file: streams[field].frame(file, frame), sense.name)
 
     def sensed(self, sense: str) -> Sensed:
         """All frames of a sense."""
-        self._check(sense)
-        return self._opened(lambda file: _read(file, self.layout, self.cameras, (sense,)))
+        return self._opened(lambda file: _read(file, self.layout, self.cameras, (sense,)), sense)
 
     def depth(self, camera: str, frame: int) -> NDArray[np.float32]:
         """(H, W) [m] along the optical axis; 0 where nothing is."""
@@ -251,8 +239,7 @@ class SenseFile:
         """What each id is called; 0 is the background."""
         if kind not in KINDS:
             raise UnknownName("kind of id", kind, KINDS)
-        self._check("segmentation")
-        return self._opened(lambda file: read_names(file, ("segmentation",)))[kind]
+        return self._opened(lambda file: read_names(file, ("segmentation",)), "segmentation")[kind]
 
     def cloud(self, frame: int) -> NDArray[np.float32]:
         """(1024, 6) of x y z [m] in the world and r g b 0..1, from the head camera."""
@@ -274,13 +261,12 @@ class SenseFile:
         frames = {field: np.asarray(track) for (field, _), track in found.tracks.items()}
         return SENSES[sense].exported(frames, found.names)
 
-    def _check(self, sense: str) -> None:
-        if sense not in (known := self.senses):
-            raise UnknownName("sense", sense, known, self.path)
-
-    def _opened(self, read: Callable[[h5py.File], Any]) -> Any:
+    def _opened(self, read: Callable[[h5py.File], T], sense: str = "") -> T:
+        """What is read of the open file, which must hold a sense."""
         with open_read(self.path) as file:
             try:
+                if sense and sense not in (known := declared(file)):
+                    raise UnknownName("sense", sense, known, self.path)
                 return read(file)
             except DAMAGED as error:
                 raise BadFile(self.path, f"what was sensed is damaged ({error})") from error

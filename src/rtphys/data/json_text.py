@@ -1,13 +1,28 @@
-"""JSON as this package writes it: plain numbers, stable order, no NaN, the same bytes always."""
+"""JSON as this package writes it: plain numbers, stable order, the same bytes; its models."""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
+from typing import Annotated
 
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from rtphys.core.bounds import WHOLE_NUMBER
 from rtphys.core.errors import BadValue
 from rtphys.core.untrusted import JSON
+
+Seed = Annotated[int, Field(ge=0, le=WHOLE_NUMBER)]
+Count = Annotated[int, Field(ge=0, le=WHOLE_NUMBER)]
+Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+Vector3 = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
+Quaternion = Annotated[list[FiniteFloat], Field(min_length=4, max_length=4)]
+
+
+class Model(BaseModel):
+    """A closed record of a JSON file: an unknown key is a mistake, not an extension."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
 def plain(value: object, where: str = "value") -> JSON:
@@ -18,11 +33,9 @@ def plain(value: object, where: str = "value") -> JSON:
     """
     if isinstance(value, np.generic | np.ndarray):
         return plain(value.tolist(), where)
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            raise BadValue(where, value, "numbers in a dataset are finite")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise BadValue(where, value, "numbers in a dataset are finite")
+    if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, Mapping):
         return {str(key): plain(item, f"{where}.{key}") for key, item in value.items()}

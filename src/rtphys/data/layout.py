@@ -17,7 +17,6 @@ STAGING = ".staging"
 EMBODIMENT = "aloha_agilex"
 EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
 FAILURES = "failures"  # beside the episodes of a task dataset: attempts that failed, if kept
-FOLDERS = (*EPISODE_FOLDERS, STAGING, FAILURES)
 
 
 def embodiment_folder(name: str) -> str:
@@ -27,7 +26,7 @@ def embodiment_folder(name: str) -> str:
 
 @dataclass(frozen=True)
 class EpisodePaths:
-    """The files of one episode; made for each of a million, so each path is when it is used."""
+    """The files of one episode. Paths are made on use: a dataset may list a million episodes."""
 
     folder: Path
     stem: str
@@ -92,7 +91,7 @@ class TaskDataset:
 
     @property
     def failures(self) -> "TaskDataset":
-        """Where failed attempts lie that were kept: the same files, numbered by themselves."""
+        """Where kept failures lie: the same files as of episodes, with numbers of their own."""
         return replace(self, failed=True)
 
     @cached_property
@@ -107,11 +106,10 @@ class TaskDataset:
     def check_links(self) -> None:
         """Raises `BadFile` where a folder or a file with a fixed place is a link."""
         check_inside(self.out, folder := self.folder)
-        own = (self.scene_info, self.seed_txt, self.seeds_txt)
-        for path in (*(folder / name for name in FOLDERS), *own):
+        own = (self.scene_info, self.seed_txt, self.seeds_txt, folder / LEDGER)
+        for path in (*own, *(folder / name for name in (*EPISODE_FOLDERS, STAGING, FAILURES))):
             check_inside(folder, path)
         if not self.failed:
-            check_inside(folder, self.ledger)
             self.failures.check_links()
 
     @property
@@ -125,7 +123,7 @@ class TaskDataset:
 
     @property
     def seeds_txt(self) -> Path:
-        """The phys release's: one accepted seed a line, line i belongs to episode i."""
+        """Ours: one accepted seed a line; line i belongs to episode i."""
         return self.folder / "seeds.txt"
 
     @property
@@ -135,11 +133,8 @@ class TaskDataset:
 
     @property
     def staging(self) -> Path:
+        """Where workers put the files of attempts that have no episode number yet."""
         return self.folder / STAGING
-
-    def staged(self, seed: int) -> Path:
-        """Where a worker puts the files of an attempt that has no episode number yet."""
-        return self.staging / f"seed_{seed}"
 
 
 def episode_number(path: Path) -> int | None:

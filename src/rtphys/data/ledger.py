@@ -84,16 +84,18 @@ def read_lines(path: Path) -> Iterator[Line]:
 def read_header(kind: type[H], path: Path) -> H:
     """The spec in the first line. Raises `BadFile`: there is none, or it cannot be read."""
     for line in read_lines(path):
-        with line.named(path):
-            return load(kind, parse_mapping(line.text, path), path)
+        return _header(kind, line, path)
     raise BadFile(path, "is empty: a run was killed before it began")
+
+
+def _header(kind: type[H], line: Line, path: Path) -> H:
+    with line.named(path):
+        return load(kind, parse_mapping(line.text, path), path)
 
 
 def read_rows(kind: type[R], path: Path) -> Iterator[R]:
     """Every row behind the first line. Raises `BadFile`, which names line and key."""
-    for line in read_lines(path):
-        if line.number > 1:
-            yield parse_row(kind, line, path)
+    return (parse_row(kind, line, path) for line in read_lines(path) if line.number > 1)
 
 
 def parse_row(kind: type[R], line: Line, path: Path) -> R:
@@ -128,8 +130,7 @@ class Ledger(Generic[H, R]):
             if line.number > 1:
                 restore(parse_row(row, line, path))
             else:
-                with line.named(path):
-                    before = load(type(header), parse_mapping(line.text, path), path)
+                before = _header(type(header), line, path)
                 if clauses := differences(stored(before), stored(header)):
                     raise DatasetMismatch(path.parent, clauses)
             self.lines, self.end, self.check = line.number, line.end, line.check

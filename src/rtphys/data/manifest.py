@@ -8,14 +8,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from rtphys.core.errors import BadFile, shortened
-from rtphys.core.untrusted import JSON, parse_mapping
+from rtphys.core.untrusted import parse_mapping
 from rtphys.data import files
 from rtphys.data.attempts import Totals
 from rtphys.data.files import FileFacts
-from rtphys.data.json_text import pretty
+from rtphys.data.json_text import Count, pretty
 from rtphys.data.layout import MANIFEST, TaskDataset
 from rtphys.data.ledger import START, read_lines
-from rtphys.data.schema_model import Count
 from rtphys.spec.collection import DATASET_VERSION, CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.stored import CLOSED, load, stored
@@ -93,7 +92,7 @@ def read_entry(place: TaskDataset, header: TaskHeader) -> TaskEntry:
 
 def manifest_bytes(entries: Mapping[str, TaskEntry]) -> bytes:
     """The file's content; the same for the same ledgers."""
-    by_name: dict[str, JSON] = {name: stored(entry) for name, entry in entries.items()}
+    by_name = {name: stored(entry) for name, entry in entries.items()}
     return pretty({"dataset_version": DATASET_VERSION, "task_datasets": by_name})
 
 

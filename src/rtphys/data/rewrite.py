@@ -1,7 +1,7 @@
 """Datasets made of datasets: converted to the other layout, merged, or a part of one.
 
 Each reads committed attempts in the order of their seeds and commits them to a new folder, where
-episodes are numbered anew. Repeated after an interruption, the same call continues.
+episodes get new numbers. Repeated after an interruption, the same call continues.
 """
 
 import heapq
@@ -16,25 +16,23 @@ from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging
-from rtphys.data.attempts import Accepted, KeptFailure, Rejected, read_attempts
+from rtphys.data.attempts import Accepted, KeptFailure, Row, read_attempts
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import read_episode
 from rtphys.data.layout import FAILURES, EpisodePaths, TaskDataset
 from rtphys.data.manifest import TaskEntry, read_manifest
-from rtphys.data.schema import FailureMeta, Instructions, Kind, PhysMeta, SceneEntry
+from rtphys.data.schema import FailureMeta, Instructions, PhysMeta, SceneEntry
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
-from rtphys.data.task_writer import Rejection
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.recording import LAYOUTS
 from rtphys.spec.stored import differences, problems_of, stored
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
-Row = Accepted | Rejected
-Held = Accepted | KeptFailure
-Stage = Callable[[EpisodePaths, Held, int, Path], StagedEpisode]
-"""(an episode's files, what is said of them, its seed, a folder) -> the same, staged there."""
+OnDisk = Accepted | KeptFailure
+Stage = Callable[[TaskDataset, OnDisk, int, Path], StagedEpisode]
+"""(where it lies, what is on disk of an attempt, its seed, a folder) -> the same, staged there."""
 Source = tuple[Path, TaskEntry]  # a task dataset that is read, and the folder of its manifest
 
 
@@ -50,8 +48,8 @@ class _Part:
     def rows(self) -> Iterator[tuple[TaskDataset, Row]]:
         """Every attempt that is taken, in the order of the seeds, and where it lies."""
         places = [entry.below(out) for out, entry in self.sources]
-        streams = [self._rows_of(number, place) for number, place in enumerate(places)]
         last: tuple[int, int] | None = None  # seed, and number of its source
+        streams = map(self._rows_of, range(len(places)), places)
         for seed, number, row in heapq.merge(*streams, key=itemgetter(0, 1)):
             if last is not None and last[0] == seed:
                 both = f"{places[last[1]].folder} and {places[number].folder}"
@@ -89,11 +87,9 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
         raise UnknownName("layout", layout, LAYOUTS)
     parts: list[_Part] = []
     for entry in read_manifest(source).task_datasets.values():
-        spec = entry.spec
-        recording = replace(spec.recording, layout=layout)
-        header = replace(entry.header, spec=replace(spec, recording=recording))
-        stage = partial(_encoded_again, spec.recording.layout, layout)
-        parts.append(_Part(header, [(source, entry)], stage))
+        recording = replace(entry.spec.recording, layout=layout)
+        header = replace(entry.header, spec=replace(entry.spec, recording=recording))
+        parts.append(_Part(header, [(source, entry)], partial(_encoded_again, layout)))
     return _write(parts, [source], out, progress)
 
 
@@ -117,28 +113,25 @@ def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) ->
 
 def _joined(name: str, group: Sequence[Source]) -> TaskHeader:
     """The header of a task dataset that several parts have. Raises `DatasetMismatch`."""
-    specs = [entry.spec for _, entry in group]
-    first, spec = group[0][1].header, specs[0]
+    out, first = group[0]
+    merged = [replace(entry.spec, shard=0, made_by="merge") for _, entry in group]
     # What parts of one task dataset may differ in, made equal.
     alike = [
-        stored(
-            replace(entry.header, spec=replace(entry.spec, first_seed=0, shard=0, made_by="merge"))
-        )
-        for _, entry in group
+        stored(replace(entry.header, spec=replace(spec, first_seed=0)))
+        for (_, entry), spec in zip(group, merged, strict=True)
     ]
-    for (out, _), other in zip(group, alike, strict=True):
-        if clauses := differences(alike[0], other):
-            raise DatasetMismatch(out / name, clauses)
-    shards = [one.shard for one in specs if one.shard]
+    for (other, _), header in zip(group, alike, strict=True):
+        if clauses := differences(alike[0], header):
+            raise DatasetMismatch(other / name, clauses)
+    shards = [entry.spec.shard for _, entry in group if entry.spec.shard]
     if len(set(shards)) < len(shards):
-        raise DatasetMismatch(group[0][0] / name, ["two of the parts are the same shard"])
-    if shards and (missing := set(range(1, spec.shards + 1)) - set(shards)):
-        clause = f"shard {min(missing)} of {spec.shards} is not among the parts"
-        raise DatasetMismatch(group[0][0] / name, [clause])
+        raise DatasetMismatch(out / name, ["two of the parts are the same shard"])
+    if shards and (missing := set(range(1, first.spec.shards + 1)) - set(shards)):
+        clause = f"shard {min(missing)} of {first.spec.shards} is not among the parts"
+        raise DatasetMismatch(out / name, [clause])
     if len(group) == 1:
-        return first
-    begin = min(one.first_seed for one in specs)
-    return replace(first, spec=replace(spec, first_seed=begin, shard=0, made_by="merge"))
+        return first.header
+    return replace(first.header, spec=min(merged, key=lambda spec: spec.first_seed))
 
 
 def subset(
@@ -182,22 +175,21 @@ def _write(
                 done += isinstance(row, Accepted)
                 if row.seed <= writer.totals.last_seed:  # done by an earlier call
                     continue
-                writer.record(_outcome(part.stage, place, row, writer.staging(row.seed)))
+                held, folder = row.on_disk, writer.staging(row.seed)
+                outcome = held and part.stage(place, held, row.seed, folder)
+                if not isinstance(row, Accepted):
+                    outcome = Rejection(row.seed, row.reason, row.detail, row.physics, outcome)
+                assert outcome is not None
+                writer.record(outcome)
                 dataset.checkpoint_if_due()
                 if progress:
                     progress(done, total)
     return names
 
 
-def _outcome(stage: Stage, place: TaskDataset, row: Row, folder: Path) -> StagedEpisode | Rejection:
-    if isinstance(row, Accepted):
-        return stage(row.paths(place), row, row.seed, folder)
-    kept = row.kept and stage(row.kept.paths(place), row.kept, row.seed, folder)
-    return Rejection(row.seed, row.reason, row.detail, row.physics, kept)
-
-
-def _copied(paths: EpisodePaths, held: Held, seed: int, folder: Path) -> StagedEpisode:
+def _copied(place: TaskDataset, held: OnDisk, seed: int, folder: Path) -> StagedEpisode:
     """The same bytes. Raises `BadFile`: a file is not what the ledger says."""
+    paths = held.paths(place)
     by_folder = {Path(name).parent.name: facts for name, facts in held.files.items()}
 
     def sound(path: Path) -> bytes:
@@ -225,22 +217,15 @@ def _copied(paths: EpisodePaths, held: Held, seed: int, folder: Path) -> StagedE
 
 
 def _encoded_again(
-    old: str, new: str, paths: EpisodePaths, held: Held, seed: int, folder: Path
+    layout: str, place: TaskDataset, held: OnDisk, seed: int, folder: Path
 ) -> StagedEpisode:
-    episode = encoded_episode(paths, old, held.scene_info)
+    paths = held.paths(place)
+    episode = encoded_episode(paths, place.layout, held.scene_info)
     for name, streams in episode.images.jpegs.items():
-        episode.images.jpegs[name] = [jpeg.for_layout(stream, new) for stream in streams]
+        episode.images.jpegs[name] = [jpeg.for_layout(stream, layout) for stream in streams]
     if episode.phys_meta["seed"] != seed:
         raise BadFile(paths.phys_meta, f"seed is not {seed}, as the ledger says")
-    return stage_encoded(folder, episode, new)
-
-
-def _plain(kind: type[Kind], path: Path) -> dict[str, JSON]:
-    """The JSON of a file as it is, once it is seen to be one of the models. Raises `BadFile`."""
-    content = parse_mapping(files.read(path), path)
-    with problems_of(path):
-        kind.model_validate(content)
-    return content
+    return stage_encoded(folder, episode, layout)
 
 
 def encoded_episode(paths: EpisodePaths, layout: str, scene: Mapping[str, JSON]) -> EncodedEpisode:
@@ -248,8 +233,15 @@ def encoded_episode(paths: EpisodePaths, layout: str, scene: Mapping[str, JSON])
     frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
     failed = paths.phys_meta.parents[1].name == FAILURES
-    meta = _plain(FailureMeta if failed else PhysMeta, paths.phys_meta)
-    words = _plain(Instructions, paths.instruction)
+    content: list[dict[str, JSON]] = []
+    for kind, path in (
+        (FailureMeta if failed else PhysMeta, paths.phys_meta),
+        (Instructions, paths.instruction),
+    ):
+        content.append(parse_mapping(files.read(path), path))
+        with problems_of(path):
+            kind.model_validate(content[-1])
     with problems_of(paths.hdf5):
         SceneEntry.model_validate(scene)
+    meta, words = content
     return EncodedEpisode(frames, images, meta, scene, words, sensed)

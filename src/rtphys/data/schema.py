@@ -7,9 +7,8 @@ from pydantic import ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
 
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files
-from rtphys.data.json_text import plain, pretty
+from rtphys.data.json_text import Count, Model, Quaternion, Seed, Vector3, plain, pretty
 from rtphys.data.manifest import Manifest
-from rtphys.data.schema_model import Count, Model, Quaternion, Seed, Vector3
 from rtphys.spec.collection import DATASET_VERSION, CollectionSpec
 from rtphys.spec.stored import SchemaError, adapter, problems_of
 
@@ -17,7 +16,7 @@ Kind = TypeVar("Kind", bound=Model)
 
 Side = Literal["left", "right", ""]
 Event = Literal["miss", "slip", "drop", "tip_over", "moved", "misplaced", "stuck", "end"]
-"""What went wrong; `episode/failure.py` defines each."""
+"""What went wrong; `episode/failure.py` says when it is which."""
 
 
 class DomainName(Model):
@@ -53,7 +52,7 @@ class Readback(Model):
     )
     surfaces: dict[str, dict[str, JsonValue]] = Field(default={}, description="friction, ...")
     joints: dict[str, dict[str, JsonValue]] = Field(default={}, description="damping, friction")
-    servos: dict[str, dict[str, JsonValue]] = Field(default={}, description="stiffness, damping")
+    servos: dict[str, dict[str, JsonValue]] = Field(default={}, description="damping")
     table: dict[str, JsonValue] = Field(default={}, description="tilt_deg, height")
     scale: dict[str, JsonValue] = Field(default={})
     external_force: dict[str, JsonValue] = Field(default={}, description="per body [N], world")
@@ -159,25 +158,12 @@ class Instructions(Model):
     unseen: list[str]
 
 
-class ResolvedDomain(Model):
-    """Which attributes vary and how, inheritance resolved."""
-
-    model_config = ConfigDict(extra="allow", frozen=True, strict=True)
-
-    name: str
-    digest: str
-    why: str = ""
-    rules: dict[str, JsonValue] = Field(description="by attribute or auxiliary key")
-    sources: dict[str, str] = Field(default={}, description="key -> domain that wrote the rule")
-
-
 MODELS: dict[str, type] = {
     "phys_meta": PhysMeta,
     "failure": FailureMeta,
     "manifest": Manifest,
     "scene_info": SceneEntry,
     "instruction": Instructions,
-    "domain": ResolvedDomain,
     "collection": CollectionSpec,
 }
 
@@ -207,11 +193,7 @@ def json_schema(name: str) -> dict[str, object]:
     return {**head, **adapter(MODELS[name]).json_schema()}
 
 
-def publish(folder: Path) -> None:
-    """Writes every JSON Schema into a folder."""
-    for name in MODELS:
-        (folder / f"{name}.json").write_bytes(pretty(plain(json_schema(name))))
-
-
-if __name__ == "__main__":
-    publish(Path(__file__).parent / "schemas")
+if __name__ == "__main__":  # writes them anew
+    for one in MODELS:
+        path = Path(__file__).parent / "schemas" / f"{one}.json"
+        path.write_bytes(pretty(plain(json_schema(one))))

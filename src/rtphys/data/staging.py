@@ -10,13 +10,12 @@ from rtphys.core.timing import PhaseTimer
 from rtphys.core.untrusted import JSON
 from rtphys.data import files, schema
 from rtphys.data.encode import EncodedImages, encode_images
-from rtphys.data.episode import Episode, Frames
+from rtphys.data.episode import Episode, Frames, Sensed
 from rtphys.data.faults import BadEpisode
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import EpisodeFile, episode_bytes
 from rtphys.data.json_text import pretty
 from rtphys.data.layout import EpisodePaths
-from rtphys.data.sensed import Sensed
 
 HDF5, VIDEO, INSTRUCTION = "data.hdf5", "video.mp4", "instruction.json"
 PHYS_META = "phys_meta.json"  # written at commit, when the number is known
@@ -24,8 +23,7 @@ PHYS_META = "phys_meta.json"  # written at commit, when the number is known
 
 def targets(paths: EpisodePaths) -> dict[str, Path]:
     """Where the staged files belong once their number is known."""
-    own = (paths.hdf5, paths.video, paths.phys_meta, paths.instruction)
-    return dict(zip((HDF5, VIDEO, PHYS_META, INSTRUCTION), own, strict=True))
+    return dict(zip((HDF5, VIDEO, PHYS_META, INSTRUCTION), paths.all(), strict=True))
 
 
 @dataclass(frozen=True)
@@ -38,11 +36,6 @@ class StagedEpisode:
     files: Mapping[str, FileFacts]  # by the names above
     phys_meta: Mapping[str, JSON]
     scene_info: Mapping[str, JSON]
-
-    def at(self, folder: Path) -> "StagedEpisode":
-        """With its files in that folder of this machine, where they are already."""
-        assert folder == self.folder
-        return self
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +66,9 @@ def stage_episode(
         CannotWrite: the file system refused; `folder` is gone again.
     """
     meta = {"recipe": episode.recipe, **episode.phys_meta, "episode": 0}
+    kind = schema.FailureMeta if "failure" in meta else schema.PhysMeta
     parts = (
-        schema.checked(schema.FailureMeta if "failure" in meta else schema.PhysMeta, meta),
+        schema.checked(kind, meta),
         schema.checked(schema.SceneEntry, episode.scene_info),
         schema.checked(schema.Instructions, episode.instructions),
     )

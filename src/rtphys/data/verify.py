@@ -1,7 +1,7 @@
 """Checks the files of a dataset against its manifest, ledgers and seeds.
 
 No simulator is needed: physics is sampled again from the seeds and the domains in the manifest. A
-ledger is read line by line, so neither time nor memory grows by more than the dataset does.
+ledger is read line by line, so neither time nor memory grows faster than the dataset.
 """
 
 import hashlib
@@ -18,13 +18,13 @@ from typing import IO
 from rtphys.assets.pack import pack_with
 from rtphys.core.cache import NoCache, user_cache
 from rtphys.core.errors import BadFile
-from rtphys.core.untrusted import JSON, check_inside
+from rtphys.core.untrusted import JSON, check_inside, parse_mapping
 from rtphys.data import files
-from rtphys.data.attempts import Accepted, KeptFailure, Rejected, Totals, ledgers_below
+from rtphys.data.attempts import Accepted, KeptFailure, Rejected, Row, Totals, ledgers_below
 from rtphys.data.check_draws import DrawCheck
 from rtphys.data.check_episode import Effort, Problem, check_episode
 from rtphys.data.files import FileFacts
-from rtphys.data.json_text import compact
+from rtphys.data.json_text import compact, pretty
 from rtphys.data.layout import HELD, LEDGER, LOCK, MANIFEST, STAGING, TaskDataset, episode_number
 from rtphys.data.ledger import read_header, read_lines
 from rtphys.data.manifest import (
@@ -32,11 +32,10 @@ from rtphys.data.manifest import (
     Manifest,
     TaskEntry,
     dataset_digest,
-    manifest_bytes,
     parse_manifest,
     task_entry,
 )
-from rtphys.data.task_writer import scene_pieces
+from rtphys.data.writer import scene_pieces
 from rtphys.physics import attributes
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.stored import differences, stored
@@ -76,32 +75,6 @@ def default_path() -> Path | None:
         return None
 
 
-class Verified:
-    """Digests of what was found sound, one a line of a text file, so that checking again is quick.
-
-    Checksums are computed every time; what is remembered is that content with these checksums
-    passed these checks. Without the file, or where it cannot be written, all are checked again.
-    """
-
-    def __init__(self, path: Path | None) -> None:
-        """`path` None: remember nothing."""
-        self._path, self.known = path, set[str]()
-        if path is not None:
-            with suppress(OSError, UnicodeDecodeError):
-                self.known = set(path.read_text().split())
-
-    def remember(self, keys: Iterable[str]) -> None:
-        """Appends in one write, so that two runs at once do not tear each other's lines."""
-        fresh = [key for key in keys if key not in self.known]
-        if self._path is None or not fresh:
-            return
-        with suppress(OSError):
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            with self._path.open("a") as file:
-                file.write("".join(f"{key}\n" for key in fresh))
-            self.known.update(fresh)
-
-
 def verify(
     out: Path,
     effort: Effort = Effort.NORMAL,
@@ -114,8 +87,9 @@ def verify(
     Args:
         out: the folder that holds `manifest.json`.
         effort: how much to look at; checksums, tables, labels and their physics always are.
-        memory: file of digests that were found sound before, such as `verify.default_path()`;
-            their content is not looked at again.
+        memory: file of digests that were found sound before, one a line, such as
+            `verify.default_path()`. Checksums are computed every time; content with these
+            checksums is not looked at again. All is, where the file cannot be read or written.
         progress: called with (episodes done, episodes in all), failures that were kept included.
     """
     report = Report()
@@ -132,7 +106,9 @@ def verify(
             done = report.episodes + report.failures
             progress(done, max(total, done))
 
-    remembered = Verified(memory)
+    remembered = set[str]()
+    with suppress(OSError, UnicodeDecodeError):
+        remembered = set(memory.read_text().split()) if memory else remembered
     checks: dict[str, _TaskCheck] = {}
     find_pack = cache(pack_with)  # for this call only: packs come and go
     for name, entry in entries.items():
@@ -144,6 +120,11 @@ def verify(
         except BadFile as error:
             report.problem(error.path, error.problem)
         report.newer += check.newer
+        if memory and check.sound:
+            with suppress(OSError):
+                memory.parent.mkdir(parents=True, exist_ok=True)
+                with memory.open("a") as file:  # one write: two runs at once tear no line
+                    file.write("".join(f"{key}\n" for key in check.sound))
     _check_manifest(out, data, checks, report)
     _check_folder(out, manifest, report)
     return report
@@ -173,7 +154,7 @@ class _TaskCheck:
     entry: TaskEntry
     draws: DrawCheck
     effort: Effort
-    memory: Verified
+    remembered: set[str]  # digests of what was found sound before
     report: Report
     looked_at: Callable[[], None]  # called after every episode and every kept failure
     totals: Totals = field(default_factory=Totals)
@@ -181,7 +162,7 @@ class _TaskCheck:
     seeds: list[int] = field(default_factory=list)  # of the episodes
     failure_seeds: list[int] = field(default_factory=list)  # of the failures that were kept
     newer: int = 0
-    sound: list[str] = field(default_factory=list)
+    sound: list[str] = field(default_factory=list)  # digests of what was found sound now
 
     @cached_property
     def place(self) -> TaskDataset:
@@ -212,10 +193,7 @@ class _TaskCheck:
         if clauses := differences(stored(header), stored(self.entry.header)):
             text = f"{self.name} is not what its ledger says: {'; '.join(clauses)}"
             report.problem(self.out / MANIFEST, text)
-        try:
-            self._check_rows(header)
-        finally:
-            self.memory.remember(self.sound)
+        self._check_rows(header)
         if self.counted is None:
             report.problem(place.ledger, "has fewer lines than the manifest counted")
         if self.newer:
@@ -260,7 +238,7 @@ class _TaskCheck:
             text = "a crash cut its last line short; resuming drops it"
             self.report.notes.append(f"{path}: {text}")
 
-    def _check_files(self, row: Accepted | Rejected, held: Accepted | KeptFailure) -> None:
+    def _check_files(self, row: Row, held: Accepted | KeptFailure) -> None:
         report, paths, listed = self.report, held.paths(self.place), held.files
         wanted = {path.relative_to(self.place.folder).as_posix(): path for path in paths.all()}
         if listed.keys() != wanted.keys():
@@ -278,7 +256,7 @@ class _TaskCheck:
         digests: list[JSON] = [listed[name].sha256 for name in wanted]
         about: list[JSON] = [*self.basis, digests, held.number, row.seed, row.verdict]
         key = hashlib.sha256(compact(about)).hexdigest()
-        if key in self.memory.known:
+        if key in self.remembered:
             return
         header, pack = self.entry.header, self.draws.pack
         meta, problems = check_episode(paths, header, row, self.effort, pack)
@@ -304,6 +282,7 @@ class _TaskCheck:
             self.report.problem(path, "is not what the ledger says")
 
     def _check_unlisted(self) -> None:
+        """What lies in the folder that nothing lists."""
         report, place = self.report, self.place
         if place.staging.exists():
             report.notes.append(f"{self.name}: a run was cut off or still goes on ({STAGING})")
@@ -355,13 +334,12 @@ def _check_manifest(
 ) -> None:
     """It must be what the ledgers say, at some earlier moment if a run was cut off; and twins."""
     path = out / MANIFEST
-    counted: dict[str, TaskEntry] = {}
     for name, check in checks.items():
-        if check.counted is not None:
-            counted[name] = check.counted
-            if check.counted.ledger.check != check.entry.ledger.check:
-                report.problem(path, f"does not agree with the ledger of {name}")
-    if report.sound and len(counted) == len(checks) and manifest_bytes(counted) != data:
+        if check.counted and check.counted.ledger.check != check.entry.ledger.check:
+            report.problem(path, f"does not agree with the ledger of {name}")
+    # Not byte for byte: fields that are newer than the dataset have their usual values.
+    equal = all(check.counted == check.entry for check in checks.values())
+    if report.sound and not (equal and pretty(parse_mapping(data, path)) == data):
         report.problem(
             path, "differs from what the ledgers say: it was changed after it was written"
         )

@@ -10,7 +10,7 @@ import numpy as np
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.data.episode import Episode, Frames
-from rtphys.data.task_writer import Rejection
+from rtphys.data.writer import Rejection
 from rtphys.episode.failure import went_wrong
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, Instance

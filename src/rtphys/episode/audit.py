@@ -141,8 +141,7 @@ def repeated(meta: PhysMeta, pack: Pack) -> list[str]:
 def audited(dataset: Dataset, repeats: int = 0) -> Iterator[Audit]:
     """Audits every episode, each with its own assets, in the dataset's order.
 
-    Args:
-        repeats: of how many episodes the demonstration is repeated, too.
+    `repeats`: of how many episodes the demonstration is repeated, too.
 
     Where the asset pack of the collection is not on this machine, the pack in use stands in, and
     the audit says so.

@@ -166,7 +166,7 @@ class PolicyControl:
             self.log.add(action)
         self.actions += 1
         self.unreachable += lost
-        paths = self._tracked(goals) if kind == "tracked_qpos" else self._paths(goals)
+        paths = self._paths(goals, kind == "tracked_qpos")
         least = LOST_STEPS if lost == len(self._arms) else FRAME_STEPS
         return self._run(paths, np.clip(action[list(layout.grippers)], 0.0, 1.0), least)
 
@@ -184,27 +184,22 @@ class PolicyControl:
         arm = self._arms[index]
         return arm_kinematics(self._embodiment)[arm.side].solve_near(goal, arm.target, self._rng)
 
-    def _paths(self, goals: list[Array]) -> list[Trajectory]:
-        """Straight motions of both arms from rest, of equal length: a frame at least.
+    def _paths(self, goals: list[Array], tracked: bool) -> list[Trajectory]:
+        """Motions of both arms: straight ones from rest, of equal length, a frame at least; or, of
+        tracked actions, the next frame towards these targets from whatever speed the arms have.
 
         A small motion fills its frame: at full acceleration and with a rest after it, every frame
         of a slow transfer would shake the load.
         """
-        self._trackers = []
-        motions = [
-            Straight(arm.target, np.clip(goal, *arm.limb.limits.T), limits)
-            for arm, goal, limits in zip(self._arms, goals, self._limits, strict=True)
-        ]
-        steps = max(FRAME_STEPS, *(motion.steps for motion in motions))
-        return [motion.sampled(steps) for motion in motions]
-
-    def _tracked(self, goals: list[Array]) -> list[Trajectory]:
-        """The next frame of motions towards these targets, from whatever speed the arms have."""
-        if not self._trackers:
-            pairs = zip(self._arms, self._limits, strict=True)
-            self._trackers = [Tracker(arm.target, limits) for arm, limits in pairs]
-        for arm, tracker, goal in zip(self._arms, self._trackers, goals, strict=True):
-            tracker.follow(np.clip(goal, *arm.limb.limits.T))
+        within = zip(self._arms, goals, self._limits, strict=True)
+        ways = [(arm.target, np.clip(g, *arm.limb.limits.T), limits) for arm, g, limits in within]
+        if not tracked:
+            self._trackers, motions = [], [Straight(*way) for way in ways]
+            steps = max(FRAME_STEPS, *(motion.steps for motion in motions))
+            return [motion.sampled(steps) for motion in motions]
+        self._trackers = self._trackers or [Tracker(start, limits) for start, _, limits in ways]
+        for tracker, (_, goal, _) in zip(self._trackers, ways, strict=True):
+            tracker.follow(goal)
         return [tracker.advance(FRAME_STEPS) for tracker in self._trackers]
 
     def _run(self, paths: list[Trajectory], grips: Array, least: int) -> bool:

@@ -43,8 +43,7 @@ def versions(task: Task, embodiment: str = DEFAULT) -> dict[str, str]:
     found = {**packages(), "task": task.digest, "code": code()}
     # Robots of a user's library, which the digest of the assets does not count.
     known = library.names("robots")
-    own = [known[name] for name in dict.fromkeys(named_pair(embodiment)[:2]) if name in known]
-    if own:
+    if own := [known[name] for name in dict.fromkeys(named_pair(embodiment)[:2]) if name in known]:
         text = "+".join(map(description_digest, own))
         found["robot"] = hashlib.sha256(text.encode()).hexdigest()
     return found

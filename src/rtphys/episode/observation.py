@@ -160,8 +160,7 @@ class Mirror:
     def view(self, packed: bytes, frame: int) -> View:
         """What all cameras see of the state that `scene.pack_poses` gave.
 
-        Args:
-            frame: number of frames since the policy stage began; lights may flicker by it.
+        `frame`: number of frames since the policy stage began; lights may flicker by it.
 
         Raises `NoRenderer`: no device to draw with.
         """

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
@@ -14,9 +15,8 @@ from numpy.typing import NDArray
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import NoRenderer
 from rtphys.core.poses import Pose
-from rtphys.data.episode import CameraFrames, Images
+from rtphys.data.episode import CameraFrames, Images, Sensed
 from rtphys.data.files import make_folder, replace_file
-from rtphys.data.sensed import Sensed
 from rtphys.data.video import VideoWriter
 from rtphys.episode.generate import Instance, prepare
 from rtphys.episode.touch import felt
@@ -130,17 +130,14 @@ def render_frames(
         stacks = zip(*(matrices(view, pose) for pose in poses[view.name]), strict=True)
         cameras[view.name] = CameraFrames(*(np.stack(stack) for stack in stacks))
     sensed = Sensed(senses, names={**scene.names})
-    sources: dict[str, BodyPoses | Touch] = {}  # of what is known before anything is drawn
-    if "states" in senses:
-        states = np.stack([unpacked(packed) for packed in trajectory.packed])
-        bodies = BodyPoses(body_names(scene.world, states.shape[1]), states)
-        sources["states"], sensed.names["body"] = bodies, bodies.names
-    if "touch" in senses and (touch := trajectory.touch) is not None:
-        sources["touch"] = touch
-        sensed.names |= {"finger": touch.fingers, "object": touch.objects}
-    for name, source in sources.items():
-        for field, frames in SENSES[name].capture(source).items():
-            sensed.tracks[field, ""] = frames
+    for sense in (SENSES[name] for name in senses if not SENSES[name].drawn):
+        source: BodyPoses | Touch | None = trajectory.touch
+        if sense.scope == "bodies":
+            states = np.stack([unpacked(packed) for packed in trajectory.packed])
+            source = BodyPoses(body_names(scene.world, states.shape[1]), states)
+        if source is not None:
+            sensed.names |= source.kinds
+            sensed.tracks |= {(key, ""): frames for key, frames in sense.capture(source).items()}
     first = {name: track[0] for name, track in poses.items()}
     images = Pictures(scene, trajectory, instance.look.backdrop, sensed)
     return RenderedFrames(cameras, first, images, instance.look, sensed if senses else None)
@@ -152,8 +149,7 @@ def draw_together(
     """Draws several trajectories row by row, so that a GPU is asked for all pictures of a row
     before the first is read; each is the one that is drawn alone.
 
-    Args:
-        use: what becomes of each one's pictures, in a thread of its own.
+    `use`: what becomes of each one's pictures, in a thread of its own.
     """
     lines = [queue.Queue[Images | None](1) for _ in group]  # None ends it
 
@@ -194,13 +190,12 @@ def write_video(instance: Instance, recording: Recording, pack: Pack, path: Path
     renderer.hold_anchor()
     recipe, task, states = instance.recipe, instance.task, StateTrajectory.of(recording)
     rendered = render_frames(recipe, task, pack, states, RecordingSpec(CAMERAS))
-    writer = None
-    for picture in map(montage, rendered.images):
-        if writer is None:
-            height, width, _ = picture.shape
-            writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    pictures = map(montage, rendered.images)
+    first = next(pictures)
+    height, width, _ = first.shape
+    writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    for picture in chain([first], pictures):
         writer.add(picture)
-    assert writer is not None
     make_folder(path.parent)
     replace_file(path, writer.finish())
 

@@ -5,7 +5,7 @@ the seed, and what comes of it is compared with all that is stored.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from pathlib import Path
 
 from rtphys.assets.pack import Pack, default_pack, pack_with
@@ -41,7 +41,6 @@ class RecordedAttempt:
 
     @property
     def place(self) -> TaskDataset:
-        """Where the task dataset lies."""
         return TaskDataset.of(self.out, self.header.spec)
 
     @property
@@ -82,17 +81,12 @@ class Scene:
     """A recorded attempt, and what it is simulated again with."""
 
     recorded: RecordedAttempt
+    recipe: Recipe  # with the domain that is stored
     task: Task
     pack: Pack
     folder: Path
 
-    @cached_property
-    def recipe(self) -> Recipe:
-        """With the domain that is stored. Raises `RtphysError`: it cannot be read."""
-        return _recipe(self.recorded.header, self.recorded.row.seed)
-
     def attempt(self) -> Attempt:
-        """The attempt, made again."""
         touch = self.recorded.header.spec.recording.touch
         return attempt(self.recipe, self.task, self.pack, touch=touch, happened=True)
 
@@ -105,10 +99,10 @@ def reproduce(recorded: RecordedAttempt, folder: Path) -> Comparison:
         note = f"{name}: what {spec.policy} did is not made again without it"
         return Comparison([], [note], made=False)
     try:
-        task = load_task(spec.episode.task)
-        scene = Scene(recorded, task, _pack(digest), folder)
+        task, recipe = load_task(spec.episode.task), _recipe(recorded.header, row.seed)
+        scene = Scene(recorded, recipe, task, _pack(digest), folder)
         # The protocol of that name must draw as the manifest says.
-        own = scene.recipe.spec
+        own = recipe.spec
         look, now = own.visual(), versions(task, own.embodiment)
         drawn = {
             "domain": (own.domain.digest, resolved.domain.get("digest")),
@@ -188,22 +182,20 @@ def _rejected(scene: Scene, row: Rejected) -> Comparison:
 def regenerated(again: Attempt, scene: Scene) -> RegeneratedEpisode:
     """The episode as `collect` stores it; without pictures where none can be drawn."""
     assert again.recording is not None
+    episode = assemble(again, scene.pack)
+    words = schema.checked(schema.Instructions, episode.instructions)
     if not pictures_ready():
-        assert again.instance is not None
-        episode = assemble(again, scene.pack)
-        label = schema.checked(
-            schema.PhysMeta if again.accepted else schema.FailureMeta,
-            {"recipe": episode.recipe, **episode.phys_meta, "episode": 0},
+        kind = schema.PhysMeta if again.accepted else schema.FailureMeta
+        facts = {"recipe": episode.recipe, **episode.phys_meta, "episode": 0}
+        label, info = (
+            schema.checked(kind, facts),
+            schema.checked(schema.SceneEntry, episode.scene_info),
         )
-        scene_info = schema.checked(schema.SceneEntry, episode.scene_info)
-        words = schema.checked(schema.Instructions, episode.instructions)
-        return RegeneratedEpisode(episode.frames, label, scene_info, words, None)
+        return RegeneratedEpisode(episode.frames, label, info, words, None)
     states, recording = StateTrajectory.of(again.recording), scene.recorded.header.spec.recording
     pictures = render_frames(scene.recipe, scene.task, scene.pack, states, recording)
-    episode = with_pictures(assemble(again, scene.pack), pictures)
-    staged = stage_episode(scene.folder, episode, recording.layout)
+    staged = stage_episode(scene.folder, with_pictures(episode, pictures), recording.layout)
     frames = EpisodeFile(scene.folder / HDF5, recording.layout).frames()
-    words = schema.checked(schema.Instructions, episode.instructions)
     return RegeneratedEpisode(frames, staged.phys_meta, staged.scene_info, words, scene.folder)
 
 
@@ -221,12 +213,11 @@ def _compared(made: RegeneratedEpisode, scene: Scene) -> Comparison:
         found.problems += [(path, t) for t in json_differences(said, {**made.scene_info}, key)]
     except BadFile as error:
         found.problems.append((path, error.problem))
-    if replace(scene.recipe.spec, ranges=None).domain.digest != header.resolved.domain.get(
-        "digest"
-    ):
+    own, name = replace(scene.recipe.spec, ranges=None).domain, recorded.place.name
+    if own.digest != header.resolved.domain.get("digest"):
         text = "drawn from the manifest's domain, which is not the task's own here"
-        found.notes.append(f"{recorded.place.name}: {text}")
+        found.notes.append(f"{name}: {text}")
     if made.folder is None:
         text = "pictures, video and camera poses were not drawn again: no device to draw with"
-        found.notes.append(f"{recorded.place.name}: {text}")
+        found.notes.append(f"{name}: {text}")
     return found

@@ -42,21 +42,17 @@ def solids(episode: Episode, pack: Pack) -> list[Solid3D]:
         for link, body in thing.links.items():
             poses = from_sapien(body.entity_pose).flat[None]
             if track is not None:
-                X_RL, rows = (
-                    root.inverse() @ from_sapien(body.entity_pose),
-                    np.asarray(track, float),
-                )
+                X_RL = root.inverse() @ from_sapien(body.entity_pose)
+                rows = np.asarray(track, float)
                 poses = np.array([(Pose(row[:3], row[3:]) @ X_RL).flat for row in rows])
             label = f"{name}/{link}" if len(thing.links) > 1 else name
             found.append(_solid(f"objects/{label}", body.collision_shapes, poses))
     art = world.robot.articulation
-    tracks: dict[str, list[Array]] = {link.name: [] for link in art.links}
+    tracks = list[list[Array]]()  # by frame and link
     for q in np.asarray(frames.qpos, np.float32):
         art.set_qpos(q)
-        for link in art.links:
-            tracks[link.name].append(from_sapien(link.entity_pose).flat)
-    for link in art.links:
-        poses = np.array(tracks[link.name])
+        tracks.append([from_sapien(link.entity_pose).flat for link in art.links])
+    for link, poses in zip(art.links, np.array(tracks).swapaxes(0, 1), strict=True):
         found.append(_solid(f"robot/{link.name}", link.collision_shapes, poses))
     return [solid for solid in found if len(solid.triangles)]
 

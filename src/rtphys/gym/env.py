@@ -93,8 +93,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         parts = shapes.state(bounds, self._task.props(0)) if states else shapes.pixels(bounds)
         if show_physics:
             parts["physics"] = shapes.physics()
-        self._recording_spec = RecordingSpec(senses=tuple(senses))
-        parts |= shapes.sensed(self._recording_spec)
+        self._recording = RecordingSpec(senses=tuple(senses))
+        parts |= shapes.sensed(self._recording)
         self.action_space = shapes.commands(bounds)
         space = spaces.Dict(parts)
         self.observation_space = space  # pyright: ignore[reportAttributeAccessIssue] - of mappings
@@ -153,7 +153,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             self._attempts = tried + 1
             recipe = spec.at(first + tried)
             try:
-                self._episode = begin(recipe, self._task, self._pack, self._recording_spec)
+                self._episode = begin(recipe, self._task, self._pack, self._recording)
                 break
             except Infeasible:
                 if self._attempts == MAX_SEEDS:
@@ -203,15 +203,16 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             shown["pixels"] = {name: now.images[name] for name in USUAL}
         if self._show_physics:
             shown["physics"] = shapes.physics_of(episode.instance)
-        for name in self._recording_spec.senses:
+        for name in self._recording.senses:
             sense = SENSES[name]
             if sense.scope == "pixel":
                 seen = {camera: now.cameras[camera].senses for camera in USUAL}
                 shown[name] = {camera: sense.observed(one) for camera, one in seen.items()}
+            elif sense.drawn:
+                shown[name] = sense.observed(now.cameras["head"].senses)
             else:
-                shown[name] = sense.observed(
-                    now.cameras["head"].senses if sense.drawn else now.felt
-                )
+                felt = sense.capture(now.touch)
+                shown[name] = sense.observed({key: frames[0] for key, frames in felt.items()})
             if ids := sense.fields[0].ids:
                 self._bodies = now.view.names[ids]
         return shown

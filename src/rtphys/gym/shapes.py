@@ -16,16 +16,16 @@ from rtphys.spec.recording import USUAL, RecordingSpec
 from rtphys.task.props import Articulated, Prop
 
 SHAPE = (240, 320, 3)  # of a picture, RGB
-Limits = NDArray[np.float32]
+Bounds = NDArray[np.float32]
 
 
-def limits(embodiment: Embodiment) -> Limits:
+def limits(embodiment: Embodiment) -> Bounds:
     """(2, N) lower and upper: real joint limits [rad], openings 0 closed .. 1 open."""
     arms = [np.vstack([limb.limits, [0.0, 1.0]]) for limb in embodiment.limbs]
     return np.concatenate(arms).astype(np.float32).T
 
 
-def commands(bounds: Limits) -> spaces.Space[NDArray[np.float32]]:
+def commands(bounds: Bounds) -> spaces.Space[NDArray[np.float32]]:
     """Space of actions: absolute joint targets and gripper openings within the limits."""
     return spaces.Box(*bounds, dtype=np.float32)
 
@@ -34,7 +34,7 @@ def _numbers(*shape: int) -> spaces.Box:
     return spaces.Box(-np.inf, np.inf, shape, np.float32)
 
 
-def state(bounds: Limits, props: Sequence[Prop]) -> dict[str, spaces.Space]:
+def state(bounds: Bounds, props: Sequence[Prop]) -> dict[str, spaces.Space]:
     """Parts of a state observation: commands, measurements, and poses of the task's objects."""
     size = bounds.shape[1]
     found: dict[str, spaces.Space] = {
@@ -50,17 +50,17 @@ def state(bounds: Limits, props: Sequence[Prop]) -> dict[str, spaces.Space]:
     return found
 
 
-def pixels(bounds: Limits) -> dict[str, spaces.Space]:
+def pixels(bounds: Bounds) -> dict[str, spaces.Space]:
     """Parts of a pixel observation, commands and pictures, under LeRobot's names."""
     views: dict[str, spaces.Space] = {name: spaces.Box(0, 255, SHAPE, np.uint8) for name in USUAL}
     return {"agent_pos": commands(bounds), "pixels": spaces.Dict(views)}
 
 
-def sensed(recording_spec: RecordingSpec) -> dict[str, spaces.Space]:
+def sensed(recording: RecordingSpec) -> dict[str, spaces.Space]:
     """Parts for the senses. Raises `UnknownName`: one that cannot be observed."""
     made: dict[str, spaces.Space] = {}
-    cameras = recording_spec.cameras or USUAL
-    for name in recording_spec.senses:
+    cameras = recording.cameras or USUAL
+    for name in recording.senses:
         if (space := SENSES[name].space()) is None:
             known = [one.name for one in SENSES.values() if one.space() is not None]
             raise UnknownName("observed sense", name, known)

@@ -51,13 +51,10 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
             steps.append(step if target[joint] <= arm.limb.limits[joint].mean() else -step)
             target[joint] += steps[-1]
             arm.drive(target.tolist(), [0.0] * len(target))
-        index = [int(arm.index[joint]) for arm in arms]
-        trials += step_response(world, partial(_positions, world, index), np.array(steps), laws)
+        index, robot = [int(arm.index[joint]) for arm in arms], world.robot.articulation
+        read = partial(lambda art, at: art.qpos[at], robot, index)
+        trials += step_response(world, read, np.array(steps), laws)
     return trials
-
-
-def _positions(world: World, index: list[int]) -> Array:
-    return np.asarray(world.robot.articulation.qpos[index], float)
 
 
 LAW = LawTest(

@@ -1,7 +1,6 @@
 """An off-centre push turns a body, and a bar tips when its balance point passes the edge."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rtphys.core.poses import Array, Pose
 from rtphys.laws.lab import Lab, block_inertia, pose_of, pushed_block
@@ -31,27 +30,22 @@ def push_at_origin(lab: Lab, values: Values, axis: int) -> Array:
 def balance_point(lab: Lab, values: Values) -> float:
     """x [m] in a bar's frame of its balance point: the bar stays while that is over the table."""
     low, high = -0.02, 0.02
+    # Laid down, not dropped: an impact would turn a bar that only just lies.
+    z = TABLE_TOP + BAR[2] * number(values.get("object_scale", 1.0))
     for _ in range(2):  # 2 mm steps, then 0.2 mm steps
         tried = np.linspace(low, high, BARS)
-        stayed = _stay(lab, values, tried)
+        places = [(TOP_HALF[0] + d, (i - BARS // 2) * PITCH, z) for i, d in enumerate(tried)]
+        bars = [
+            Box(name=f"bar{i}", pose=Pose(p), half_size=BAR, resting=False)
+            for i, p in enumerate(places)
+        ]
+        world = lab.world(bars, values, steps=200)
+        height = np.array([world.to_task(pose_of(b)).p[2] for b in world.bodies])
+        stayed = height > TABLE_TOP  # a fallen bar may lie flat again, on the ground
         inner = float(tried[stayed].max()) if stayed.any() else low
         outer = float(tried[~stayed].min()) if not stayed.all() else high
         low, high = inner, outer
     return -(low + high) / 2
-
-
-def _stay(lab: Lab, values: Values, overhang: Array) -> NDArray[np.bool_]:
-    """Which bars stay on the table when their origins lie `overhang` (n,) [m] beyond its edge."""
-    # Laid down, not dropped: an impact would turn a bar that only just lies.
-    z = TABLE_TOP + BAR[2] * number(values.get("object_scale", 1.0))
-    places = [(TOP_HALF[0] + d, (i - BARS // 2) * PITCH, z) for i, d in enumerate(overhang)]
-    bars = [
-        Box(name=f"bar{i}", pose=Pose(p), half_size=BAR, resting=False)
-        for i, p in enumerate(places)
-    ]
-    world = lab.world(bars, values, steps=200)
-    height = np.array([world.to_task(pose_of(b)).p[2] for b in world.bodies])
-    return height > TABLE_TOP  # a fallen bar may lie flat again, on the ground
 
 
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
@@ -64,13 +58,11 @@ def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     measured = [-by_y[2] * inertia[2], by_x[2] * inertia[2], -by_x[1] * inertia[1]]
     along = (float(offset[0]), 0.0, 0.0)
     point = balance_point(lab, {**values, "center_of_mass": along})
-    return [
-        *(
-            Trial(f"{'xyz'[i]} from an off-centre push", offset[i], measured[i] / FORCE, "m", RANGE)
-            for i in range(3)
-        ),
-        Trial("balance point on the table's edge", along[0], point, "m", RANGE),
+    trials = [
+        Trial(f"{axis} from an off-centre push", label, found / FORCE, "m", RANGE)
+        for axis, label, found in zip("xyz", offset, measured, strict=True)
     ]
+    return [*trials, Trial("balance point on the table's edge", along[0], point, "m", RANGE)]
 
 
 LAW = LawTest(

@@ -5,7 +5,8 @@ stands across the edge of another; a block pulled through
 the fingers is slowed by 2 mu N, and a load slips out of the robot's hand at 2 mu N.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
 from rtphys.sim.body import SimBody
 from rtphys.sim.engine import RATE, TIME_STEP, to_sapien
+from rtphys.sim.robot import SimArm
 from rtphys.sim.world import World
 from rtphys.task.props import Ball, Box, Prop
 
@@ -31,21 +33,11 @@ CLOSE, PULL, SLIDING = 300, 20, 5  # [steps] until the grip is steady; of the pu
 
 
 def _between_fingers(
-    lab: Lab, values: Values, half: float, mass: float | None = None
+    lab: Lab, values: Values, prop: Callable[[SimArm], Prop]
 ) -> tuple[World, SimBody]:
-    """A floating block between the left fingers, `half` [m] long and wide; as heavy as DENSITY."""
+    """The "block" that `prop` makes for the left arm's home posture, without gravity."""
     empty = lab.world([], values)  # a name keeps it alive: its robot dies with it
-    arm = empty.robot.left
-    block = Box(
-        name="block",
-        pose=arm.tcp(),
-        half_size=(min(half, arm.limb.hand.palm - FREE), HALF, half),
-        resting=False,
-        on_table=False,
-        density=DENSITY,
-        mass_kg=mass,
-    )
-    world = lab.world([block], values)
+    world = lab.world([prop(empty.robot.left)], values)
     return world, floating(world, "block")
 
 
@@ -55,7 +47,13 @@ def finger_friction(lab: Lab, values: Values, mu: float) -> float:
     The fingers close on a block, which is then pulled across them by a force that exceeds 2 mu N if
     the label is right: m a = F - 2 mu N, with N from the contacts.
     """
-    world, body = _between_fingers(lab, values, LONG)
+
+    def block(arm: SimArm) -> Box:
+        half = (min(LONG, arm.limb.hand.palm - FREE), HALF, LONG)
+        held = Box(name="block", pose=arm.tcp(), half_size=half, density=DENSITY)
+        return replace(held, resting=False, on_table=False)
+
+    world, body = _between_fingers(lab, values, block)
     arm, limb = world.robot.left, world.robot.left.limb
     # The block may not turn: turning between the pads would take up some of the friction.
     locked = [False, False, False, True, True, True]
@@ -149,23 +147,16 @@ def _gripped(
     lab: Lab, values: Values, mu: float, grip: Grip = CENTRED
 ) -> tuple[World, SimBody, float]:
     """A thing in the left hand, without gravity, and the force [N] of one finger."""
-    empty = lab.world([], values)  # a name keeps it alive: its robot dies with it
-    arm = empty.robot.left
-    along, up = arm.ee().R[:, 0], arm.ee().R[:, 2]
-    at = arm.tcp().moved(grip.out * along)
-    mass = grip.mass or 2 * mu * PRESS / GRAVITY
-    block: Prop
-    if grip.ball:
-        block = Ball(
-            name="block", pose=at, radius=HALF, mass_kg=mass, resting=False, on_table=False
-        )
-    else:
-        half = (min(HALF, arm.limb.hand.palm - FREE), HALF, HALF)
-        block = Box(
-            name="block", pose=at, half_size=half, mass_kg=mass, resting=False, on_table=False
-        )
-    world = lab.world([block], values)
-    body = floating(world, "block")
+
+    def thing(arm: SimArm) -> Prop:
+        at, half = arm.tcp().moved(grip.out * arm.ee().R[:, 0]), arm.limb.hand.palm - FREE
+        held = Box(name="block", pose=at, half_size=(min(HALF, half), HALF, HALF))
+        ball = Ball(name="block", pose=at, radius=HALF)
+        mass = grip.mass or 2 * mu * PRESS / GRAVITY
+        return replace(ball if grip.ball else held, mass_kg=mass, resting=False, on_table=False)
+
+    world, body = _between_fingers(lab, values, thing)
+    up = world.robot.left.ee().R[:, 2]
     if grip.aside:
         body.set_com(body.nominal_com + pose_of(body).R.T @ (grip.aside * up))
     for locked, steps in ((True, HOLD), (False, TENTH)):
@@ -217,24 +208,29 @@ def stopping(lab: Lab, values: Values, mu: float) -> float:
     return float(pose_of(body).p[0] - start)
 
 
-def breakaway(lab: Lab, values: Values, mu: float) -> float:
-    """Smallest push [m g] that moves a plate, by bisection within ±10 % of `mu`."""
+def threshold(slides: Callable[[float], bool], mu: float) -> float:
+    """Smallest push [m g] that moves something, by bisection within ±10 % of `mu`."""
     low, high = 0.9 * mu, 1.1 * mu
-    if _slips(lab, values, low) or not _slips(lab, values, high):
+    if slides(low) or not slides(high):
         return float("nan")
     for _ in range(4):
         middle = (low + high) / 2
-        low, high = (low, middle) if _slips(lab, values, middle) else (middle, high)
+        low, high = (low, middle) if slides(middle) else (middle, high)
     return (low + high) / 2
 
 
-def _slips(lab: Lab, values: Values, push: float) -> bool:
-    world = lab.world([puck(x=0.0)], {**values, "external_force": push}, FALL)
-    world.policy_stage = True
-    wait(world, 100)
-    # 1 % above breakaway gives 0.01 mu g over 0.4 s; creep below it stays far under that.
-    speed = world.bodies[0].component.linear_velocity[0]
-    return bool(speed > 2e-3 * push * GRAVITY * 0.4)
+def breakaway(lab: Lab, values: Values, mu: float) -> float:
+    """Smallest push [m g] that moves a plate on the table."""
+
+    def slides(push: float) -> bool:
+        world = lab.world([puck(x=0.0)], {**values, "external_force": push}, FALL)
+        world.policy_stage = True
+        wait(world, 100)
+        # 1 % above breakaway gives 0.01 mu g over 0.4 s; creep below it stays far under that.
+        speed = world.bodies[0].component.linear_velocity[0]
+        return bool(speed > 2e-3 * push * GRAVITY * 0.4)
+
+    return threshold(slides, mu)
 
 
 BELOW, ABOVE = (0.03, 0.03, 0.03), (0.03, 0.03, 0.006)  # [m] half sizes of a block, and of a plate
@@ -242,7 +238,7 @@ OVER = 0.01  # [m] by which the plate stands beyond the block: two of its corner
 
 
 def breakaway_on_object(lab: Lab, values: Values, mu: float) -> float:
-    """Smallest push [m g] that moves a plate on a block, by bisection within ±10 % of `mu`."""
+    """Smallest push [m g] that moves a plate on a block."""
     apart = Pose((0.15, -0.15, 0)), Pose((0.15, 0.05, 0))
     props = [
         Box(name=name, pose=pose, half_size=half)
@@ -250,8 +246,7 @@ def breakaway_on_object(lab: Lab, values: Values, mu: float) -> float:
     ]
     world = lab.world(props, values)
     block, plate = world.bodies
-    for _ in range(FALL):
-        world.step()
+    wait(world, FALL)
     up = number(values.get("object_scale", 1.0)) * (BELOW[2] + ABOVE[2]) + 1e-4
     offset = world.X_WT.R @ (OVER, 0.0, up)
     home = to_sapien(Pose(pose_of(block).p + offset, pose_of(plate).q))
@@ -261,26 +256,18 @@ def breakaway_on_object(lab: Lab, values: Values, mu: float) -> float:
     def slides(push: float) -> bool:
         plate.component.entity.set_pose(home)
         launch(plate, (0, 0, 0))
-        still = [0.0, 0.0, 0.0]
-        plate.component.set_angular_velocity(still)  # pyright: ignore[reportAttributeAccessIssue]
-        for _ in range(FALL):
-            world.step()
+        plate.component.set_angular_velocity(NONE)  # pyright: ignore[reportAttributeAccessIssue]
+        wait(world, FALL)
         start = pose_of(plate) @ plate.com
         # Weight pulls it down the slope, too.
         force = plate.mass * GRAVITY * np.sqrt(max(0.0, push**2 * (1 - lean**2) - lean**2))
         for _ in range(ONSET):
-            plate.component.add_force_torque([force, 0.0, 0.0], [0.0, 0.0, 0.0])
+            plate.component.add_force_torque([force, 0.0, 0.0], NONE)
             world.step()
         way = float((pose_of(plate) @ plate.com - start)[0])
         return way > 0.003 * push * GRAVITY * (ONSET * TIME_STEP) ** 2
 
-    low, high = 0.9 * mu, 1.1 * mu
-    if slides(low) or not slides(high):
-        return float("nan")
-    for _ in range(4):
-        middle = (low + high) / 2
-        low, high = (low, middle) if slides(middle) else (middle, high)
-    return (low + high) / 2
+    return threshold(slides, mu)
 
 
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:

@@ -3,6 +3,7 @@
 import importlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -103,15 +104,13 @@ class NoLawTest(RtphysError):
 def law_test(key: str) -> LawTest:
     """The law test of one attribute: a bundled one, or `LAW` of a library's `laws/<key>.py`.
 
-    Raises:
-        UnknownName: there is no such attribute.
-        NoLawTest: it has none.
-        BadFile: the file raises when it is imported, or has no `LAW` of this key.
+    Raises `UnknownName`: there is no such attribute; `NoLawTest`: it has none; `BadFile`: the file
+    raises when it is imported, or has no `LAW` of this key.
     """
     if key not in attributes():
         raise UnknownName("attribute", key, attributes())
-    files = [root / "laws" / f"{key}.py" for root in library.roots()]
-    own, name = next((file for file in files if file.is_file()), None), f"rtphys.laws.{key}"
+    files = (root / "laws" / f"{key}.py" for root in library.roots())
+    own, name = next(filter(Path.is_file, files), None), f"rtphys.laws.{key}"
     try:
         module = load_file(own, "laws") if own else importlib.import_module(name)
     except ModuleNotFoundError as error:

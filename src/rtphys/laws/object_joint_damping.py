@@ -89,7 +89,9 @@ def inertia_about(joint) -> float:
     Parallel axis theorem: the sum over links of u·I u + m r², with r from the axis to its CoM.
     `joint` is a SAPIEN articulation joint, whose axis is x of its global pose.
     """
-    links = _behind(joint.child_link)
+    links = [joint.child_link]
+    for link in links:  # which grows by all that is behind it
+        links += link.children
     if joint.type == "prismatic":
         return float(sum(link.mass for link in links))
     X = from_sapien(joint.get_global_pose())
@@ -102,18 +104,13 @@ def inertia_about(joint) -> float:
     return total
 
 
-def _behind(link) -> list:
-    """A link and all links behind it."""
-    return [link, *(deeper for child in link.children for deeper in _behind(child))]
-
-
 def run(lab: Lab, value: Value, others: Values) -> list[Trial]:
     values, trials = {**others, "object_joint_damping": value}, list[Trial | None]()
     for category in filter(lab.pack.is_articulated, lab.pack.names):
         for index in range(Hinge(lab, category, values, 0).count):
             trials.append(Hinge(lab, category, values, index).coast())
             trials.append(Hinge(lab, category, values, index).terminal())
-    return [trial for trial in trials if trial is not None]
+    return [*filter(None, trials)]
 
 
 LAW = LawTest(

@@ -3,12 +3,14 @@
 import numpy as np
 
 from rtphys.core.poses import Pose
-from rtphys.laws.fall import SPEEDS, rebounds
-from rtphys.laws.lab import Lab, pose_of, record
+from rtphys.laws.lab import Lab, launch, pose_of, record, wait
 from rtphys.laws.law import LawTest, Trial, Values, number
 from rtphys.physics.attributes.restitution import deviation_at
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
+from rtphys.sim.body import SimBody
+from rtphys.sim.engine import TIME_STEP, to_sapien
+from rtphys.sim.world import World
 from rtphys.task.props import TABLE_TOP, UP_Y, Ball, Box, Mesh, Prop
 
 RADIUS, DROP = 0.025, 0.4  # [m] the drop is a free fall of the ball's lowest point
@@ -26,6 +28,37 @@ def bounce(lab: Lab, values: Values) -> float:
     t, z = record(world, 250, lambda: world.to_task(pose_of(body)).p[2] - TABLE_TOP - radius)
     first = int(np.argmax(t > np.sqrt(2 * DROP / GRAVITY) + 0.02))
     return float(z[first:].max())
+
+
+SPEEDS = (0.3, 0.5, 1.0, 2.0)  # [m/s] at the impact
+PHASES = 6  # places between two steps at which the impact falls
+STRAIGHT = [True, True, False, True, True, True]  # it falls without turning
+SETTLE = 50  # [steps] until an object stands
+
+
+def rebounds(world: World, body: SimBody, speed: float, e: float) -> list[float]:
+    """Two coefficients [1] of each of PHASES impacts: by speeds and by heights.
+
+    The body must stand on the table or a little above it. It falls straight, without turning,
+    wherever its centre of mass is.
+    """
+    rigid = body.component
+    rigid.set_locked_motion_axes(STRAIGHT)  # pyright: ignore[reportAttributeAccessIssue]
+    wait(world, SETTLE)
+    home, found = pose_of(body), list[float]()
+    for phase in range(PHASES):
+        gap = speed * TIME_STEP * (1 + phase / PHASES)
+        rigid.entity.set_pose(to_sapien(home.moved((0.0, 0.0, gap))))
+        launch(body, (0, 0, -np.sqrt(max(0.0, speed**2 - 2 * GRAVITY * gap))))
+        z, v = list[float](), list[float]()
+        for _ in range(int((gap / speed + e * speed / GRAVITY) / TIME_STEP) + 5):
+            world.step()
+            z.append(float(pose_of(body).p[2] - home.p[2]))
+            v.append(float(rigid.linear_velocity[2]))
+        back = int(np.argmax(np.array(v) > 0)) if max(v) > 0 else len(v) - 1
+        height = max(0.0, *z[back:])
+        found += [max(0.0, *v[back:]) / speed, float(np.sqrt(2 * GRAVITY * height)) / speed]
+    return found
 
 
 PLACE = Pose((0.15, 0, 0), UP_Y)

@@ -352,7 +352,7 @@ def _parse(key: str, kind: str, argument: object, where: str) -> Distribution:
             return Direction()
         case "same_as", str():
             return SameAs(argument)
-        case "deal", {"source": str(source), "place": int(place), "rules": list() as rules}:
+        case "deal", {"source": str(source), "place": int(place), "rules": rules} if isinstance(rules, list):
             return _deal(source, place, cast(list[object], rules), where)
         case "deal", _:
             return _deal(key, 0, [], where)

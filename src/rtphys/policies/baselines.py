@@ -96,9 +96,8 @@ class Replay:
     If the dataset has a single protocol, it may be another one: `replay:CLEAN` under `phys_random`
     measures how far actions recorded under clean physics succeed under random physics.
 
-    Raises:
-        BadFile: the folder holds no dataset.
-        UnknownName, BadValue: the dataset lacks this task, or has several protocols without this.
+    Raises `BadFile`: the folder holds no dataset; `UnknownName`, `BadValue`: the dataset lacks this
+    task, or has several protocols without this.
     """
 
     needs_images = False

@@ -60,9 +60,7 @@ class Feels(Expert):
     def _act(self, robot: ExpertRobot, episode: PolicyEpisode) -> None:
         task = episode.instance.task
         if task.feel is None:
-            raise BadValue(
-                "policy", "feels", f"{task.name} has no `feel` to find physics out by"
-            )
+            raise BadValue("policy", "feels", f"{task.name} has no `feel` to find physics out by")
         felt = task.feel(robot)
         robot.believe(Physics({**robot.scene.physics, **felt}))
         super()._act(robot, episode)

@@ -11,9 +11,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -25,7 +25,8 @@ from rtphys.physics.values import components
 from rtphys.policies import lerobot_server
 from rtphys.policies.lerobot_server import STATE
 from rtphys.policies.policy import PolicyGone, PolicySetup, ServerFailed, action_rows
-from rtphys.policies.registry import options_as, split_options
+from rtphys.policies.registry import Seconds, split_options
+from rtphys.spec.option import Positive, checked_dataclass, from_words
 
 EE_POSE = "observation.ee_pose"
 PHYSICS = "observation.environment_state"  # as ACT and Diffusion read it
@@ -36,31 +37,29 @@ CAMERAS = {
     "left": ("cam_left_wrist", "left_camera", "left"),
     "right": ("cam_right_wrist", "right_camera", "right"),
 }
-OBSERVE = ("action", "chunk")
 FAREWELL = 5.0  # [s] that the process has to end
 OURS = ("PYTHONPATH", "PYTHONHOME", "PYTHONSTARTUP")  # variables that are meant for this Python
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class LeRobotOptions:
     """How a checkpoint runs."""
 
     python: str = sys.executable
     device: str = ""  # empty: the checkpoint's own
-    execute: int = 0  # actions of a chunk to carry out; 0: as the checkpoint says
-    observe: str = "action"  # a new observation for each action, as LeRobot does, or each chunk
+    execute: Positive | None = None  # actions of a chunk to carry out; None: as it says itself
+    observe: Literal["action", "chunk"] = "action"  # what gets a new observation; LeRobot's: action
     cameras: str = ""  # `head=top,left=wrist`: names in the checkpoint, where they are not ours
-    threads: int = 1  # of torch, on a CPU
+    threads: Positive = 1  # of torch, on a CPU
     physics: bool = False  # show the labels too: an oracle, which knows what no robot senses
-    reply_s: float = 600.0  # [s] limit for one answer
+    reply_s: Seconds = 600.0  # limit for one answer
 
 
 class LeRobot:
     """Policy in a process of its own; `path` is a folder, or a name on the Hub.
 
-    Raises:
-        PolicyGone: that Python does not start, lacks lerobot, or cannot open the checkpoint.
-        BadValue, UnknownName: the checkpoint is another robot's, or wants what no policy sees.
+    Raises `PolicyGone`: that Python does not start, lacks lerobot, or cannot open the checkpoint;
+    `BadValue`, `UnknownName`: the checkpoint is another robot's, or wants what no policy sees.
     """
 
     needs_images = True
@@ -70,10 +69,18 @@ class LeRobot:
         self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 - closed in `close`
         self._start()
         try:
-            asked = {key: asdict(given)[key] for key in ("device", "execute", "threads")}
+            asked = {"device": given.device, "execute": given.execute, "threads": given.threads}
             about, _ = self._ask({"do": "open", "path": path, **asked})
             if "error" in about:
-                raise PolicyGone(self._name, self._why_not_opened(about))
+                version, missing = about.get("lerobot"), about.get("missing") or ""
+                if missing.partition(".")[0] in ("torch", "lerobot"):
+                    there = f"lerobot {version} and " if version else ""
+                    problem = f"has {there}no {missing} (lerobot >= 0.4 is needed)"
+                    cure = "name a Python that has it: lerobot:PATH?python=/venv/bin/python"
+                    raise PolicyGone(self._name, f"{given.python} {problem}; {cure}")
+                by = f" by lerobot {version}" if version else ""
+                problem = f"cannot be opened{by}: {about['error'][:LONGEST_REPORT]}"
+                raise PolicyGone(self._name, problem)
             self._pictures = pictures(about["inputs"], given.cameras)
             check_vectors(about, sum(setup.arm_joints) + 2, given.physics)
             self._inputs = about["inputs"]
@@ -143,28 +150,16 @@ class LeRobot:
                 raise PolicyGone(self._name, f"no answer within {self._given.reply_s:g} s")
             return lerobot_server.unpack(self._connection.recv_bytes(LARGEST_MESSAGE))
         except (EOFError, OSError) as error:
-            raise PolicyGone(self._name, self._why_gone()) from error
+            problem = "its process has closed the connection"
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                code = self._process.wait(FAREWELL)
+                self._stderr.seek(0)
+                lines = self._stderr.read().decode(errors="replace").strip().splitlines()
+                last = " ".join(lines[-1:])[:LONGEST_REPORT]
+                problem = f"its process ended with code {code}: {last}"
+            raise PolicyGone(self._name, problem) from error
         except (ValueError, KeyError) as error:
             raise ServerFailed(f"{self._name}: answered what is no message: {error}") from error
-
-    def _why_gone(self) -> str:
-        try:
-            code = self._process.wait(FAREWELL)
-        except subprocess.TimeoutExpired:
-            return "its process has closed the connection"
-        self._stderr.seek(0)
-        lines = self._stderr.read().decode(errors="replace").strip().splitlines()
-        return f"its process ended with code {code}: {' '.join(lines[-1:])[:LONGEST_REPORT]}"
-
-    def _why_not_opened(self, about: dict[str, str]) -> str:
-        version = about.get("lerobot")
-        if (about.get("missing") or "").partition(".")[0] in ("torch", "lerobot"):
-            there = f"lerobot {version} and " if version else ""
-            problem = f"has {there}no {about['missing']} (lerobot >= 0.4 is needed)"
-            cure = "name a Python that has it: lerobot:PATH?python=/venv/bin/python"
-            return f"{self._given.python} {problem}; {cure}"
-        by = f" by lerobot {version}" if version else ""
-        return f"cannot be opened{by}: {about['error'][:LONGEST_REPORT]}"
 
     def close(self) -> None:
         self._connection.close()
@@ -177,29 +172,26 @@ class LeRobot:
 
 def observed(observation: Observation, pictures: Mapping[str, str]) -> dict[str, np.ndarray]:
     """An observation in the names of `rtphys export lerobot`; cameras by the name of a picture."""
-    images = observation.images
     poses = [observation.endposes[side] for side in ("left", "right")]
     return {
         STATE: observation.vector.astype(np.float32),
         EE_POSE: np.concatenate(poses).astype(np.float32),
-        **{name: images[camera] for name, camera in pictures.items()},
+        **{name: observation.cameras[camera].rgb for name, camera in pictures.items()},
     }
 
 
 def physics_vector(physics: Physics) -> np.ndarray:
     """All attributes as in `rtphys export lerobot`, float32; vectors one number after the other."""
-    values = [part for key in attributes() for part in components(physics[key])]
-    return np.array(values, np.float32)
+    return np.array([part for key in attributes() for part in components(physics[key])], np.float32)
 
 
 def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
     """Camera of ours by name of a picture among the checkpoint's inputs.
 
-    Raises:
-        BadValue: `given` is spelled otherwise.
-        UnknownName: no such camera of ours, or the checkpoint wants one that we do not have.
+    Raises `BadValue`: `given` is spelled otherwise; `UnknownName`: no such camera of ours, or the
+    checkpoint wants one that we do not have.
     """
-    named: dict[str, str] = {name: ours for ours, names in CAMERAS.items() for name in names}
+    named = {name: ours for ours, names in CAMERAS.items() for name in names}
     for pair in filter(None, given.split(",")):
         ours, _, name = pair.partition("=")
         if not name:
@@ -207,12 +199,13 @@ def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
         if ours not in CAMERAS:
             raise UnknownName("camera", ours, CAMERAS)
         named[name] = ours
-    wanted = {name: name.removeprefix(PICTURE) for name in inputs if name.startswith(PICTURE)}
-    for short in wanted.values():
-        if short not in named:
+    found: dict[str, str] = {}
+    for name in (name for name in inputs if name.startswith(PICTURE)):
+        if (short := name.removeprefix(PICTURE)) not in named:
             cure = "the checkpoint (its names for ours: ?cameras=head=NAME,left=NAME)"
             raise UnknownName("camera", short, named, cure)
-    return {name: named[short] for name, short in wanted.items()}
+        found[name] = named[short]
+    return found
 
 
 def check_vectors(
@@ -246,22 +239,18 @@ def open_lerobot(argument: str, setup: PolicySetup) -> LeRobot:
 
     PATH is what `lerobot-train` wrote, one of its checkpoints, or a name on the Hub.
 
-    Raises:
-        PolicyGone: that Python does not start, lacks lerobot, or cannot open the checkpoint.
-        BadFile: a folder without a checkpoint.
-        BadValue, UnknownName: an option is wrong, or the checkpoint does not fit.
+    Raises `PolicyGone`: that Python does not start, lacks lerobot, or cannot open the checkpoint;
+    `BadFile`, `UnknownName`: an option is wrong, or the folder has no checkpoint; `BadValue`: the
+    checkpoint does not fit.
     """
     path, given = split_options(argument, setup.options)
     if not path:
         raise BadValue("policy", "lerobot:", "name a checkpoint's folder: lerobot:PATH")
-    chosen = options_as(LeRobotOptions, given, f"lerobot:{path}")
-    if chosen.observe not in OBSERVE:
-        raise UnknownName("observe", chosen.observe, OBSERVE)
+    chosen = from_words(LeRobotOptions, given, "option", f"lerobot:{path}")
     if (folder := Path(path)).exists():
         inner = (".", "pretrained_model", "checkpoints/last/pretrained_model")
         found = [folder / name for name in inner if (folder / name / "config.json").is_file()]
         if not found:
-            problem = "holds no LeRobot checkpoint (no config.json and model.safetensors)"
-            raise BadFile(folder, problem)
+            raise BadFile(folder, "holds no LeRobot checkpoint (no config.json, model.safetensors)")
         path = str(found[0].resolve())
     return LeRobot(path, chosen, setup)

@@ -6,7 +6,6 @@ by `cam_high`, `cam_left_wrist`, `cam_right_wrist`, and `prompt`.
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,21 +13,22 @@ from rtphys.core.errors import BadValue, RtphysError
 from rtphys.core.poses import Array
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies.policy import PolicySetup, ServerFailed, action_rows
-from rtphys.policies.registry import options_as, split_options
+from rtphys.policies.registry import Seconds, split_options
 from rtphys.policies.websocket import OPENPI, Connection, Endpoint
+from rtphys.spec.option import Positive, checked_dataclass, from_words
 
 ACTION_SIZE = 14  # numbers of an action of openpi's aloha policies
 CAMERAS = {"head": "cam_high", "left": "cam_left_wrist", "right": "cam_right_wrist"}
 KEY = "OPENPI_API_KEY"  # environment variable; a specification is stored in every result
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class OpenPiOptions:
     """What may follow the server's address."""
 
-    execute: int = 0  # actions of each chunk that are carried out before the next request; 0: all
-    reply_s: float = Endpoint.reply_s
-    connect_s: float = Endpoint.connect_s
+    execute: Positive | None = None  # actions of each chunk before the next request; None: all
+    reply_s: Seconds = Endpoint.reply_s
+    connect_s: Seconds = Endpoint.connect_s
 
 
 class OpenPi:
@@ -39,7 +39,7 @@ class OpenPi:
 
     needs_images = True
 
-    def __init__(self, at: Endpoint, execute: int = 0) -> None:
+    def __init__(self, at: Endpoint, execute: int | None = None) -> None:
         self._at, self._execute = at, execute
         self._connection: Connection | None = self._open()
 
@@ -71,7 +71,7 @@ class OpenPi:
             raise
         if not isinstance(reply, Mapping) or "actions" not in reply:
             raise ServerFailed(f"{self._at.url}: the answer has no 'actions'")
-        return action_rows(reply["actions"], ACTION_SIZE, self._at.url)[: self._execute or None]
+        return action_rows(reply["actions"], ACTION_SIZE, self._at.url)[: self._execute]
 
     def close(self) -> None:
         if self._connection is not None:
@@ -92,15 +92,14 @@ def request(observation: Observation, instruction: str) -> dict[str, object]:
 def open_openpi(argument: str, setup: PolicySetup) -> OpenPi:
     """Opener of `openpi:[ws://]HOST:PORT[?execute=N&reply_s=S&connect_s=S]`.
 
-    Raises:
-        PolicyGone: no server answers.
-        BadValue, UnknownName: an option is wrong, or the robot has other than six joints an arm.
+    Raises `PolicyGone`: no server answers; `BadFile`, `UnknownName`: an option is wrong;
+    `BadValue`: the robot has other than six joints an arm.
     """
     if sum(setup.arm_joints) + len(setup.arm_joints) != ACTION_SIZE:
         allowed = f"openpi's aloha policies command {ACTION_SIZE} numbers, six joints an arm"
         raise BadValue("embodiment", setup.embodiment, allowed)
     where, given = split_options(argument, setup.options)
-    chosen = options_as(OpenPiOptions, given, f"openpi:{where}")
+    chosen = from_words(OpenPiOptions, given, "option", f"openpi:{where}")
     key = os.environ.get(KEY)
     headers = {"Authorization": f"Api-Key {key}"} if key else {}
     at = Endpoint(where, OPENPI, chosen.reply_s, chosen.connect_s, headers)

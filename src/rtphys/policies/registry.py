@@ -5,9 +5,9 @@ import hashlib
 import importlib
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated
 from urllib.parse import parse_qsl
 
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
@@ -16,10 +16,10 @@ from rtphys.data.files import facts_of
 from rtphys.physics.attribute import is_attribute
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
 from rtphys.sim import renderer
+from rtphys.spec.option import at_least
 
 Opener = Callable[[str, PolicySetup], Policy]
-Options = dict[str, object]
-D = TypeVar("D")
+Seconds = Annotated[float, at_least(0.001, most=1e6)]
 
 BUILTIN: dict[str, str] = {
     "idle": "rtphys.policies.baselines:Idle",
@@ -56,7 +56,7 @@ def literal(text: str) -> object:
         return text
 
 
-def split_options(text: str, more: Mapping[str, str] | None = None) -> tuple[str, Options]:
+def split_options(text: str, more: Mapping[str, str]) -> tuple[str, dict[str, str]]:
     """What precedes `?` in an argument, and its options, which override `more`.
 
     Raises `BadValue`: an option without a value.
@@ -67,33 +67,7 @@ def split_options(text: str, more: Mapping[str, str] | None = None) -> tuple[str
         pairs = parse_qsl(tail, keep_blank_values=True, strict_parsing=bool(tail))
     except ValueError as error:
         raise BadValue("policy", text, "options are ?key=value&key=value") from error
-    return rest, {key: literal(value) for key, value in [*(more or {}).items(), *pairs]}
-
-
-def options_as(kind: type[D], given: Options, where: str) -> D:
-    """A dataclass of options, each of the type of its default; numbers are greater than zero.
-
-    Raises `UnknownName`: it has no such field; `BadValue`: a value of another type.
-    """
-    usual = {f.name: f.default for f in fields(kind)}  # type: ignore[arg-type]
-    chosen: Options = {}
-    for key, value in given.items():
-        if key not in usual:
-            raise UnknownName("option", key, usual, where)
-        of = type(usual[key])
-        if of is bool:
-            known = {"true": True, "1": True, "false": False, "0": False}
-            if (spelt := str(value).lower()) not in known:
-                raise BadValue(key, value, "it must be true or false")
-            chosen[key] = known[spelt]
-        elif of is str:
-            chosen[key] = str(value)
-        elif type(value) in (int, of) and value > 0:  # type: ignore[operator]
-            chosen[key] = value
-        else:
-            whole = "whole " if of is int else ""
-            raise BadValue(key, value, f"it must be a {whole}number greater than zero")
-    return kind(**chosen)
+    return rest, {**more, **dict(pairs)}
 
 
 def check_options(spec: str, given: Mapping[str, str]) -> None:
@@ -133,11 +107,9 @@ def files_digest(spec: str) -> str:
 def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
     """Open the policy of a specification.
 
-    Raises:
-        UnknownName: no such policy.
-        PolicyGone: an optional dependency of rtphys is not installed.
-        PolicyBroken: the policy raises, or lacks `needs_images`.
-        RtphysError: the policy refuses its argument.
+    Raises `UnknownName`: no such policy; `PolicyGone`: an optional dependency of rtphys is not
+    installed; `PolicyBroken`: the policy raises, or lacks `needs_images`; `RtphysError`: the policy
+    refuses its argument.
     """
     name, argument = parse_spec(spec)
     module, _, attribute = BUILTIN[name].partition(":")
@@ -195,10 +167,9 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
 
     MODULE is the path of a Python file or a dotted name; the working directory is searched too.
 
-    Raises:
-        BadValue: not `python:MODULE:ATTRIBUTE`, no such module, or its result is no policy.
-        BadFile: the file does not exist, or raises when it is imported.
-        UnknownName: the module has no such attribute.
+    Raises `BadValue`: not `python:MODULE:ATTRIBUTE`, no such module, or its result is no policy;
+    `BadFile`: the file does not exist, or raises when it is imported; `UnknownName`: the module has
+    no such attribute.
     """
     name, _, attribute = argument.rpartition(":")
     if not name or not attribute:

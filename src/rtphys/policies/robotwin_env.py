@@ -5,6 +5,8 @@ Its members are the union of what 28 public adapters read, call or set.
 
 from collections.abc import Callable
 from copy import deepcopy
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +18,7 @@ from rtphys.episode import CameraView, Observation, PolicyEpisode
 from rtphys.episode.control import ActionKind
 from rtphys.senses import drawn
 from rtphys.senses.depth import to_mm
+from rtphys.sim.robot import SimArm
 from rtphys.spec.recording import CAMERAS
 
 Robotwin = dict[str, object]
@@ -41,8 +44,7 @@ def official(now: Observation, pictures: bool = True) -> Robotwin:
     `touch`, which RoboTwin does not have, is there if the episode was begun with it: fingers and
     objects by name, and an array of each quantity, a row a finger (`rtphys.senses.touch`).
 
-    Args:
-        pictures: False leaves `observation` empty and draws nothing.
+    `pictures`: False leaves `observation` empty and draws nothing.
     """
     joints: Robotwin = {}
     ends: Robotwin = {}
@@ -90,55 +92,31 @@ class Posed:
         return self._pose()
 
 
+# What RoboTwin's `Robot` tells of an arm, by the name of the method, a side in place of `{}`.
+READINGS: dict[str, Callable[[SimArm], object]] = {
+    "get_{}_arm_jointState": lambda arm: [*arm.target.tolist(), arm.gripper],  # [rad], opening
+    "get_{}_gripper_val": lambda arm: arm.gripper,  # commanded, 0 closed .. 1 open
+    "get_{}_ee_pose": lambda arm: arm.ee().flat.tolist(),  # of link6
+    "get_{}_tcp_pose": lambda arm: arm.tcp().flat.tolist(),  # of the tool centre point
+    "is_{}_gripper_close": lambda arm: arm.gripper < CLOSED,
+    "is_{}_gripper_open": lambda arm: arm.gripper > OPEN,
+}
+
+
 class Robot:
     """Joint commands, and measured poses, xyz [m] + wxyz in the world, under RoboTwin's names."""
 
     def __init__(self, episode: PolicyEpisode) -> None:
-        self._left, self._right = episode.rollout.world.robot.arms
-        self.left_camera, self.right_camera = Posed(self._left.ee), Posed(self._right.ee)
+        for arm in episode.rollout.world.robot.arms:
+            vars(self)[f"{arm.side}_camera"] = Posed(arm.ee)
+            for name, reading in READINGS.items():
+                vars(self)[name.format(arm.side)] = partial(reading, arm)
 
     def set_planner(self, scene: object = None) -> None:
         """Nothing to do: there is no planner to load; drivers replace this to save its time."""
 
-    def get_left_arm_jointState(self) -> list[float]:
-        """Commanded joints [rad] and opening."""
-        return [*self._left.target.tolist(), self._left.gripper]
-
-    def get_right_arm_jointState(self) -> list[float]:
-        return [*self._right.target.tolist(), self._right.gripper]
-
-    def get_left_gripper_val(self) -> float:
-        """Commanded opening, 0 closed .. 1 open."""
-        return self._left.gripper
-
-    def get_right_gripper_val(self) -> float:
-        return self._right.gripper
-
-    def get_left_ee_pose(self) -> list[float]:
-        """Of link6."""
-        return self._left.ee().flat.tolist()
-
-    def get_right_ee_pose(self) -> list[float]:
-        return self._right.ee().flat.tolist()
-
-    def get_left_tcp_pose(self) -> list[float]:
-        """Of the tool centre point."""
-        return self._left.tcp().flat.tolist()
-
-    def get_right_tcp_pose(self) -> list[float]:
-        return self._right.tcp().flat.tolist()
-
-    def is_left_gripper_close(self) -> bool:
-        return self._left.gripper < CLOSED
-
-    def is_right_gripper_close(self) -> bool:
-        return self._right.gripper < CLOSED
-
-    def is_left_gripper_open(self) -> bool:
-        return self._left.gripper > OPEN
-
-    def is_right_gripper_open(self) -> bool:
-        return self._right.gripper > OPEN
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"a robot has {name!r} neither here nor in RoboTwin", name=name)
 
 
 class Cameras:

@@ -12,7 +12,7 @@ from rtphys.core import library
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.episode import PolicyEpisode
 from rtphys.policies.policy import PolicySetup
-from rtphys.policies.registry import split_options
+from rtphys.policies.registry import literal, split_options
 from rtphys.policies.robotwin_env import TaskEnv
 
 CONTRACT = ("get_model", "eval", "reset_model")
@@ -53,30 +53,6 @@ class Plugin:
             idle = idle + 1 if env.take_action_cnt == before else 0
             if idle >= IDLE_CALLS:
                 raise StuckPlugin(f"{self.name}: {IDLE_CALLS} calls of eval without an action")
-
-
-def load_plugin(file: Path, name: str = "") -> Plugin:
-    """Import a plug-in from its file, as RoboTwin's evaluation does.
-
-    Args:
-        file: its `deploy_policy.py`, or another module that has the three functions.
-        name: dotted policy_name, as a launcher gives it; by default the name of the file's folder.
-
-    Raises:
-        BadFile: no such file, or `name` does not lead to it.
-        BrokenPlugin: importing it fails, or it lacks one of the three.
-    """
-    # Launchers link a policy's folder into RoboTwin's root, so links must not be resolved.
-    file = Path(os.path.abspath(file))  # noqa: PTH100 - Path has nothing that keeps links
-    if not file.is_file():
-        raise BadFile(file, "no such plug-in; give the path of its deploy_policy.py")
-    name = name or file.parent.name
-    targets = {folder: folder.joinpath(*name.split(".")) for folder in file.parents}
-    homes = [f for f, at in targets.items() if file in (at.with_suffix(".py"), at / file.name)]
-    if not homes:
-        raise BadFile(file, f"policy_name {name!r} does not lead to this file")
-    root = homes[0].parent if homes[0].name == "policy" else homes[0]
-    return plugin_named(name, root, file)
 
 
 def plugin_named(name: str, root: Path, file: Path | None = None) -> Plugin:
@@ -165,13 +141,21 @@ def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
     Options override the plug-in's YAML (`deploy_policy.yml` beside it, or `?config=PATH`);
     `?policy_name=a.b.c` is the dotted name under which a launcher would import it.
 
-    Raises:
-        BadFile: no such plug-in.
-        BrokenPlugin: it cannot be imported, or its model cannot be created.
+    Raises `BadFile`: no such plug-in; `BrokenPlugin`: it cannot be imported, or its model cannot be
+    created.
     """
-    path, given = split_options(argument, setup.options)
-    file = Path(path)
-    plugin = load_plugin(file, str(given.get("policy_name", "")))
+    path, texts = split_options(argument, setup.options)
+    given = {key: literal(text) for key, text in texts.items()}
+    # Launchers link a policy's folder into RoboTwin's root, so links must not be resolved.
+    file = Path(os.path.abspath(path))  # noqa: PTH100 - Path has nothing that keeps links
+    if not file.is_file():
+        raise BadFile(file, "no such plug-in; give the path of its deploy_policy.py")
+    name = str(given.get("policy_name") or file.parent.name)
+    targets = {folder: folder.joinpath(*name.split(".")) for folder in file.parents}
+    homes = [f for f, at in targets.items() if file in (at.with_suffix(".py"), at / file.name)]
+    if not homes:
+        raise BadFile(file, f"policy_name {name!r} does not lead to this file")
+    plugin = plugin_named(name, homes[0].parent if homes[0].name == "policy" else homes[0], file)
     beside = file.with_suffix(".yml")
     named = given.pop("config", beside if beside.is_file() else "")
     config = Path(str(named)) if named else None

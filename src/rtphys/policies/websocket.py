@@ -198,11 +198,9 @@ class Connection:
     def receive(self) -> object:
         """Wait for the next message.
 
-        Raises:
-            PolicyGone: the server closed the connection, sent nothing for `reply_s`, or more than
-                `LARGEST_MESSAGE`.
-            ServerFailed: the server sent text, which is its traceback.
-            BadFrame: the server sent bytes that are no message.
+        Raises `PolicyGone`: the server closed the connection, sent nothing for `reply_s`, or more
+        than `LARGEST_MESSAGE`; `ServerFailed`: the server sent text, which is its traceback;
+        `BadFrame`: the server sent bytes that are no message.
         """
         try:
             raw = self._socket.recv(timeout=self.endpoint.reply_s)

@@ -7,21 +7,22 @@ There is a frame per request and a frame per answer.
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import count
+from typing import Annotated
 
 import numpy as np
 
 from rtphys.assets.action_layout import SIDES
 from rtphys.core.bounds import LONGEST_REPORT, MAX_STALE
-from rtphys.core.errors import BadValue, RtphysError, UnknownName
+from rtphys.core.errors import RtphysError, UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.episode.control import ActionKind, shape_of
 from rtphys.policies.policy import PolicySetup, ServerFailed
-from rtphys.policies.registry import options_as, split_options
+from rtphys.policies.registry import Seconds, split_options
 from rtphys.policies.websocket import MSGPACK_NUMPY, Connection, Endpoint
+from rtphys.spec.option import checked_dataclass, from_words, one_of
 
 ANSWERS = {
     "hello": "hello_ack",
@@ -50,32 +51,25 @@ NAMES = {"action_type", *(part.format(side) for part in PARTS for side in SIDES)
 """Every key that an action may have."""
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class XPolicyLabOptions:
     """What may follow the server's address."""
 
-    action_type: str = "joint"  # or "ee": the meaning of actions that are plain arrays
-    reply_s: float = Endpoint.reply_s
-    connect_s: float = Endpoint.connect_s
+    # The meaning of actions that are plain arrays; mappings state theirs.
+    action_type: Annotated[str, one_of("action_type", KINDS)] = "joint"
+    reply_s: Seconds = Endpoint.reply_s
+    connect_s: Seconds = Endpoint.connect_s
 
 
 class XPolicyLab:
-    """Policy behind XPolicyLab's websocket server.
+    """Policy behind XPolicyLab's websocket server, with actions of one of `KINDS`.
 
-    Args:
-        at: the server, with encoding `MSGPACK_NUMPY`.
-        kind: "joint" or "ee", the meaning of actions that are plain arrays; mappings state theirs.
-
-    Raises:
-        PolicyGone: no server answers.
-        ServerFailed: the server refuses the greeting.
+    Raises `PolicyGone`: no server answers; `ServerFailed`: the server refuses the greeting.
     """
 
     needs_images = True
 
-    def __init__(self, at: Endpoint, kind: str = "joint") -> None:
-        if kind not in KINDS:
-            raise BadValue("action_type", kind, f"it must be one of {', '.join(KINDS)}")
+    def __init__(self, at: Endpoint, kind: str) -> None:
         self._at, self._kind = at, kind
         self._numbers = count(1)
         self._trial: dict[str, object] = {"action_case_id": None, "trial_id": None}
@@ -154,10 +148,10 @@ class XPolicyLab:
 def open_xpolicylab(argument: str, setup: PolicySetup) -> XPolicyLab:
     """Opener of `xpolicylab:[ws://]HOST:PORT[?action_type=ee&reply_s=S&connect_s=S]`.
 
-    Raises `PolicyGone`: no server answers; `BadValue`, `UnknownName`: an option is wrong.
+    Raises `PolicyGone`: no server answers; `BadFile`, `UnknownName`: an option is wrong.
     """
     where, given = split_options(argument, setup.options)
-    chosen = options_as(XPolicyLabOptions, given, f"xpolicylab:{where}")
+    chosen = from_words(XPolicyLabOptions, given, "option", f"xpolicylab:{where}")
     at = Endpoint(where, MSGPACK_NUMPY, chosen.reply_s, chosen.connect_s)
     return XPolicyLab(at, chosen.action_type)
 

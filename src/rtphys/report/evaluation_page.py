@@ -7,6 +7,8 @@ from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
 
+import numpy as np
+
 from rtphys.data.files import read, replace_file
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
 from rtphys.results.statistics import Rate
@@ -38,7 +40,11 @@ def write_evaluation_report(results: Results) -> Path:
         "<h2>Which physics breaks the policy</h2>",
         _table(("protocol", "attribute", "range", "log-odds of success from lowest to highest",
                 "p (Holm)"), breaks),
-        *map(_figure, sorted(results.path.glob("attributes_*.png"))),
+        *(
+            f'<figure><img alt="{escape(path.stem)}" src="data:image/png;base64,'
+            f'{base64.b64encode(read(path)).decode()}"></figure>'
+            for path in sorted(results.path.glob("attributes_*.png"))
+        ),
         "<h2>Failures</h2>",
         *(_failures(results, key) for key in results.records),
     ]  # fmt: skip
@@ -77,10 +83,9 @@ def _unusual(records: Sequence[EpisodeRecord]) -> dict[str, dict[int, float]]:
     for name in sorted({name for one in records for name in one.physics}):
         values = {one.seed: one.physics.get(name) for one in records}
         numbers = {s: float(v) for s, v in values.items() if isinstance(v, int | float)}
-        mean = sum(numbers.values()) / max(len(numbers), 1)
-        spread = (sum((v - mean) ** 2 for v in numbers.values()) / max(len(numbers), 1)) ** 0.5
-        if spread > 0:
-            found[name] = {seed: (value - mean) / spread for seed, value in numbers.items()}
+        x = np.array([*numbers.values()])
+        if len(x) and np.ptp(x) > 0:
+            found[name] = dict(zip(numbers, (x - x.mean()) / x.std(), strict=True))
     return found
 
 
@@ -101,8 +106,3 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
         return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
 
     return f"<table>{line('th', heads)}{''.join(line('td', row) for row in rows)}</table>"
-
-
-def _figure(path: Path) -> str:
-    data = base64.b64encode(read(path)).decode()
-    return f'<figure><img alt="{escape(path.stem)}" src="data:image/png;base64,{data}"></figure>'

@@ -19,7 +19,19 @@ def draw_breaks(effects: Sequence[Break], title: str, path: Path) -> None:
     """Write a PNG of success against each attribute: rates in bins, and the fitted curve."""
     figure, panels = _panels(len(effects), sharey=True)
     for panel, effect in zip(panels, effects, strict=True):
-        _success(panel, effect)
+        curve, x = effect.curve, np.linspace(effect.curve.low, effect.curve.high, 100)
+        middles = [(a + b) / 2 for a, b, _ in effect.bins]
+        rates = np.array([rate.value or 0.0 for _, _, rate in effect.bins])
+        bounds = np.array([rate.interval for _, _, rate in effect.bins])
+        style = {"fmt": "o", "ms": 4, "lw": 1, "color": "0.4", "capsize": 2}
+        panel.errorbar(middles, rates, yerr=np.abs(bounds - rates[:, None]).T, **style)
+        panel.plot(x, curve.at(x), color="C0")
+        names = ", ".join([effect.key, *effect.same])
+        numbers = f"log-odds {curve.slope:+.1f}, p = {effect.p_holm:.2g}"
+        colour = "C3" if effect.p_holm < SIGNIFICANT else "k"
+        panel.set_title(f"{names} [{effect.unit}]\n{numbers}", fontsize=8, color=colour)
+        panel.set_ylim(-0.03, 1.03)
+        panel.tick_params(labelsize=7)
     figure.suptitle(title)
     figure.savefig(path, dpi=120)
 
@@ -34,23 +46,6 @@ def _panels(count: int, sharey: bool = False) -> tuple[Figure, list[Axes]]:
     return figure, panels[:count]
 
 
-def _success(panel: Axes, effect: Break) -> None:
-    curve = effect.curve
-    middles = [(a + b) / 2 for a, b, _ in effect.bins]
-    rates = np.array([rate.value or 0.0 for _, _, rate in effect.bins])
-    bounds = np.array([rate.interval for _, _, rate in effect.bins])
-    whiskers = np.abs(bounds - rates[:, None]).T
-    panel.errorbar(middles, rates, yerr=whiskers, fmt="o", ms=4, lw=1, color="0.4", capsize=2)
-    x = np.linspace(curve.low, curve.high, 100)
-    panel.plot(x, curve.at(x), color="C0")
-    colour = "C3" if effect.p_holm < SIGNIFICANT else "k"
-    names = ", ".join([effect.key, *effect.same])
-    title = f"{names} [{effect.unit}]\nlog-odds {curve.slope:+.1f}, p = {effect.p_holm:.2g}"
-    panel.set_title(title, fontsize=8, color=colour)
-    panel.set_ylim(-0.03, 1.03)
-    panel.tick_params(labelsize=7)
-
-
 def draw_selections(selections: list[Selection], title: str, path: Path) -> None:
     """Write a PNG of each attribute's accepted values against the attempted ones.
 
@@ -62,8 +57,8 @@ def draw_selections(selections: list[Selection], title: str, path: Path) -> None
         edges = np.linspace(attempted.min(), attempted.max(), BINS + 1)
         panel.hist(attempted, edges, color="0.8", label="attempted")
         panel.hist(attempted[selection.accepted], edges, color="C0", label="accepted")
-        title = f"{selection.key} [{selection.unit}]  p = {selection.p:.2g}"
-        panel.set_title(title, fontsize=8, color="C3" if selection.p < UNLIKELY else "k")
+        named = f"{selection.key} [{selection.unit}]  p = {selection.p:.2g}"
+        panel.set_title(named, fontsize=8, color="C3" if selection.p < UNLIKELY else "k")
         panel.tick_params(labelsize=7)
     if selections:
         panels[0].legend(fontsize=7)

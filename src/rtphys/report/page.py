@@ -19,37 +19,34 @@ from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.encode import VIDEO_CAMERA
-from rtphys.data.files import check, make_folder, read, replace_file
+from rtphys.data.files import make_folder, open_binary, read, replace_file
 from rtphys.physics.attribute import attribute, attributes, is_attribute
 from rtphys.physics.distribution import SameAs, extremes
 from rtphys.physics.reach import split
 from rtphys.spec.rules import Rules
-
-Progress = Callable[[int, int], None]
 
 THUMBNAIL = 200  # [px]
 AROUND = (-8, 0, 8)  # frames about the instant at which a failure went wrong, about half a second
 EMBEDDED = 64_000_000  # bytes of video inside the page; further videos are linked
 
 
-def write_report(dataset: Dataset, out: Path, progress: Progress | None = None) -> Path:
+def write_report(
+    dataset: Dataset, out: Path, progress: Callable[[int, int], None] | None = None
+) -> Path:
     """Writes the report page; what does not fit into it is linked by relative path.
 
     Args:
         out: the HTML file.
         progress: called with (steps done, total steps).
 
-    Raises:
-        BadFile: an episode is damaged.
-        CannotWrite: the page cannot be written.
+    Raises `BadFile`: an episode is damaged; `CannotWrite`: the page cannot be written.
     """
     total = 2 * len(dataset)
     facts = gather(dataset, lambda done: progress(done, total) if progress else None)
-    embedded = 0
-    rows = facts["episodes"] + facts["failures"]
+    embedded, rows = 0, facts["episodes"] + facts["failures"]
     episodes = (*dataset, *dataset.failures())
     for number, (row, episode) in enumerate(zip(rows, episodes, strict=True), start=1):
-        check(video := episode.paths.video)
+        open_binary(video := episode.paths.video).close()  # an ordinary file, no link
         embedded += video.stat().st_size
         if embedded <= EMBEDDED:
             row["video"] = _inline("video/mp4", read(video))
@@ -113,8 +110,7 @@ def axes(keys: Iterable[str] = ()) -> list[Axis]:
 def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> dict[str, Any]:
     """What the page's script reads: every label and trajectory of a dataset, but no picture.
 
-    Raises:
-        BadFile: an episode is damaged.
+    Raises `BadFile`: an episode is damaged.
     """
     entries = dataset.task_datasets
     rules = [entry.header.rules for entry in entries]

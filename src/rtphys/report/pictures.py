@@ -48,9 +48,10 @@ def captioned(
             tiles.append(tile)
         lines.append(np.concatenate(tiles, axis=1))
     width = max(line.shape[1] for line in lines)
-    rest = [((0, 0), (0, width - line.shape[1]), (0, 0)) for line in lines]
-    padded = [np.pad(x, by, constant_values=WHITE) for x, by in zip(lines, rest, strict=True)]
-    return np.concatenate(padded)
+    sheet = np.full((sum(map(len, lines)), width, 3), WHITE, np.uint8)
+    for line, end in zip(lines, np.cumsum([*map(len, lines)]), strict=True):
+        sheet[end - len(line) : end, : line.shape[1]] = line
+    return sheet
 
 
 # ---- the plot of the joints ----------------------------------------------------------------------

@@ -127,9 +127,27 @@ def fit(
     groups = np.zeros(len(values), int) if group is None else np.asarray(group, int)
     levels = np.eye(int(groups.max()) + 1)[groups]
     share = (values - values.min()) / np.ptp(values)
-    design = np.column_stack([levels, share])
+    # Inverse variances of the priors of the coefficients: the groups' levels, then the slope.
     weight = 1 / np.array([LEVEL_SPREAD] * levels.shape[1] + [SLOPE_SPREAD]) ** 2
-    full, flat = _minimum(design, y, weight), _minimum(levels, y, weight[:-1])
+
+    def minimum(X: Floats) -> "scipy.optimize.OptimizeResult":
+        """The only minimum of the convex negative log-posterior of coefficients of X (n, k)."""
+        w, sign = weight[: X.shape[1]], 2 * y - 1
+
+        def hessian(b: Floats) -> Floats:
+            rate = scipy.special.expit(X @ b)
+            return (X * (rate * (1 - rate))[:, None]).T @ X + np.diag(w)
+
+        return scipy.optimize.minimize(
+            lambda b: float(-scipy.special.log_expit(sign * (X @ b)).sum() + 0.5 * w @ b**2),
+            np.zeros(X.shape[1]),
+            jac=lambda b: X.T @ (scipy.special.expit(X @ b) - y) + w * b,
+            hess=hessian,
+            method="trust-exact",
+            options={"gtol": 1e-8},
+        )
+
+    full, flat = minimum(np.column_stack([levels, share])), minimum(levels)
     return Curve(
         low=float(values.min()),
         high=float(values.max()),
@@ -137,27 +155,6 @@ def fit(
         error=float(np.sqrt(np.linalg.inv(full.hess)[-1, -1])),
         levels=tuple(full.x[:-1].tolist()),
         p=float(scipy.stats.chi2.sf(max(2 * (flat.fun - full.fun), 0.0), 1)),
-    )
-
-
-def _minimum(design: Floats, y: Floats, weight: Floats) -> "scipy.optimize.OptimizeResult":
-    """The only minimum of the convex negative log-posterior: design (n, k), y (n,) 0 or 1.
-
-    `weight` (k,): inverse variances of the prior of the coefficients.
-    """
-    sign = 2 * y - 1
-
-    def hessian(b: Floats) -> Floats:
-        rate = scipy.special.expit(design @ b)
-        return (design * (rate * (1 - rate))[:, None]).T @ design + np.diag(weight)
-
-    return scipy.optimize.minimize(
-        lambda b: float(-scipy.special.log_expit(sign * (design @ b)).sum() + 0.5 * weight @ b**2),
-        np.zeros(design.shape[1]),
-        jac=lambda b: design.T @ (scipy.special.expit(design @ b) - y) + weight * b,
-        hess=hessian,
-        method="trust-exact",
-        options={"gtol": 1e-8},
     )
 
 

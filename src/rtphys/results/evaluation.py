@@ -142,12 +142,10 @@ class Results:
 
     @property
     def policy(self) -> str:
-        """Specification of the policy, `NAME` or `NAME:ARGUMENT`."""
         return self.spec.policy
 
     @property
     def robot(self) -> str:
-        """Name of the embodiment."""
         return self.spec.episode.embodiment
 
     def ground(self, protocol: str, task: str) -> Mapping[str, str]:
@@ -170,13 +168,13 @@ class Results:
 def read_results(out: str | Path) -> Results:
     """Reads a result folder, finished or not.
 
-    Raises:
-        BadFile: it is no result folder, or a file in it is damaged.
+    Raises `BadFile`: it is no result folder, or a file in it is damaged.
     """
     out = Path(out)
     known = headers(out)
     if not known:
         raise BadFile(out, "holds no results: there is no ledger that rtphys evaluate writes")
+    begun = {header.spec.key: header for header in known.values()}
     records = {header.spec.key: [*read_rows(EpisodeRecord, path)] for path, header in known.items()}
     lists = {
         (path.stem, task): listed
@@ -186,5 +184,4 @@ def read_results(out: str | Path) -> Results:
     if missing := records.keys() - lists:
         protocol, task = min(missing)
         raise BadFile(out / INSTANCES, f"has no list of {task}, {protocol}")
-    begun = {one.spec.key: one for one in known.values()}
     return Results(out, begun, {key: records.get(key, []) for key in lists}, lists)

@@ -5,14 +5,13 @@ A file holds the lists of one protocol as JSON lines: for each task a header, th
 
 import json
 from collections import Counter
-from collections.abc import Generator, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import AfterValidator, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, Field, TypeAdapter
 
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.core import library
@@ -20,8 +19,8 @@ from rtphys.core.bounds import LIST_BYTES
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import JSON, read_file
 from rtphys.data import files
-from rtphys.data.schema_model import Model
-from rtphys.spec.stored import SchemaError
+from rtphys.data.json_text import Model
+from rtphys.spec.stored import problems_of
 
 BENCHMARK = "benchmark_v3"
 """The folder below `manifests/` that holds the certified lists of this version."""
@@ -138,7 +137,7 @@ def write_lists(path: Path, lists: Iterable[InstanceList]) -> None:
     """Writes lists into a protocol's file, each in its task's place; other tasks' stay as they are.
 
     The file is replaced atomically. Equal lists give equal bytes. Raises `CannotWrite`: the file
-    system refuses; `BadFile`, `SchemaError`: what is there is damaged.
+    system refuses; `BadFile`: what is there is damaged.
     """
     texts = {header.task: lines for _, header, lines in _parts(path)} if path.exists() else {}
     for one in lists:
@@ -162,8 +161,8 @@ def write_lists(path: Path, lists: Iterable[InstanceList]) -> None:
 def read_list(path: Path, task: str) -> InstanceList | None:
     """The list of a task; None if the file has none of it.
 
-    Raises `BadFile`: missing, of another format, or seeds have gaps or contradict the header's
-    counts; `SchemaError`: a key is missing or has a wrong value.
+    Raises `BadFile`: missing, of another format, a key is missing or has a wrong value, or seeds
+    have gaps or contradict the header's counts.
     """
     return next((_read(*part) for part in _parts(path) if part[1].task == task), None)
 
@@ -184,7 +183,7 @@ def _parts(path: Path) -> Iterator[tuple[str, _Header, list[bytes]]]:
     seen = set[str]()
     for start, end in pairwise([*starts, len(lines)]):
         where = f"{path} line {start + 1}"
-        with _schema_of(where):
+        with problems_of(where):
             header = _Header.model_validate_json(lines[start])
         if header.task in seen:
             raise BadFile(where, f"is a second list of {header.task}")
@@ -195,7 +194,7 @@ def _parts(path: Path) -> Iterator[tuple[str, _Header, list[bytes]]]:
 def _read(where: str, head: _Header, lines: list[bytes]) -> InstanceList:
     if head.attempts != len(lines) - 1:
         raise BadFile(where, f"attempts are {head.attempts}, but it holds {len(lines) - 1} seeds")
-    with _schema_of(where):
+    with problems_of(where):
         rows = tuple(_ROW.validate_json(line) for line in lines[1:])
     if any(after.seed != before.seed + 1 for before, after in pairwise(rows)):
         raise BadFile(where, "a seed is missing or occurs twice; certify it again")
@@ -203,11 +202,3 @@ def _read(where: str, head: _Header, lines: list[bytes]) -> InstanceList:
     if head.feasible != len(found.feasible):
         raise BadFile(where, f"{head.feasible} are feasible, but it holds {len(found.feasible)}")
     return found
-
-
-@contextmanager
-def _schema_of(where: str) -> Generator[None]:
-    try:
-        yield
-    except ValidationError as error:
-        raise SchemaError(where, error) from error

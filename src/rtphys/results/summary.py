@@ -76,22 +76,17 @@ class Loads:
 
     @staticmethod
     def of(records: Sequence[EpisodeRecord]) -> "Loads":
-        wins = [record for record in records if record.success]
-        force, torque = ([r.force for r in wins], [r.torque for r in wins])
-        return Loads(_spread(force), _spread(torque), sum(r.rough for r in wins))
+        if not (wins := [record for record in records if record.success]):
+            return Loads(None, None, 0)
+        both = np.array([(record.force, record.torque) for record in wins])
+        force, torque = np.quantile(both, (0.5, 0.9, 1.0), axis=0).T.tolist()
+        return Loads((*force,), (*torque,), sum(record.rough for record in wins))
 
     def to_json(self) -> dict[str, JSON]:
         found: dict[str, JSON] = {"rough": self.rough}
         for name, spread in (("force", self.force), ("torque", self.torque)):
             found[name] = spread and dict(zip(("median", "p90", "max"), spread, strict=True))
         return found
-
-
-def _spread(values: Sequence[float]) -> Spread | None:
-    if not values:
-        return None
-    median, high, largest = (float(v) for v in np.quantile(values, (0.5, 0.9, 1.0)))
-    return median, high, largest
 
 
 @dataclass(frozen=True)
@@ -138,25 +133,24 @@ class Summary:
     breaks: Mapping[str, Sequence[Break]]  # by protocol; attributes by increasing p-value
 
     def to_json(self) -> dict[str, JSON]:
-        """Each row flat: its counts or its outcome beside its names."""
+        """Each row flat: its counts, its loads or its outcome beside its names."""
+
+        def flat(row: TaskSummary | ProtocolSummary | PairSummary) -> dict[str, JSON]:
+            found: dict[str, JSON] = {}
+            for name, value in vars(row).items():
+                parts = isinstance(value, Counts | Loads | Paired)
+                found |= value.to_json() if parts else {name: value}
+            return found
+
         return {
-            "tasks": [_flat(row) for row in self.tasks],
-            "overall": [_flat(row) for row in self.overall],
-            "pairs": [{**_rest(row), **row.outcome.to_json()} for row in self.pairs],
+            "tasks": [*map(flat, self.tasks)],
+            "overall": [*map(flat, self.overall)],
+            "pairs": [*map(flat, self.pairs)],
             "attributes": {
                 protocol: [effect.to_json() for effect in effects]
                 for protocol, effects in self.breaks.items()
             },
         }
-
-
-def _flat(row: TaskSummary | ProtocolSummary) -> dict[str, JSON]:
-    return {**row.counts.to_json(), **row.loads.to_json(), **_rest(row)}
-
-
-def _rest(row: TaskSummary | ProtocolSummary | PairSummary) -> dict[str, JSON]:
-    apart = ("counts", "loads", "outcome")
-    return {name: value for name, value in vars(row).items() if name not in apart}
 
 
 def summarise(records: Records, lists: Mapping[Key, InstanceList]) -> Summary:
@@ -167,25 +161,21 @@ def summarise(records: Records, lists: Mapping[Key, InstanceList]) -> Summary:
         lists: the certified seeds they were run on, `InstanceList.first(episodes)`, same keys.
     """
     tasks = [_task(key, known, lists[key]) for key, known in records.items()]
-    protocols = list(dict.fromkeys(protocol for protocol, _ in records))
-    under = {
-        name: [r for key in records if key[0] == name for r in records[key]] for name in protocols
-    }
-    overall = list[ProtocolSummary]()
-    for name in protocols:
+    under, overall, pairs = dict[str, list[EpisodeRecord]](), [], []
+    for name in dict.fromkeys(protocol for protocol, _ in records):
         keys = [key for key in records if key[0] == name]
+        under[name] = [record for key in keys for record in records[key]]
         counts = Counts.of(under[name], [lists[key] for key in keys])
         means = [np.mean([r.success for r in records[key]]) for key in keys if records[key]]
         mean = float(np.mean(means)) if means else None
         overall.append(ProtocolSummary(name, len(keys), counts, Loads.of(under[name]), mean))
-    pairs = list[PairSummary]()
-    for first, second in combinations(protocols, 2):
+    for first, second in combinations(under, 2):
         other = {(r.task, r.seed): r.success for r in under[second]}
         both = [
             (r.success, other[r.task, r.seed]) for r in under[first] if (r.task, r.seed) in other
         ]
         pairs.append(PairSummary(first, second, paired(both)))
-    effects = {name: breaks(under[name]) for name in protocols}
+    effects = {name: breaks(played) for name, played in under.items()}
     return Summary(tuple(tasks), tuple(overall), tuple(pairs), effects)
 
 

@@ -87,9 +87,10 @@ class Sense(ABC):
     Attributes:
         name: what users call it.
         adds: what it is.
-        scope: "pixel": a number or a colour for each pixel of each camera; "head": drawn too, by
-            the head camera alone; "bodies": poses, known wherever pictures can be drawn; "world":
-            measured in the simulation, and to be had nowhere else.
+        scope: what it is computed of. "pixel": of what each camera sees, for each of its pixels;
+            "head": of what the head camera sees; "bodies": of the poses of all bodies, which are
+            known wherever pictures can be drawn; "world": of what the fingers feel, which is
+            measured in the simulation alone.
         size: [bytes] of a pixel, or of a frame if the scope is not "pixel".
         fields: what a frame of it holds.
         exports: whether `exported` gives columns for LeRobot.
@@ -112,7 +113,8 @@ class Sense(ABC):
         """The arrays of its fields.
 
         Args:
-            source: `Pixels` of one instant, if it is drawn; otherwise what holds all T frames.
+            source: by scope: `Pixels` of one instant, if it is drawn; otherwise `BodyPoses` or
+                `Touch` of all T frames.
         """
 
     def problem(self, frames: Array) -> str:

@@ -19,6 +19,11 @@ class BodyPoses:
     names: tuple[str, ...]  # of n bodies
     poses: NDArray[np.float32]  # (T, n, 7) xyz [m] + wxyz, world frame
 
+    @property
+    def kinds(self) -> Names:
+        """Its names by kind, as a file has them."""
+        return {"body": self.names}
+
     @staticmethod
     def of(tracks: Mapping[tuple[str, str], Any], names: Names) -> "BodyPoses":
         """From what a file holds."""

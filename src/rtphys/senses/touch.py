@@ -40,6 +40,11 @@ class Touch:
         arrays = {field.name: tracks[field.name, ""] for field in TouchSense.fields}
         return Touch(names["finger"], names["object"], **arrays)
 
+    @property
+    def kinds(self) -> Names:
+        """Its names by kind, as a file has them."""
+        return {"finger": self.fingers, "object": self.objects}
+
     def arrays(self) -> Arrays:
         """Every array by its field."""
         return {field.name: getattr(self, field.name) for field in TouchSense.fields}

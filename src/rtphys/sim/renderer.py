@@ -31,7 +31,7 @@ DEPTH_SCALE = np.float32(DEPTH_STEPS * 1000)  # steps of a metre
 # What SAPIEN raises for a missing device or a shader that it cannot use.
 _DRAW_ERRORS = (RuntimeError, IndexError)
 
-_configured: list[str] = []  # SAPIEN's renderer specs are global to the process
+_configured: list[str] = []  # SAPIEN's renderer has settings of the whole process
 _anchors: dict[str, sapien.Scene] = {}  # by shader of their cameras; empty: the process's own
 
 

@@ -42,7 +42,6 @@ CameraType = Annotated[
     one_of("camera type", KINDS),
     Option("D435, L515, Large_D435 or Large_L515, for every camera."),
 ]
-Shader = Annotated[str, one_of("shader", SHADERS), Option("slim, default, minimal or rt.")]
 Size = Annotated[str | None, Option("WxH: size of the pictures; the vertical field of view stays.")]
 
 
@@ -65,6 +64,9 @@ class RecordingSpec:
     size: Size = None
     layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
     look: str | None = None  # name of the textures and lights (`load_look`); None: the spec's own
+    shader: Annotated[
+        str, one_of("shader", SHADERS), Option("slim, default, minimal or rt: what draws.")
+    ] = "slim"
 
     def __post_init__(self) -> None:
         for key, names in (("camera", self.official), ("sense", self.senses)):
@@ -106,8 +108,8 @@ class RecordingSpec:
 
     @property
     def touch(self) -> bool:
-        """Whether what the fingers feel is recorded."""
-        return "touch" in self.senses
+        """Whether what the fingers feel is recorded: it is what senses of the world are made of."""
+        return any(SENSES[name].scope == "world" for name in self.senses)
 
 
 def parse_size(text: str) -> tuple[int, int]:

@@ -76,7 +76,7 @@ class CertifyWorker(StudyWorker[CertificationTask, BenchmarkInstance]):
         return BenchmarkInstance(recipe.seed, "", state, alone, twin)
 
 
-class Certification(Series[CertificationTask, BenchmarkInstance]):
+class CertificationSeries(Series[CertificationTask, BenchmarkInstance]):
     """One certified list in the making: known rows gain the baselines they lack, new seeds follow.
 
     A list's baselines only grow: every row is owed all that were ever measured or asked for, or
@@ -184,7 +184,7 @@ class Certification(Series[CertificationTask, BenchmarkInstance]):
 
 def certify(
     spec: CertificationSpec, run: CertificationRun, pack: Pack, listener: Listener = QUIET
-) -> list[Certification]:
+) -> list[CertificationSeries]:
     """Certifies until every list has its feasible seeds, is given up, or meets a lost worker.
 
     The lists depend on the spec alone, not on the number of workers, nor on how often the run was
@@ -196,7 +196,8 @@ def certify(
     make_folder(run.out)
     with FolderLock(run.out):
         lists = [
-            Certification(run.out, one, _fingerprint(one.episode, pack)) for one in run.specs(spec)
+            CertificationSeries(run.out, one, _fingerprint(one.episode, pack))
+            for one in run.specs(spec)
         ]
         run_here(lists, CertifyWorker(pack), run.workers, listener, run.out)
     return lists

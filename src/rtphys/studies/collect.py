@@ -5,17 +5,16 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 
-from rtphys.assets.pack import STAMP, Pack
+from rtphys.assets.pack import STAMP, Pack, default_pack
 from rtphys.campaign.local import LocalPool
-from rtphys.campaign.pool import WorkerFailure, WorkerPool
+from rtphys.campaign.pool import Limits, WorkerFailure, WorkerPool
 from rtphys.campaign.series import QUIET, Listener, Progress, Series, run_all
 from rtphys.campaign.two_stages import TwoStagePool
 from rtphys.core.errors import BadValue, Infeasible, MissingAsset, counted
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.layout import TaskDataset
 from rtphys.data.lock import check_unlocked
-from rtphys.data.task_writer import Rejection, TaskWriter
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
@@ -27,7 +26,6 @@ from rtphys.sim import renderer
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import check_varies
 from rtphys.spec.recording import HEAD
-from rtphys.studies.collect_request import Run, room_needed, shard_of
 from rtphys.studies.collect_worker import (
     CollectionTask,
     CollectWorker,
@@ -35,14 +33,16 @@ from rtphys.studies.collect_worker import (
     RemoteWorker,
     Results,
     Simulator,
-    of_files,
+    arrived,
     without_drawing,
 )
+from rtphys.studies.requests import Run, room_needed, shard_of
 from rtphys.studies.resources import check_drawable, check_fits, check_space, drawn_at_once
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import check_props, parts
 from rtphys.task.spec import Task, load_task
 
+LIMITS = Limits()
 DRAWERS = 3  # drawing workers of a GPU: while one reads pictures, it draws those of the others
 MAX_SEEDS = 10**9  # of a series whose attempts nobody limits
 LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
@@ -61,14 +61,17 @@ def collect(
     own = shard_of(specs, run.shard)
     tasks = check(own, run)
     check_machine(own, run)
-    with DatasetWriter(run.out, resume=run.resume) as dataset:
-        pack = run.pack(listener.building)
+    with DatasetWriter(run.out) as dataset:
+        pack = default_pack(listener.building)
         check_assets(own, tasks, pack)
         series = [
-            TaskCollection(spec, [dataset.task(header_of(side, task, pack)) for side in spec.sides])
+            CollectionSeries(
+                spec, [dataset.task(header_of(side, task, pack)) for side in spec.sides]
+            )
             for spec, task in zip(own, tasks, strict=True)
         ]
-        with pool_of(run, CollectWorker(pack, run.shader), own, listener) as workers:
+        worker = CollectWorker(pack, own[0].recording.shader)
+        with pool_of(run, worker, own, listener) as workers:
             run_all(series, workers, listener, run.out, dataset.checkpoint_if_due)
     return [one.progress for one in series]
 
@@ -80,21 +83,21 @@ def pool_of(
     listener: Listener = QUIET,
 ) -> WorkerPool[CollectionTask, Results]:
     """Workers that do all, or, on a machine with a GPU, many that simulate and few that draw."""
-    size, limits = run.size(), run.limits
+    size = run.size()
     if run.runner == "ray":
         from rtphys.campaign.ray import RayPool  # imported here: Ray is optional
 
-        return RayPool(RemoteWorker.of(worker, run.assets, run.fallback, specs), size, limits)
-    gpus = check_drawable(shader=run.shader) if run.gpus is None else run.gpus
+        return RayPool(RemoteWorker.of(worker, specs), size, LIMITS)
+    gpus = check_drawable(shader=worker.shader) if run.gpus is None else run.gpus
     if not gpus:
-        return LocalPool(worker, size, limits)
+        return LocalPool(worker, size, LIMITS)
     group = min(drawn_at_once(spec.recording) for spec in specs)
-    drawing = replace(limits, seconds=group * limits.seconds, memory=limits.max_memory)
+    drawing = replace(LIMITS, seconds=group * LIMITS.seconds, memory=LIMITS.max_memory)
     numbers = [None] if gpus == 1 else range(gpus)
     drawers = [LocalPool(Drawer(worker, number), DRAWERS, drawing) for number in numbers]
     many, few = counted(size, "workers"), DRAWERS * gpus
     listener.noticed(f"{many} simulate, {few} draw on {counted(gpus, 'GPUs')}, {group} at a time")
-    return TwoStagePool(LocalPool(Simulator(worker), size, limits), drawers, group, without_drawing)
+    return TwoStagePool(LocalPool(Simulator(worker), size, LIMITS), drawers, group, without_drawing)
 
 
 def header_of(spec: CollectionSpec, task: Task, pack: Pack) -> TaskHeader:
@@ -111,7 +114,7 @@ def header_of(spec: CollectionSpec, task: Task, pack: Pack) -> TaskHeader:
     return TaskHeader(spec, resolved)
 
 
-class TaskCollection(Series[CollectionTask, Results]):
+class CollectionSeries(Series[CollectionTask, Results]):
     """One task dataset, and its twin if it has one: a writer each, in step.
 
     A kill between two commits leaves one writer ahead of the other; the seed is then tried again
@@ -142,10 +145,8 @@ class TaskCollection(Series[CollectionTask, Results]):
 
     def arrived(self, seed: int, result: Results) -> Results:
         """Files from other machines are put where those of this one are."""
-        return tuple(
-            of_files(one, lambda staged, at=writer.staging(seed): staged.at(at))
-            for writer, one in zip(self.writers, result, strict=True)
-        )
+        places = (writer.staging(seed) for writer in self.writers)
+        return tuple(map(arrived, result, places))
 
     def commit(self, seed: int, result: Results) -> str:
         """Raises `DatasetMismatch`: an attempt that a twin holds came out otherwise this time."""
@@ -182,8 +183,11 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")
     tasks = list[Task]()
+    shader = specs[0].recording.shader
     for spec in specs:
         episode, recording = spec.episode, spec.recording
+        if recording.shader != shader:
+            raise BadValue("shader", recording.shader, f"this run draws with {shader!r} already")
         check_fits(recording)
         if HEAD not in recording.official:
             cameras = ",".join(recording.cameras)
@@ -198,7 +202,7 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
         check_templates(task.sentences(), task.info, str(task.source))
         tasks.append(task)
     if any(drawn(spec.recording.senses) for spec in specs):
-        renderer.check_senses(run.shader)
+        renderer.check_senses(shader)
     return tasks
 
 
@@ -209,7 +213,7 @@ def check_machine(specs: Sequence[CollectionSpec], run: Run) -> int:
     """
     check_unlocked(run.out)
     check_space(run.out, room_needed(specs))
-    check_drawable(shader=run.shader)
+    check_drawable(shader=specs[0].recording.shader)
     return run.size()
 
 

@@ -10,13 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from rtphys.assets.pack import chosen_pack
+from rtphys.assets.pack import default_pack
 from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import RtphysError
 from rtphys.data import files
 from rtphys.data.episode import Episode, Images
 from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO, StagedEpisode, stage_episode
-from rtphys.data.task_writer import Rejection
+from rtphys.data.writer import Rejection
 from rtphys.episode.assemble import assemble, kept, rejection, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
@@ -64,7 +64,7 @@ class Drawing:
 
 
 class Simulated(NamedTuple):
-    """What an attempt of one side has come to."""
+    """What an attempt of one side has come to; nothing is drawn yet."""
 
     rejection: Rejection | None = None
     drawing: Drawing | None = None  # also of a failure whose files are kept
@@ -96,20 +96,20 @@ class CollectWorker(StudyWorker[CollectionTask, Results]):
             self.demonstrate(recipe, job.recording.touch, happened=True) for recipe in job.recipes
         ]
         failed, results = next((one for one in attempts if not one.accepted), None), []
-        for one, folder, draw in zip(attempts, job.folders, job.keep, strict=True):
+        for one, folder, keep in zip(attempts, job.folders, job.keep, strict=True):
             if failed is not None and one.accepted:
                 why = f"under {failed.recipe.protocol}: {failed.reason}"
                 results.append(Simulated(rejection(replace(one, reason="untwinned", detail=why))))
             else:
-                results.append(self.simulated(one, folder, job.recording, draw))
+                results.append(self.simulated(one, folder, job.recording, keep))
         return tuple(results)
 
     def simulated(
-        self, attempt: Attempt, folder: Path, recording: RecordingSpec, draw: bool = True
+        self, attempt: Attempt, folder: Path, recording: RecordingSpec, keep: bool = True
     ) -> Simulated:
-        """`draw`: also a failure, if that is possible."""
+        """What is to be drawn of an attempt. `keep`: also of a failure, if that is possible."""
         why = None if attempt.accepted else rejection(attempt)
-        if why is not None and not (draw and kept(attempt)):
+        if why is not None and not (keep and kept(attempt)):
             return Simulated(why)
         assert attempt.recording is not None
         states, episode = StateTrajectory.of(attempt.recording), assemble(attempt, self.pack)
@@ -117,17 +117,17 @@ class CollectWorker(StudyWorker[CollectionTask, Results]):
 
     def draw(self, drawing: Drawing) -> StagedEpisode:
         """Draws, encodes and stages an episode."""
-        return _staged(drawing, self._begun(drawing))
+        return _staged(drawing, self._frames(drawing))
 
     def draw_all(self, jobs: Sequence[tuple[Simulated, ...]]) -> Sequence[Results]:
         """As `draw`, for the episodes of several jobs at once, with the same pictures."""
         waiting = [side.drawing for sides in jobs for side in sides if side.drawing]
-        begun = [self._begun(drawing) for drawing in waiting]
-        use = [partial(_staged, *pair) for pair in zip(waiting, begun, strict=True)]
-        staged = dict(zip(waiting, draw_together([one.images for one in begun], use), strict=True))
+        frames = [self._frames(drawing) for drawing in waiting]
+        use = [partial(_staged, *pair) for pair in zip(waiting, frames, strict=True)]
+        staged = dict(zip(waiting, draw_together([one.images for one in frames], use), strict=True))
         return [tuple(side.outcome(staged.__getitem__) for side in sides) for sides in jobs]
 
-    def _begun(self, drawing: Drawing) -> RenderedFrames:
+    def _frames(self, drawing: Drawing) -> RenderedFrames:
         task, states = self.tasks[drawing.recipe.task], drawing.states
         return render_frames(drawing.recipe, task, self.pack, states, drawing.recording)
 
@@ -199,7 +199,7 @@ class SerializedEpisode(StagedEpisode):
 
     contents: Mapping[str, bytes]
 
-    def at(self, folder: Path) -> StagedEpisode:
+    def written(self, folder: Path) -> StagedEpisode:
         """Writes the files where a local worker would have.
 
         Raises `CannotWrite`: the disk refuses; `OtherMachine`: the bytes are not those that were
@@ -221,26 +221,22 @@ class RemoteWorker:
     """As `CollectWorker`, on a node that does not share the supervisor's disk; it checks all."""
 
     worker: CollectWorker  # its pack is the supervisor's
-    assets: Path | None  # of the pack, at the same path on every node
-    fallback: str
-    digest: str  # of the supervisor's pack
+    digest: str  # of that pack
     # By task and robot: all that shapes their episodes.
     versions: Mapping[tuple[str, str], Mapping[str, str]]
     environment: Mapping[str, str]
 
     @staticmethod
-    def of(
-        worker: CollectWorker, assets: Path | None, fallback: str, specs: Iterable[CollectionSpec]
-    ) -> "RemoteWorker":
+    def of(worker: CollectWorker, specs: Iterable[CollectionSpec]) -> "RemoteWorker":
         asked = dict.fromkeys((one.episode.task, one.episode.embodiment) for one in specs)
         known = {(task, robot): versions(load_task(task), robot) for task, robot in asked}
         passed = {key: os.environ[key] for key in PASSED if key in os.environ}
-        return RemoteWorker(worker, assets, fallback, worker.pack.digest, known, passed)
+        return RemoteWorker(worker, worker.pack.digest, known, passed)
 
     def __call__(self) -> Callable[[CollectionTask], Results]:
         """Raises `OtherMachine`. The builtin pack is built first if this node has none."""
         os.environ.update(self.environment)
-        pack = chosen_pack(self.assets, self.fallback)
+        pack = default_pack()
         if pack.digest != self.digest:
             clause = f"its assets are {pack.digest[:12]}, the supervisor's {self.digest[:12]}"
             raise OtherMachine(f"{platform.node()}: {clause}; link the same pack on both")
@@ -263,6 +259,13 @@ def of_files(outcome: Outcome, move: Callable[[StagedEpisode], StagedEpisode]) -
     if isinstance(outcome, StagedEpisode):
         return move(outcome)
     return outcome if outcome.kept is None else replace(outcome, kept=move(outcome.kept))
+
+
+def arrived(outcome: Outcome, folder: Path) -> Outcome:
+    """An outcome whose files lie in this folder: those of another machine are written there."""
+    return of_files(
+        outcome, lambda one: one.written(folder) if isinstance(one, SerializedEpisode) else one
+    )
 
 
 def _serialized(staged: StagedEpisode) -> SerializedEpisode:

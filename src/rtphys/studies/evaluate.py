@@ -18,14 +18,13 @@ from rtphys.core.untrusted import JSON
 from rtphys.data import files
 from rtphys.data.attempts import Rejected, read_attempts
 from rtphys.data.dataset import Dataset
-from rtphys.data.faults import DatasetExists, DatasetMismatch
+from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
 from rtphys.data.staging import StagedEpisode
-from rtphys.data.task_writer import Rejection, TaskWriter
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.assemble import rejection
 from rtphys.episode.fingerprint import fingerprint_of, packages
@@ -102,18 +101,18 @@ def evaluate(
     files.make_folder(out)
     with (
         FolderLock(out),
-        DatasetWriter(run.record, resume=run.resume) if run.record else nullcontext() as dataset,
+        DatasetWriter(run.record) if run.record else nullcontext() as dataset,
     ):
-        _check_others(out, cells[0], run.resume)
+        _check_others(out, cells[0])
         for protocol in run.protocols:
             copied = [one for one in lists if one.protocol == protocol]
             write_lists(list_file(out / evaluation.INSTANCES, protocol), copied)
-        studies = list[TaskEvaluation]()
+        studies = list[EvaluationSeries]()
         for cell, one in zip(cells, lists, strict=True):
             writer = None
             if dataset is not None:
                 writer = dataset.task(recording_header(cell.spec, one, tasks[one.task], pack))
-            studies.append(TaskEvaluation(out, cell, one, run.video, writer, joints))
+            studies.append(EvaluationSeries(out, cell, one, run.video, writer, joints))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
         worker = EvaluateWorker(pack, spec.policy, spec.recording)
@@ -124,14 +123,12 @@ def evaluate(
         return _conclude(out, spec, studies)
 
 
-def _check_others(out: Path, now: EvaluationHeader, resume: bool) -> None:
+def _check_others(out: Path, now: EvaluationHeader) -> None:
     """Refuses a folder whose ledgers are those of another evaluation, of whatever tasks.
 
-    Raises `DatasetMismatch`, `DatasetExists`, `BadFile`.
+    Raises `DatasetMismatch`, `BadFile`.
     """
-    for path, before in evaluation.headers(out).items():
-        if not resume:
-            raise DatasetExists(out, len(path.read_bytes().splitlines()) - 1)
+    for before in evaluation.headers(out).values():
         same = stored(now.spec.of(*before.spec.key))
         clauses = differences(stored(before.spec), same)
         if before.policy_files != now.policy_files:
@@ -140,7 +137,7 @@ def _check_others(out: Path, now: EvaluationHeader, resume: bool) -> None:
             raise DatasetMismatch(out, clauses)
 
 
-def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[TaskEvaluation]") -> Summary:
+def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeries]") -> Summary:
     """Writes the summary, figures of it, and RoboTwin's result files."""
     summary = summarise(
         {study.spec.key: study.records for study in studies},
@@ -180,7 +177,7 @@ class EvaluationResult(NamedTuple):
     outcome: StagedEpisode | Rejection | None = None
 
 
-class TaskEvaluation(Series[EvaluationTask, EvaluationResult]):
+class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
     """One task under one protocol: its instances in order, and their records in a ledger.
 
     Args:

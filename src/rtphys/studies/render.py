@@ -22,8 +22,7 @@ from rtphys.data.manifest import TaskEntry
 from rtphys.data.rewrite import encoded_episode
 from rtphys.data.selection import seed_set
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
-from rtphys.data.task_writer import Rejection
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode.generate import attempt, under_look
 from rtphys.episode.render import StateTrajectory, render_frames
 from rtphys.senses import drawn
@@ -60,8 +59,8 @@ class RenderTask(NamedTuple):
     paths: EpisodePaths
     layout: str
     scene: Mapping[str, JSON]  # its entry of scene_info.json
-    recording_spec: RecordingSpec
-    same: bool  # the look is the stored one, so that pictures can be compared
+    recording: RecordingSpec
+    same: bool  # look and shader are the stored ones, so that pictures can be compared
     assets: str  # digest
     folder: Path  # for the new files
 
@@ -87,16 +86,11 @@ def render(wanted: RenderSpec, listener: Listener = QUIET) -> Rendered:
     part = wanted.part.of(Dataset(wanted.data))
     packs = _check(wanted, part)
     with DatasetWriter(wanted.out) as dataset:
-        studies = [Redrawing(wanted, one, dataset) for one in part.task_datasets]
-        worker = RenderWorker(next(iter(packs.values())), packs, wanted.shader)
-        run_here(
-            studies,
-            worker,
-            wanted.workers,
-            listener,
-            wanted.out,
-            committed=dataset.checkpoint_if_due,
-        )
+        studies = [RenderSeries(wanted, one, dataset) for one in part.task_datasets]
+        shader = wanted.recording(part.task_datasets[0]).shader
+        worker = RenderWorker(next(iter(packs.values())), packs, shader)
+        saved = dataset.checkpoint_if_due
+        run_here(studies, worker, wanted.workers, listener, wanted.out, committed=saved)
         if halted := next((study.halted for study in studies if study.halted), ""):
             raise RtphysError(halted)
     return Rendered(
@@ -110,14 +104,15 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     """The packs by digest; refuses all that cannot work."""
     if wanted.out.resolve() == wanted.data.resolve():
         raise BadValue("out", str(wanted.out), "it is the dataset itself; name another folder")
-    needed, packs = 0.0, dict[str, Pack]()
+    needed, packs, shaders = 0.0, dict[str, Pack](), set[str]()
     for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
-        recording_spec = wanted.recording_spec(entry)
-        check_fits(recording_spec)
-        if drawn(recording_spec.senses):
-            renderer.check_senses(wanted.shader)
-        needed += entry.episodes * episode_bytes(recording_spec, _visual(wanted, entry))
+        recording = wanted.recording(entry)
+        shaders.add(recording.shader)
+        check_fits(recording)
+        if drawn(recording.senses):
+            renderer.check_senses(recording.shader)
+        needed += entry.episodes * episode_bytes(recording, _visual(wanted, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
             name = entry.resolved.assets.get("pack", "unknown")
@@ -128,8 +123,11 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         load_task(entry.spec.episode.task)
     if not packs:
         raise BadFile(wanted.data / MANIFEST, "lists no episodes")
+    if len(shaders) > 1:
+        allowed = f"the dataset was drawn with {' and '.join(sorted(shaders))}; name one of them"
+        raise BadValue("shader", wanted.shader, allowed)
     check_space(wanted.out, needed)
-    check_drawable(shader=wanted.shader)
+    check_drawable(shader=shaders.pop())
     return packs
 
 
@@ -143,7 +141,7 @@ def _visual(wanted: RenderSpec, entry: TaskEntry) -> VisualRandomization | None:
 def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
     """That of the source, but for what is drawn otherwise."""
     visual, spec = _visual(wanted, entry), entry.spec
-    spec = replace(spec, recording=wanted.recording_spec(entry))
+    spec = replace(spec, recording=wanted.recording(entry))
     if wanted.part.seed:
         spec = replace(spec, made_by="subset", twin=None)
     if wanted.look is not None:
@@ -156,7 +154,7 @@ def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
     return TaskHeader(spec, replace(entry.resolved, visual=rules))
 
 
-class Redrawing(Series[RenderTask, Redrawn]):
+class RenderSeries(Series[RenderTask, Redrawn]):
     """One task dataset: its attempts in their order, the accepted ones drawn again."""
 
     def __init__(self, wanted: RenderSpec, entry: TaskEntry, dataset: DatasetWriter) -> None:
@@ -188,7 +186,9 @@ class Redrawing(Series[RenderTask, Redrawn]):
 
     def job(self, seed: int) -> RenderTask:
         (paths, scene), layout = self._places[seed], self.entry.spec.recording.layout
-        recording, same = self.wanted.recording_spec(self.entry), self.wanted.look is None
+        recording = self.wanted.recording(self.entry)
+        alike = recording.shader == self.entry.spec.recording.shader
+        same = self.wanted.look is None and alike
         assets = self.entry.resolved.assets.get("digest", "")
         return RenderTask(paths, layout, scene, recording, same, assets, self.writer.staging(seed))
 
@@ -206,6 +206,7 @@ class Redrawing(Series[RenderTask, Redrawn]):
         if rejection is not None and not isinstance(outcome, Rejection):
             outcome = replace(rejection, kept=outcome)
         self.writer.record(outcome)
+        self.progress.add(self.reason(result))  # seeds that are owed are not counted otherwise
         self.compared += result.compared
         self.differing += result.differing
         return ""
@@ -232,7 +233,7 @@ class RenderWorker(StudyWorker[RenderTask, Redrawn]):
         recipe = load(Recipe, stored.phys_meta["recipe"], job.paths.phys_meta)
         task, pack = self.tasks[recipe.task], self.packs[job.assets]
         states = self._states(stored, recipe, pack, job.paths.hdf5)
-        taken = render_frames(recipe, task, pack, states, job.recording_spec)
+        taken = render_frames(recipe, task, pack, states, job.recording)
         images = encode_images(taken.images, job.layout)
         alike = [
             (old, new)

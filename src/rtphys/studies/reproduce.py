@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -53,16 +54,9 @@ class Reproduction:
 
 
 def reproduced(
-    out: Path,
-    count: int,
-    shader: str = "slim",
-    workers: int | None = None,
-    listener: Listener = QUIET,
+    out: Path, count: int, workers: int | None = None, listener: Listener = QUIET
 ) -> Reproduction:
     """Makes a sample of episodes and of rejected seeds again, all of them if `count` is as large.
-
-    Args:
-        shader: that of the collection; its files do not say it.
 
     Raises `BadFile`: there is no manifest; `Bug`: an unexpected exception in a worker.
     """
@@ -74,11 +68,15 @@ def reproduced(
         having = [attempt for attempt in known if isinstance(attempt.row, Accepted) is accepted]
         picks = rng.choice(len(having), min(count, len(having)), replace=False)
         attempts += [having[index] for index in sorted(picks.tolist())]
-    batch = Batch("reproduce", dict(enumerate(attempts)), lost)
-    if attempts:
-        size = min(workers or cores(), len(attempts))
-        run_here([batch], ReproduceWorker(shader), size, listener)
-    found.judge(attempts, [*batch.results.values()])
+    results = dict[int, Comparison]()
+    by_shader = defaultdict[str, dict[int, RecordedAttempt]](dict)
+    for number, attempt in enumerate(attempts):
+        by_shader[attempt.header.spec.recording.shader][number] = attempt
+    for shader, jobs in by_shader.items():  # a process draws with one
+        batch = Batch("reproduce", jobs, lost)
+        run_here([batch], ReproduceWorker(shader), min(workers or cores(), len(jobs)), listener)
+        results |= batch.results
+    found.judge(attempts, [results[number] for number in range(len(attempts))])
     return found
 
 

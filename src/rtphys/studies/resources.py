@@ -23,26 +23,26 @@ LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it i
 DRIVERS = ("/etc/vulkan/icd.d", "/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d")
 
 
-def check_fits(recording_spec: RecordingSpec) -> None:
+def check_fits(recording: RecordingSpec) -> None:
     """Refuses senses that would make an episode too large for a worker. Raises `BadValue`."""
-    if (size := MAX_FRAMES * recording_spec.frame_bytes()) > LARGEST:
+    if (size := MAX_FRAMES * recording.frame_bytes()) > LARGEST:
         most = f"an episode has {LARGEST / 1e9:g} GB of them at most, not {size / 1e9:.1f}"
         cure = "name fewer `cameras` or senses, or a smaller `size`"
-        raise BadValue("senses", ",".join(recording_spec.senses), f"{most}; {cure}")
+        raise BadValue("senses", ",".join(recording.senses), f"{most}; {cure}")
 
 
-def drawn_at_once(recording_spec: RecordingSpec) -> int:
+def drawn_at_once(recording: RecordingSpec) -> int:
     """How many episodes a process may draw at once, for what they take in its memory."""
-    pictures = BUFFERED * recording_spec.picture_scale()
-    each = pictures + 2 * MAX_FRAMES * recording_spec.frame_bytes()
+    pictures = BUFFERED * recording.picture_scale()
+    each = pictures + 2 * MAX_FRAMES * recording.frame_bytes()
     return max(1, min(GROUP, int(LARGEST / each)))
 
 
-def episode_bytes(recording_spec: RecordingSpec, visual: VisualRandomization | None) -> float:
+def episode_bytes(recording: RecordingSpec, visual: VisualRandomization | None) -> float:
     """What one episode takes at most [bytes]. `visual`: the rules of its look."""
     share = TEXTURED if visual is not None and visual.textures else 1
-    pictures = len(recording_spec.official) * share * PICTURES * recording_spec.picture_scale()
-    return pictures + PACKED * MAX_FRAMES * recording_spec.frame_bytes()
+    pictures = len(recording.official) * share * PICTURES * recording.picture_scale()
+    return pictures + PACKED * MAX_FRAMES * recording.frame_bytes()
 
 
 def check_space(out: Path, needed: float) -> None:

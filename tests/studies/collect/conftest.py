@@ -9,7 +9,7 @@ from quick_pool import QuickPool
 
 from rtphys.studies import collect as collect_module
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 
 
 @pytest.fixture(scope="session")
@@ -41,5 +41,5 @@ def _do_without_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     monkeypatch.setattr(collect_module, "check_drawable", lambda shader: 0)
     monkeypatch.setattr(collect_module, "check_assets", lambda plans, tasks, pack: None)
-    monkeypatch.setattr(Run, "pack", lambda self, progress=None: None)
+    monkeypatch.setattr(collect_module, "default_pack", lambda progress: None)
     monkeypatch.setattr(collect_module, "header_of", robotless.header)

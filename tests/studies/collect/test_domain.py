@@ -17,7 +17,7 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import stored as spec_json
 from rtphys.studies.collect import check, collect, header_of
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 from rtphys.task.spec import load_task
 
 ICY = """\

@@ -19,8 +19,8 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
 from rtphys.studies.collect import collect, pool_of
-from rtphys.studies.collect_request import Run
 from rtphys.studies.collect_worker import CollectWorker, Drawer
+from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 

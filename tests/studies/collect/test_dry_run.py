@@ -1,4 +1,4 @@
-"""`collect --dry-run`: what would be collected and where, and nothing is done."""
+"""`collect --dry-run`: what would be collected and where, what acts on nothing; nothing is done."""
 
 import re
 from pathlib import Path
@@ -11,8 +11,11 @@ from typer.testing import CliRunner
 
 from rtphys.cli.main import app
 from rtphys.doctor import Finding
+from rtphys.spec.collection import CollectionSpec
+from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
+from rtphys.studies.collect import without_effect
 
 
 @pytest.fixture(autouse=True)
@@ -110,8 +113,28 @@ def test_folder_and_first_line_say_what_varies(options: str, tmp_path: Path) -> 
     assert first.startswith(f"protocol {folder}: ") and said in first
 
 
-def test_the_former_name_of_an_option_works_and_says_the_new_one(tmp_path: Path) -> None:
-    line = ["collect", "--task", "click_bell", "--seed", "7", "--dry-run", "--json"]
-    done = CliRunner().invoke(app, [*line, "--out", str(tmp_path / "data")])
-    assert done.exit_code == 0 and '"first_seed": 7' in done.stdout
-    assert "`--seed` of `rtphys collect` is called `--first-seed` now" in done.stderr
+def specs(*tasks: str, **changes: object) -> list[CollectionSpec]:
+    return [CollectionSpec(EpisodeSpec(task, "phys_random", **changes)) for task in tasks]  # pyright: ignore
+
+
+def test_one_line_for_each_attribute() -> None:
+    asked = {"overrides": {"object_joint_damping": 3.0}, "only": ("friction", "object_mass")}
+    assert without_effect(specs("open_laptop", **asked)) == []
+    assert without_effect(specs("click_bell", "stack_blocks_two", "open_laptop", **asked)) == [
+        "object_joint_damping acts on nothing in 2 of 3 tasks, among them click_bell: "
+        "there is no object with joints",
+        "object_mass acts on nothing in click_bell: there is no object that can move",
+    ]
+    (line,) = without_effect(specs("click_bell", only=("center_of_mass",)))
+    assert line == "center_of_mass acts on nothing in click_bell: there is no object that can move"
+
+
+def test_what_nobody_asked_for_is_not_told() -> None:
+    assert without_effect(specs("click_bell")) == []
+
+
+def test_the_command_says_it_and_goes_on(tmp_path: Path) -> None:
+    words = ["click_bell", "--set", "object_mass=2", "--dry-run", "--out", str(tmp_path / "data")]
+    done = CliRunner().invoke(app, ["collect", *words])
+    assert done.exit_code == 0 and "click_bell" in done.stdout
+    assert "object_mass acts on nothing in click_bell" in done.stderr

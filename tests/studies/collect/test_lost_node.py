@@ -13,7 +13,7 @@ from collecting import PLAN, Striker, complete, content, worker_processes  # noq
 from ray.cluster_utils import Cluster  # noqa: E402
 
 from rtphys.studies.collect import collect  # noqa: E402
-from rtphys.studies.collect_request import Run  # noqa: E402
+from rtphys.studies.requests import Run  # noqa: E402
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 

@@ -5,9 +5,7 @@ from pathlib import Path
 
 import pytest
 from collecting import PLAN
-from typer.testing import CliRunner
 
-from rtphys.cli.main import app
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.layout import TaskDataset
@@ -15,7 +13,7 @@ from rtphys.physics.load import domain_for_task
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
-from rtphys.studies.collect_request import find_collection, read_specs, specs_for, swept
+from rtphys.studies.requests import find_collection, read_specs, specs_for, swept
 from rtphys.task.spec import task_names
 
 
@@ -101,10 +99,6 @@ WRONG = {
     RUN % ", layout: natve": (BadFile, "collect.0.*did you mean 'native'"),
     RUN % ", set: {frction: 1}": (UnknownName, "did you mean 'friction'"),
     RUN % ", sweep: friction": (BadValue, "key=value,value"),
-    "collect: [{tasks: [lift_pot, lift_pot], episodes: 1}, {tasks: [lift_pot], episodes: 2}]": (
-        BadFile,
-        "phys_random_all/lift_pot is collected by two runs",
-    ),
 }
 
 
@@ -113,24 +107,6 @@ def test_a_mistake_is_named_with_its_place(text: str, tmp_path: Path) -> None:
     kind, told = WRONG[text]
     with pytest.raises(kind, match=told):
         plans(text, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        ("--manifest smok", "did you mean 'smoke'?"),
-        ("--manifest smoke --episodes 3", "--episodes = 3 is not allowed; the manifest says that"),
-        ("--manifest smoke --set friction=1", "--set"),
-        ("--manifest smoke --split unseen", "--split"),
-        ("--manifest smoke --shard 3/2", "from 1/n to n/n"),
-        ("", "--task = None is not allowed; name at least one task, or a --manifest"),
-    ],
-)
-def test_what_cannot_be_is_one_line(options: str, told: str) -> None:
-    done = CliRunner().invoke(app, ["collect", *options.split()])
-    assert done.exit_code == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert told in done.stderr
 
 
 def test_every_manifest_that_collects_has_tasks_that_exist() -> None:
@@ -173,21 +149,6 @@ def test_a_vector_is_swept_with_semicolons() -> None:
     plans = swept(PLAN, "center_of_mass=0,0,0;0,0,0.01")
     held = [plan.episode.overrides["center_of_mass"] for plan in plans]
     assert held == [(0, 0, 0), (0, 0, 0.01)]
-
-
-@pytest.mark.parametrize(
-    ("text", "error"),
-    [
-        ("friction", BadValue),
-        ("friction=", BadValue),
-        ("friction=0.1,0.1", BadValue),
-        ("friction=0.1,-3", BadValue),
-        ("frction=0.1", UnknownName),
-    ],
-)
-def test_what_no_sweep_is(text: str, error: type[Exception]) -> None:
-    with pytest.raises(error):
-        swept(PLAN, text)
 
 
 def test_what_is_held_is_not_swept() -> None:

@@ -14,13 +14,14 @@ from robotless import variants
 
 from rtphys.campaign.pool import Limits
 from rtphys.data.dataset import Dataset
+from rtphys.data.verify import verify
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
+from rtphys.studies import collect as collect_module
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run, specs_for
 from rtphys.studies.render import render
-from rtphys.studies.requests import RenderSpec
+from rtphys.studies.requests import RenderSpec, Run, specs_for
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 
@@ -68,7 +69,8 @@ def test_many_real_workers_give_what_one_gives(
     if slow:
         (tmp_path / "sitecustomize.py").write_text(SLOW_DISK)
         monkeypatch.syspath_prepend(str(tmp_path))
-    run = Run(tmp_path / "data", workers=workers, limits=Limits(seconds=25))
+    monkeypatch.setattr(collect_module, "LIMITS", Limits(seconds=25))
+    run = Run(tmp_path / "data", workers=workers)
     assert complete(collect(specs, run))
     assert content(run.out) == content(alone)
 
@@ -86,6 +88,7 @@ def test_a_signal_ends_all_workers_at_once(number: signal.Signals, tmp_path: Pat
     assert "To go on, repeat: rtphys collect" in said.splitlines()[-1]
     assert not {*begun}.intersection(worker_processes(1))
     assert not [*tmp_path.rglob(".staging")]
+    assert "Traceback" not in said and verify(tmp_path).problems == []
 
 
 def test_many_workers_draw_again_what_one_draws(alone: Path, tmp_path: Path) -> None:

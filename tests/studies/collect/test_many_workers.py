@@ -8,7 +8,7 @@ from collecting import complete, content
 from robotless import plans, variants
 
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 
 # In the middle one seed 11 is rejected, so that 12 and 13 begin, of which one is enough.
 SURPLUS, FIRST, LAST = plans(3, 30)

@@ -20,7 +20,7 @@ from rtphys.data.faults import DatasetMismatch
 from rtphys.data.rewrite import merge, subset
 from rtphys.spec.collection import CollectionSpec, TaskHeader
 from rtphys.studies import collect as collect_module
-from rtphys.studies.collect_request import shard_of, specs_for
+from rtphys.studies.requests import shard_of, specs_for
 
 pytestmark = pytest.mark.usefixtures("without_robot")
 

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,14 +11,16 @@ from typer.testing import CliRunner
 
 from rtphys.campaign.series import Bug
 from rtphys.cli.main import app
+from rtphys.core.errors import BadValue
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.verify import verify
 from rtphys.doctor import Finding
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import resources
 from rtphys.studies.collect import collect
-from rtphys.studies.collect_request import Run
+from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
@@ -34,8 +35,7 @@ WRONG = {
     "--task click_bell --split sen": "did you mean 'seen'?",
     "--task click_bell --twin cleen": "did you mean 'clean'?",
     "--task click_bell --protocol clean --twin clean": "it is the protocol itself",
-    "--task click_bell --fallback builtin": "is not allowed; it needs --assets",
-    "--task click_bell --assets / --fallback bultin": "did you mean 'builtin'?",
+    "--task click_bell --fallback builtin": "--fallback stands before the command's name",
     "--task click_bell --shader slm": "did you mean 'slim'?",
     "--task click_bell --set frction=1": "did you mean 'friction'?",
     "--task click_bell --set friction=-1": "friction = -1.0 is not allowed",
@@ -49,6 +49,12 @@ WRONG = {
     "--task click_bell --address 1.2.3.4:6379": "it belongs to --runner ray",
     "--task click_bell --runner ray --gpus 1": "it belongs to --runner local",
     "--task click_bell --shard 0/2": "from 1/n to n/n",
+    "--manifest smok": "did you mean 'smoke'?",
+    "--manifest smoke --episodes 3": "--episodes = 3 is not allowed; the manifest says that",
+    "--manifest smoke --set friction=1": "--set",
+    "--manifest smoke --shader rt": "--shader",
+    "--manifest smoke --shard 3/2": "from 1/n to n/n",
+    "": "--task = None is not allowed; name at least one task, or a --manifest",
     "--task click_bell --workers 0": "--workers = 0 is not allowed",
     "--task click_bell --first-seed -1": "--first-seed = -1 is not allowed",
 }
@@ -99,14 +105,36 @@ def test_a_dry_run_answers_where_the_disk_is_too_small(tmp_path: Path) -> None:
     assert "here and now it would be refused: " in done.stderr and "GB are needed" in done.stderr
 
 
+OTHER_SHADER = RecordingSpec(shader="default")
+
+
+@pytest.mark.parametrize(
+    ("spec", "clause"),
+    [
+        (replace(PLAN, first_seed=1), "first_seed was 0, now 1"),
+        (replace(PLAN, recording=OTHER_SHADER), "recording.shader was 'slim', now 'default'"),
+    ],
+)
 def test_a_folder_collected_under_other_conditions_is_refused(
-    undisturbed: Path, tmp_path: Path
+    spec: CollectionSpec, clause: str, undisturbed: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "data"
     shutil.copytree(undisturbed, out)
-    with pytest.raises(DatasetMismatch, match="first_seed was 0, now 1"):
-        collect([replace(PLAN, first_seed=1)], Run(out))
+    with pytest.raises(DatasetMismatch, match=clause):
+        collect([spec], Run(out))
     assert content(out) == content(undisturbed)
+
+
+def test_one_task_dataset_is_collected_once(tmp_path: Path) -> None:
+    with pytest.raises(BadValue, match=r"phys_random/click_bell/aloha_agilex' .*collected twice"):
+        collect([PLAN, replace(PLAN, episodes=5)], Run(tmp_path / "data"))
+
+
+def test_one_run_draws_with_one_shader(tmp_path: Path) -> None:
+    other = replace(PLAN, episode=EpisodeSpec("lift_pot", "clean"), recording=OTHER_SHADER)
+    with pytest.raises(BadValue, match=r"shader = 'default' .*draws with 'slim' already"):
+        collect([PLAN, other], Run(tmp_path / "data"))
+    assert not (tmp_path / "data").exists()
 
 
 HOPELESS = '''
@@ -115,26 +143,14 @@ from dataclasses import replace
 from rtphys.task import Infeasible, load_task
 
 def script(robot):
-    {script}
+    %s
 
 task = replace(load_task("click_bell"), script=script)
 '''
 
 
-@pytest.fixture
-def make_task(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
-    """Adds a library with one task, whose script is given."""
-
-    def make(script: str) -> None:
-        (tmp_path / "own" / "tasks").mkdir(parents=True)
-        (tmp_path / "own" / "tasks" / "hopeless.py").write_text(HOPELESS.format(script=script))
-        monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "own"))
-
-    return make
-
-
-def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(make_task, tmp_path: Path) -> None:
-    make_task('raise Infeasible("unreachable", "for all eternity")')
+def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(own_task, tmp_path: Path) -> None:
+    own_task("hopeless", HOPELESS % 'raise Infeasible("unreachable", "for all eternity")')
     out = tmp_path / "data"
     options = ["--task", "hopeless", "--out", str(out), "--max-attempts", "3", "--workers", "1"]
     done = CliRunner().invoke(app, ["collect", *options])
@@ -149,9 +165,9 @@ def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(make_task, tmp_
 
 
 def test_a_bug_in_a_script_stops_the_run_with_a_traceback_in_a_file(
-    make_task, tmp_path: Path
+    own_task, tmp_path: Path
 ) -> None:
-    make_task("robot.dance()")
+    own_task("hopeless", HOPELESS % "robot.dance()")
     out = tmp_path / "data"
     with pytest.raises(Bug, match=r"hopeless, seed 0: AttributeError: .*dance") as caught:
         collect([CollectionSpec(EpisodeSpec("hopeless", "clean"), episodes=1)], Run(out))

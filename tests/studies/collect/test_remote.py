@@ -16,8 +16,8 @@ from rtphys.campaign.ray import connect  # noqa: E402
 from rtphys.spec.collection import CollectionSpec  # noqa: E402
 from rtphys.spec.episode import EpisodeSpec  # noqa: E402
 from rtphys.studies.collect import collect  # noqa: E402
-from rtphys.studies.collect_request import Run, specs_for  # noqa: E402
 from rtphys.studies.collect_worker import CollectWorker, OtherMachine, RemoteWorker  # noqa: E402
+from rtphys.studies.requests import Run, specs_for  # noqa: E402
 
 pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
 
@@ -76,9 +76,7 @@ def test_one_runner_continues_the_other(cluster: None, alone: Path, tmp_path: Pa
 
 def test_a_node_with_other_assets_or_versions_is_refused() -> None:
     pack = default_pack()
-    remote = RemoteWorker.of(
-        CollectWorker(pack, "slim"), None, "", [CollectionSpec(EpisodeSpec("click_bell"))]
-    )
+    remote = RemoteWorker.of(CollectWorker(pack), [CollectionSpec(EpisodeSpec("click_bell"))])
     with pytest.raises(OtherMachine, match="its assets are"):
         replace(remote, digest="0" * 64)()
     ((key, found),) = remote.versions.items()

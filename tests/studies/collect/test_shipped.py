@@ -25,7 +25,7 @@ def test_files_land_in_the_folder_of_their_seed(shipped: SerializedEpisode, tmp_
     here = tmp_path / "seed_7"
     here.mkdir()
     (here / "left.over").touch()
-    landed = shipped.at(here)
+    landed = shipped.written(here)
     assert (landed.seed, landed.folder) == (7, here)
     assert {path.name: path.read_bytes() for path in here.iterdir()} == CONTENTS
 
@@ -33,7 +33,7 @@ def test_files_land_in_the_folder_of_their_seed(shipped: SerializedEpisode, tmp_
 def test_damage_on_the_way_is_seen(shipped: SerializedEpisode, tmp_path: Path) -> None:
     damaged = replace(shipped, contents={**CONTENTS, "video.mp4": b"picturez"})
     with pytest.raises(OtherMachine, match=r"seed_7/video.mp4: it was damaged on its way"):
-        damaged.at(tmp_path / "seed_7")
+        damaged.written(tmp_path / "seed_7")
 
 
 @pytest.mark.parametrize("name", ["../out", "/elsewhere/out", "data.hdf5/../../out", "", "other"])
@@ -42,7 +42,7 @@ def test_files_that_no_episode_has_do_not_land(
 ) -> None:
     odd = replace(shipped, contents={**CONTENTS, name: b"x"})
     with pytest.raises(OtherMachine, match="an episode has no file"):
-        odd.at(tmp_path / "a" / "seed_7")
+        odd.written(tmp_path / "a" / "seed_7")
     assert not (tmp_path / "a").exists() and not [*tmp_path.rglob("out")]
 
 

@@ -21,8 +21,8 @@ from rtphys.episode.assemble import rejection
 from rtphys.episode.generate import Attempt
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.studies.collect import TaskCollection, collect, header_of
-from rtphys.studies.collect_request import Run
+from rtphys.studies.collect import CollectionSeries, collect, header_of
+from rtphys.studies.requests import Run
 from rtphys.task.spec import load_task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
@@ -117,10 +117,8 @@ task = replace(bell, script=script)
 
 
 @pytest.fixture
-def hard(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> CollectionSpec:
-    (tmp_path / "own" / "tasks").mkdir(parents=True)
-    (tmp_path / "own" / "tasks" / "hard.py").write_text(HARD)
-    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "own"))
+def hard(own_task) -> CollectionSpec:
+    own_task("hard", HARD)
     return replace(TWINNED, episode=EpisodeSpec("hard", "phys_random"), max_attempts=2)
 
 
@@ -147,7 +145,7 @@ def test_an_attempt_that_comes_out_otherwise_is_an_error(pairs: Path, tmp_path: 
     task, pack = load_task("click_bell"), default_pack()
     with DatasetWriter(out) as data:
         writers = tuple(data.task(header_of(p, task, pack)) for p in TWINNED.sides)
-        series = TaskCollection(TWINNED, writers)
+        series = CollectionSeries(TWINNED, writers)
         assert series.progress.accepted == 1
         seed = series.begin()
         recipes = series.job(seed).recipes

@@ -28,8 +28,7 @@ def weigh_bodies(specimen: Specimen) -> list[Finding]:
 class _Trial:
     """Experiments on all rigid bodies at once, each of which begins at rest.
 
-    Args:
-        sized: what each body weighs as the asset's files state it, at the label's scale.
+    `sized`: what each body weighs as the asset's files state it, at the label's scale.
     """
 
     def __init__(self, specimen: Specimen, sized: list[Matter]) -> None:
@@ -123,8 +122,7 @@ class _Trial:
 def _principal_ratios(thing: SceneObject, response: Array, expected: Matter) -> list[float]:
     """Moments of inertia, along the axes in which the expected one is a unit tensor.
 
-    Args:
-        response: (3, 3) angular velocities that three torques gave, as columns.
+    `response`: (3, 3) angular velocities that three torques gave, as columns.
     """
     decay = thing.prop.spin_decay if isinstance(thing.prop, Ball) else 0.0
     # A soft ball loses this share of its spin in every step, whatever its inertia.

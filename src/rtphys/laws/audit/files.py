@@ -32,6 +32,10 @@ class Matter:
         """Of the same substance, `k` times as large."""
         return Matter(self.mass * k**3, self.com * k, self.inertia * k**5)
 
+    def weighing(self, mass: float) -> "Matter":
+        """Of the same shape, with another mass [kg]."""
+        return Matter(mass, self.com, self.inertia * (mass / self.mass))
+
     def labelled(self, factor: float, offset: Array) -> "Matter":
         """`factor` times as heavy, with its centre of mass aside by (3,) [m], axes of the body."""
         return Matter(self.mass * factor, self.com + offset, self.inertia * factor)
@@ -54,12 +58,8 @@ def matter_of(prop: Prop, pack: Pack) -> Matter:
             stated = Matter(mass, np.array(com), np.array(inertia))
         else:
             stated = hulls(parts_of(prop, pack), model.density or UNSTATED_DENSITY)
-            stated = stated if mass is None else _weighing(stated, mass)
-    return stated if prop.mass_kg is None else _weighing(stated, prop.mass_kg)
-
-
-def _weighing(matter: Matter, mass: float) -> Matter:
-    return Matter(mass, matter.com, matter.inertia * (mass / matter.mass))
+            stated = stated if mass is None else stated.weighing(mass)
+    return stated if prop.mass_kg is None else stated.weighing(prop.mass_kg)
 
 
 def parts_of(prop: Prop, pack: Pack) -> list[Array]:
@@ -100,10 +100,10 @@ def describe(asset: Articulation) -> tuple[Mapping[str, Link], Mapping[str, floa
         parts = _parts(element, asset.urdf.parent, asset.scale)
         inertial = element.find("inertial")
         if inertial is not None:
-            link = Link(_matter(inertial).sized(asset.scale), parts)
+            matter = _matter(inertial).sized(asset.scale)
         else:
-            link = Link(hulls(parts, URDF_DENSITY) if parts else None, parts)
-        links[element.get("name", "")] = link
+            matter = hulls(parts, URDF_DENSITY) if parts else None
+        links[element.get("name", "")] = Link(matter, parts)
     for joint in root.findall("joint"):
         dynamics = joint.find("dynamics")
         own = 0.0 if dynamics is None else float(dynamics.get("damping", "0"))
@@ -140,10 +140,9 @@ def _parts(link: Element, folder: Path, scale: float) -> list[Array] | None:
 def _origin(element: Element) -> tuple[Array, Array]:
     """Position (3,) and rotation (3, 3) of an element in its link."""
     origin = element.find("origin")
-    if origin is None:
-        return np.zeros(3), np.eye(3)
-    angles = _numbers(origin, "rpy", (0, 0, 0))
-    return _numbers(origin, "xyz", (0, 0, 0)), Rotation.from_euler("xyz", angles).as_matrix()
+    origin = Element("origin") if origin is None else origin
+    R = Rotation.from_euler("xyz", _numbers(origin, "rpy", (0, 0, 0))).as_matrix()
+    return _numbers(origin, "xyz", (0, 0, 0)), R
 
 
 def _numbers(element: Element, key: str, default: tuple[float, float, float]) -> Array:

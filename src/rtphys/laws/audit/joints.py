@@ -18,8 +18,7 @@ from rtphys.task.props import Articulated
 class Mechanism:
     """Its degrees of freedom: six of a loose root (at its centre of mass), then the joints.
 
-    Args:
-        matter: link -> what it should weigh; links without are mere frames.
+    `matter`: link -> what it should weigh; links without are mere frames.
     """
 
     def __init__(self, world: World, thing: SceneObject, matter: Mapping[str, Matter]) -> None:

@@ -48,8 +48,7 @@ HEAD = "head_camera"
 def locate(specimen: Specimen, stored: Mapping[str, Pose]) -> list[Finding]:
     """Distance and angle of the head camera: in the built world, and where files say it was.
 
-    Args:
-        stored: what says so -> world pose of the camera; x forward, y left, z up.
+    `stored`: what says so -> world pose of the camera; x forward, y left, z up.
     """
     # Position [m] and axes, as columns, in the robot's description.
     cameras = specimen.world.robot.embodiment.cameras

@@ -1,15 +1,14 @@
 """Pushes what stands on something else at an episode's end, and drops what stands on the table."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from scipy.spatial import Delaunay, QhullError
 
 from rtphys.core.poses import Array, Pose
 from rtphys.laws.audit.specimen import REST, Finding, Measurement, Specimen, Unmeasured, hang, lift
-from rtphys.laws.fall import SPEEDS, rebounds
+from rtphys.laws.restitution import SPEEDS, rebounds
 from rtphys.physics.attribute import attribute
 from rtphys.physics.attributes.restitution import deviation_at
 from rtphys.physics.handles import GRAVITY
@@ -29,8 +28,7 @@ UPRIGHT = 0.996  # cosine between a contact's normal and the vertical: 5 deg
 RATTLE = 0.1  # coefficient below which the ways are too short to tell
 
 
-@dataclass(frozen=True, eq=False)
-class Stand:
+class Stand(NamedTuple):
     """An object that stands on another, and on nothing else."""
 
     top: SceneObject
@@ -66,8 +64,7 @@ def drop_objects(specimen: Specimen) -> list[Finding]:
 def push_stands(specimen: Specimen, ends: Mapping[str, Pose]) -> list[Finding]:
     """Friction of what stands on another object at an episode's end.
 
-    Args:
-        ends: object -> its last pose, world frame.
+    `ends`: object -> its last pose, world frame.
     """
     world = specimen.world
     things = {thing.root: thing for thing in specimen.rigid()}

@@ -123,9 +123,8 @@ def _throw(world: World, spot: Spot) -> tuple[float, float] | None:
     change = np.array(ball.linear_velocity, float) - before
     ball.entity.remove_from_scene()
     # It must have touched this body alone, and one face of it.
-    if not normals or any(body is not spot.body for body in touched):
-        return None
-    if any(n @ normals[0] <= SAME for n in normals):
+    alone = normals and all(body is spot.body for body in touched)
+    if not alone or any(n @ normals[0] <= SAME for n in normals):
         return None
     normal = normals[0] * np.sign(change @ normals[0])
     gained, inward = float(change @ normal), -float(before @ normal)
