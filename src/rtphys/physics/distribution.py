@@ -352,10 +352,12 @@ def _parse(key: str, kind: str, argument: object, where: str) -> Distribution:
             return Direction()
         case "same_as", str():
             return SameAs(argument)
-        case "deal", {"source": str(source), "place": int(place), "rules": rules} if isinstance(rules, list):
-            return _deal(source, place, cast(list[object], rules), where)
         case "deal", _:
-            return _deal(key, 0, [], where)
+            given = cast(Mapping[str, object], argument if isinstance(argument, Mapping) else {})
+            source, place, rules = given.get("source"), given.get("place"), given.get("rules")
+            place = place if isinstance(place, int) else 0
+            listed = cast(list[object], rules) if isinstance(rules, list) else []
+            return _deal(str(source or key), place, listed, where)
         case "by", Mapping() if len(cast(Mapping[object, object], argument)) == 1:
             ((selector, rules),) = cast(Mapping[object, object], argument).items()
             if not isinstance(rules, Mapping) or not rules:
