@@ -15,6 +15,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 from rtphys.assets.pack import default_pack
+from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.episode.control import actions_of
 from rtphys.episode.generate import attempt
@@ -22,7 +23,7 @@ from rtphys.gym import FlatObservation
 from rtphys.gym.env import TaskEnv
 from rtphys.physics import attributes
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.task.spec import load_task, task_names
+from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
 BELL = "rtphys/click_bell-v0"
@@ -30,7 +31,7 @@ BELL = "rtphys/click_bell-v0"
 
 def test_every_task_is_registered() -> None:
     known = {key for key in gymnasium.registry if key.startswith("rtphys/")}
-    assert known == {f"rtphys/{task}-v0" for task in task_names()}
+    assert known == {f"rtphys/{task}-v0" for task in library.names("tasks", None)}
 
 
 def test_registering_loads_nothing_heavy() -> None:
