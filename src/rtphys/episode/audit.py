@@ -20,7 +20,7 @@ from rtphys.laws.audit.overlaps import overlaps
 from rtphys.laws.audit.specimen import TOLERANCES, Finding, Measurement, Specimen, Unmeasured
 from rtphys.physics import attributes
 from rtphys.physics.enforce import disagreements, enforce
-from rtphys.physics.reach import split
+from rtphys.physics.reach import keys_of, split
 from rtphys.physics.values import Physics
 from rtphys.sim.rollout import RolloutOptions
 from rtphys.sim.touch import in_hand
@@ -130,7 +130,8 @@ def repeated(meta: PhysMeta, pack: Pack) -> list[str]:
         other = prepare(recipe, task, pack)
         e = 0.0 if instance.physics[RESTITUTION] else 0.5
         # Before it settles: it would wake what has.
-        enforce(other.world, Physics({**instance.physics, RESTITUTION: e}))
+        own = {key: instance.physics[key] for key in keys_of(RESTITUTION, instance.physics)}
+        enforce(other.world, Physics({**own, RESTITUTION: e}))
         settle(other)
         if (step := replay(other.world, seen.commands, seen.states)) is not None:
             why = f"the label says that it did not act, but with {e:g} step {step} has other bits"
