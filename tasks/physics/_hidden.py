@@ -8,7 +8,6 @@ import numpy as np
 from rtphys.task import DOWN, Arm, Box, Placing, Pose, Robot, Scene
 
 G = 9.81  # [m/s^2]
-PINE = 450.0  # [kg/m^3] of toy blocks
 HELD_UP, HOLD = 0.04, 0.5  # [m], [s] at which a load is weighed
 BACK = Placing(mode="free", pre=0.04, gap=0.003, along="point")
 APPROACH, OFF = 0.08, 0.06  # [m] before a grasp; up from what was set down

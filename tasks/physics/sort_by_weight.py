@@ -4,13 +4,14 @@ Success: neighbours in that order within 13 cm sideways and 3 cm in depth, on th
 and both hands are open.
 """
 
-from rtphys.task import BLUE, Draw, Robot, Scene, Task, condition
+from rtphys.task import BLUE, Box, Draw, Robot, Scene, Task, condition
 
 from .._blocks import Block, line_up, lined_up, scattered
-from ._hidden import PINE, alike, ranked, weigh
+from ._hidden import alike, ranked, weigh
 
 NAMES = ("first", "second", "third")
 HALF = 0.02  # [m] half an edge
+USUAL = Box.density * (2 * HALF) ** 3  # [kg] of a block
 PLACES = (-0.105, 0.0, 0.105)  # [m] x; open fingers fit between neighbours
 
 
@@ -27,7 +28,7 @@ def script(robot: Robot) -> None:
 
 
 def feel(robot: Robot) -> dict[str, float]:
-    return {f"object_mass@{name}": weigh(robot, name, PINE * (2 * HALF) ** 3) for name in NAMES}
+    return {f"object_mass@{name}": weigh(robot, name, USUAL) for name in NAMES}
 
 
 task = Task(

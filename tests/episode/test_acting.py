@@ -1,4 +1,4 @@
-"""Which attributes act in an episode: told beforehand from its props, true in its world."""
+"""Which attributes act in an episode: known beforehand from its props, true in its world."""
 
 from typing import Any
 
@@ -39,8 +39,8 @@ def test_the_props_tell_what_the_world_has(name: str) -> None:
         o.name: {"bodies": bool(o.bodies), "joints": bool(o.joints), "surfaces": bool(o.surfaces)}
         for o in objects
     }
-    told = {name: {part for part, there in own.items() if there} for name, own in has.items()}
-    assert parts(instance.props) == told
+    expected = {name: {part for part, there in own.items() if there} for name, own in has.items()}
+    assert parts(instance.props) == expected
     readings = {key: bool(a.read(world)) for key, a in attributes().items() if key not in CAMERA}
     acts = could_act(instance.physics, parts(instance.props))
     assert {key for key, read in readings.items() if read} == acts - CAMERA

@@ -74,8 +74,8 @@ def test_an_audit_finds_what_each_label_says_and_a_lie() -> None:
     assert audit.sound
     measured = {finding.key for finding in audit.findings}
     assert {f"{key}@{name}" for key in ("friction", "object_mass") for name in NAMES} <= measured
-    told = Physics({**made.physics, "friction@right_block": 0.6}, made.physics.varied)
-    lie = audit_episode(stored(made), told, builtin_pack(), PATH)
+    other = Physics({**made.physics, "friction@right_block": 0.6}, made.physics.varied)
+    lie = audit_episode(stored(made), other, builtin_pack(), PATH)
     assert {one.key for one in lie.deviations} == {"friction@right_block"}
     assert lie.problems[0].startswith("friction@right_block: the label says 0.6")
 

@@ -1,4 +1,4 @@
-"""Commands for authors: what there is, and what to run on a task of one's own."""
+"""Commands for authors: what there is, new tasks, and what tries them."""
 
 import re
 import sys

@@ -35,7 +35,7 @@ class DrawCheck:
     ) -> None:
         """`find_pack` may remember: task datasets that share a pack then read its models once."""
         self._split, resolved = entry.spec.episode.split, entry.resolved
-        self._rules: Rules | str  # or why they cannot be told
+        self._rules: Rules | str  # or why they are unknown
         name = resolved.domain.get("name")
         try:
             self._rules = entry.header.rules
