@@ -31,7 +31,9 @@ def pack() -> Pack:
 
 
 def played(name: str, policy: str, seed: int, pack: Pack, protocol: str = "clean") -> PolicyEpisode:
-    episode = begin(EpisodeSpec(name, protocol).at(seed), load_task(name), pack)
+    # As `evaluate` begins it: rows are kept by who needs them.
+    spec = EpisodeSpec(name, protocol)
+    episode = begin(spec.at(seed), load_task(name), pack, keep="hash")
     open_policy(policy).play(episode)
     return episode
 

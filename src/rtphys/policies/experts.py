@@ -61,6 +61,7 @@ class Feels(Expert):
         task = episode.instance.task
         if task.feel is None:
             raise BadValue("policy", "feels", f"{task.name} has no `feel` to find physics out by")
+        robot.rollout.recorder.keep_rows()  # of which `Arm.felt` and `Robot.seen` tell
         felt = task.feel(robot)
         robot.believe(Physics({**robot.scene.physics, **felt}))
         super()._act(robot, episode)

@@ -86,6 +86,10 @@ class Recorder:
         if not stages or stages[-1] != stage:
             stages.append(stage)
 
+    def keep_rows(self) -> None:
+        """From now on keep all rows, not their hash alone."""
+        self._all_rows = True
+
     def tick(self, step: int) -> None:
         """After every physics step of the policy stage; `step` counts from 1."""
         if self.touch is not None:
