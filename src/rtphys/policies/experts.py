@@ -7,7 +7,7 @@ solved. Each frame counts as one action.
 
 from collections.abc import Mapping
 
-from rtphys.core.errors import BadValue, Infeasible
+from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.episode import PolicyEpisode
 from rtphys.expert.robot import ExpertRobot
 from rtphys.physics.attribute import attribute, is_attribute
@@ -16,7 +16,7 @@ from rtphys.physics.reach import keys_of, split
 from rtphys.physics.values import Physics, Value
 from rtphys.policies.policy import PolicySetup
 from rtphys.sim.recorder import FRAME_STEPS
-from rtphys.spec.episode import Recipe
+from rtphys.spec.episode import EpisodeSpec, Recipe
 
 NOMINAL, SHUFFLED = "nominal", "shuffled"
 OTHER = 1_000_000  # a belief of another episode is that of the seed so far on
@@ -68,10 +68,11 @@ class Feels(Expert):
 
 
 def believed(belief: Mapping[str, Value], recipe: Recipe, truth: Physics) -> Physics:
-    """What an expert takes the physics of an episode to be."""
+    """What an expert takes the physics of an episode to be; an attribute stands for all its keys."""
     values, other = dict(truth), recipe.spec.draw(recipe.seed + OTHER)
     for name, value in belief.items():
-        for key in [name] if name in truth else keys_of(name, truth) if name else truth:
+        meant = [name] if split(name)[1] else keys_of(name, truth) if name else list(truth)
+        for key in meant:
             if is_attribute(key):
                 known = {NOMINAL: attribute(key).nominal, SHUFFLED: other[key]}
                 values[key] = known[value] if isinstance(value, str) else value
@@ -84,7 +85,8 @@ def open_expert(argument: str, setup: PolicySetup) -> Expert:
     A VALUE is a number, a vector, "nominal" or "shuffled"; a KEY names an attribute of all props
     or of one.
 
-    Raises `UnknownName`: no such attribute; `BadValue`: no such belief.
+    Raises `UnknownName`: no such attribute, or no prop of the task with one of its own; `BadValue`:
+    no such belief.
     """
     if argument in ("", NOMINAL, SHUFFLED):
         return Expert({"": argument} if argument else {})
@@ -96,6 +98,10 @@ def open_expert(argument: str, setup: PolicySetup) -> Expert:
             belief[key] = value
         else:
             belief |= parse_overrides([part])
+    if setup.task:
+        known = EpisodeSpec(setup.task, setup.protocol).draw(0)
+        for key in belief.keys() - known.keys():
+            raise UnknownName(f"physics of {setup.task}", key, known)
     return Expert(belief)
 
 
