@@ -68,7 +68,7 @@ class Feels(Expert):
 
 
 def believed(belief: Mapping[str, Value], recipe: Recipe, truth: Physics) -> Physics:
-    """What an expert takes the physics of an episode to be; an attribute stands for all its keys."""
+    """What an expert takes an episode's physics to be; an attribute stands for all its keys."""
     values, other = dict(truth), recipe.spec.draw(recipe.seed + OTHER)
     for name, value in belief.items():
         meant = [name] if split(name)[1] else keys_of(name, truth) if name else list(truth)
