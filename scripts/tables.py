@@ -68,7 +68,7 @@ FIELDS = {
     "readback.servos": "by joint of the robot: `damping`",
     "readback.scale": "by object: its size as a factor",
     "readback.external_force": "by object: N, world",
-    "visual.split": "which sentences and textures were drawn from",
+    "visual.split": "which textures were drawn from",
     "visual.wall_texture": "the same of the wall",
     "visual.lights": "RGB of `ambient`, `directional` and `points`; null: as in clean",
     "visual.clutter": "`name`, `category` and `model` of each piece",

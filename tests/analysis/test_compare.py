@@ -107,7 +107,7 @@ OTHER_NUMPY = CODE.model_copy(update={"versions": {"code": "c" * 64, "numpy": "2
     ("episode", "fingerprint", "why"),
     [
         (EpisodeSpec(embodiment="franka-panda"), CODE, "robot aloha-agilex and franka-panda"),
-        (EpisodeSpec(split="unseen"), CODE, "split seen and unseen"),
+        (EpisodeSpec(split="unseen"), CODE, "split seen and unseen; sentences seen and unseen"),
         (EpisodeSpec(), OTHER_CODE, "code cccccccc and eeeeeeee"),
         (EpisodeSpec(), OTHER_NUMPY, ""),  # last bits, as in certified lists
         (EpisodeSpec(), CODE, ""),

@@ -46,6 +46,8 @@ def test_an_observation_is_what_the_official_one_is(episode: PolicyEpisode) -> N
     assert seen.time == 0.0 and episode.taken == 0 and not episode.over
     said = instructions(load_task(TASK), episode.seed, describer(PACK))
     assert episode.instruction == said["unseen"][0]
+    heard = PolicyEpisode(episode.instance, PACK, episode.recording_spec, "nothing", "seen")
+    assert heard.instruction == said["seen"][0] != episode.instruction
 
 
 def test_the_same_seed_gives_the_same_observations() -> None:

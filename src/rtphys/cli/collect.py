@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, fields
 from typing import Annotated
 
@@ -17,7 +17,14 @@ from rtphys.cli.screen import (
     print_table,
     summary_table,
 )
-from rtphys.cli.terminal import Incomplete, command_line, resumable, say, say_json
+from rtphys.cli.terminal import (
+    Incomplete,
+    command_line,
+    printable,
+    resumable,
+    say,
+    say_json,
+)
 from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, counted
 from rtphys.data.attempts import Accepted, read_attempts
@@ -53,11 +60,14 @@ class Request(AsJson):
     dry_run: Annotated[
         bool, Option("Only say what would be collected and where; nothing is simulated.")
     ] = False
+    repair: Annotated[
+        bool, Option("Instead: make damaged and missing files of the dataset again.")
+    ] = False
 
 
 COMMON = (
     "task", "protocol", "episodes", "only", "overrides", "senses", "out", "workers",
-    "keep_failures", "sweep", "manifest", "dry_run",
+    "keep_failures", "sweep", "manifest", "dry_run", "repair",
 )  # fmt: skip
 
 
@@ -74,17 +84,20 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
         rtphys collect 'stack_*' --protocol clean --sense depth,touch
         rtphys collect lift_pot --only friction --episodes 20
         rtphys collect --manifest training_v1 --shard 1/4 --dry-run
+        rtphys collect --repair --out data
     """
     from rtphys.studies.collect import collect as run_collection
     from rtphys.studies.collect import without_effect
 
+    if request.repair:
+        allowed = "the dataset says that; beside `repair` stand only `out` and `workers`"
+        _refuse_others(context, {"repair", "out", "workers"}, allowed)
+        _repair(run)
+        return
     if request.manifest:
         beside = {"manifest", "dry_run", "as_json", *(field.name for field in fields(Run))}
-        for name in context.params.keys() - beside:
-            source = context.get_parameter_source(name)
-            if source is not None and source.name == "COMMANDLINE":
-                allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
-                raise BadValue(name, context.params[name], allowed)
+        allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
+        _refuse_others(context, beside, allowed)
         specs = read_specs(find_collection(request.manifest))
     elif request.task:
         specs = specs_for(template, library.matching("tasks", request.task), request.sweep)
@@ -114,6 +127,30 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
     if given_up := [f"{one.name}: {one.stopped}" for one in done if one.stopped]:
         raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
     say("to check every file: " + command_line("verify", run.out), err=request.as_json)
+
+
+def _refuse_others(context: typer.Context, beside: Set[str], allowed: str) -> None:
+    """Raises `BadValue`: an option was given that is not among `beside`."""
+    for name in sorted(context.params.keys() - beside):
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            raise BadValue(name, context.params[name], allowed)
+
+
+def _repair(run: Run) -> None:
+    from rtphys.studies.repair import repair
+
+    say(f"comparing every file in {run.out} with its ledger", err=True)
+    with resumable(), campaign_progress("episodes") as listener:
+        done = repair(run.out, run.workers, listener)
+    for path in done.files:
+        say(f"made again: {path}")
+    for problem in done.problems:
+        say(printable(str(problem), one_line=True), err=True)
+    say(f"{counted(len(done.files), 'files')} made again, all others were left as they are")
+    say("to check every file: " + command_line("verify", run.out))
+    if done.problems:
+        raise Incomplete(f"{counted(len(done.problems), 'files')} could not be made again")
 
 
 def _what_varies(spec: EpisodeSpec) -> str:

@@ -246,7 +246,7 @@ class _TaskCheck:
             report.problem(self.place.ledger, problem)
             return
         reasons = {
-            path: _file_problem(self.out, path, listed[name]) for name, path in wanted.items()
+            path: file_problem(self.out, path, listed[name]) for name, path in wanted.items()
         }
         report.files += len(wanted)
         report.bytes += sum(facts.size for facts in listed.values())
@@ -304,7 +304,8 @@ class _TaskCheck:
                     report.problem(path, "is in no manifest")
 
 
-def _file_problem(out: Path, path: Path, listed: FileFacts) -> str:
+def file_problem(out: Path, path: Path, listed: FileFacts) -> str:
+    """Why a file of a dataset in `out` is not the one that a ledger lists; empty: it is."""
     try:
         check_inside(out, path)
         if (size := path.stat().st_size) != listed.size:

@@ -28,18 +28,20 @@ def begin(
     pack: Pack,
     recording_spec: RecordingSpec = USUAL,
     keep: Keep = "rows",
+    sentences: str | None = None,
 ) -> "PolicyEpisode":
     """Builds the world of a recipe and lets it settle.
 
     Args:
         recording_spec: the cameras that observations show, and what these are asked for.
         keep: what is recorded (`RolloutOptions`); whoever draws or stores the episode needs rows.
+        sentences: "seen" or "unseen"; None: as the recipe's textures.
 
     Raises `Infeasible`: "layout", "invalid_physics" or "unsettled"; never on a certified seed.
     """
     instance = prepare(recipe, task, pack)
     settle(instance)
-    return PolicyEpisode(instance, pack, recording_spec, keep)
+    return PolicyEpisode(instance, pack, recording_spec, keep, sentences)
 
 
 class PolicyEpisode:
@@ -49,13 +51,18 @@ class PolicyEpisode:
     physics step), or when the task's number of actions is used up.
 
     Attributes:
-        instruction: a sentence of the recipe's split, the same one for the same seed.
+        instruction: a sentence of the chosen split, the same one for the same seed.
         step_limit: actions that the task allows.
         rollout: the world and its recorder; for the expert, tests and videos, never for a policy.
     """
 
     def __init__(
-        self, instance: Instance, pack: Pack, recording_spec: RecordingSpec, keep: Keep
+        self,
+        instance: Instance,
+        pack: Pack,
+        recording_spec: RecordingSpec,
+        keep: Keep,
+        sentences: str | None,
     ) -> None:
         recipe, task = instance.recipe, instance.task
         self.instance, self.recipe, self.recording_spec = instance, recipe, recording_spec
@@ -66,7 +73,8 @@ class PolicyEpisode:
         self._control = PolicyControl(self.rollout, recipe.seed)
         self._mirror = Mirror(instance, pack, recording_spec)
         self._outcome: Outcome | None = None
-        self.instruction = instructions(task, recipe.seed, describer(pack))[recipe.spec.split][0]
+        split = sentences or recipe.spec.split
+        self.instruction = instructions(task, recipe.seed, describer(pack))[split][0]
 
     @property
     def taken(self) -> int:

@@ -9,15 +9,15 @@ from functools import lru_cache
 from pathlib import Path
 
 from rtphys.assets.pack import Pack, default_pack, pack_with
-from rtphys.core.errors import BadFile, BadValue, RtphysError
+from rtphys.core.errors import BadFile, BadValue, NoRenderer, RtphysError
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, schema
 from rtphys.data.attempts import Accepted, Rejected
 from rtphys.data.compare import Comparison, RegeneratedEpisode, compare_episode, json_differences
 from rtphys.data.hdf5_episode import EpisodeFile
-from rtphys.data.json_text import plain
+from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import EpisodePaths, TaskDataset
-from rtphys.data.staging import HDF5, stage_episode
+from rtphys.data.staging import HDF5, PHYS_META, stage_episode, targets
 from rtphys.episode.assemble import assemble, kept, rejection, values, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
@@ -91,36 +91,53 @@ class Scene:
         return attempt(self.recipe, self.task, self.pack, touch=touch, happened=True)
 
 
+def scene_of(recorded: RecordedAttempt, folder: Path) -> Scene:
+    """What a recorded attempt is made again with; its new files go to `folder`.
+
+    Raises `RtphysError`: its task is not here, or its protocol draws by other rules here.
+    """
+    header = recorded.header
+    resolved, task = header.resolved, load_task(header.spec.episode.task)
+    recipe = _recipe(header, recorded.row.seed)
+    # The protocol of that name must draw as the manifest says.
+    own = recipe.spec
+    look = own.visual()
+    drawn = {
+        "domain": (own.domain.digest, resolved.domain.get("digest")),
+        "visual": (None if look is None else look.to_json(), resolved.visual),
+    }
+    for key, (here, there) in drawn.items():
+        if here != there:
+            allowed = f"protocol {own.protocol} has {here!r} here"
+            raise BadValue(key, there, allowed, "manifest.json")
+    return Scene(recorded, recipe, task, _pack(resolved.assets.get("digest", "")), folder)
+
+
+def changed_since(scene: Scene) -> list[str]:
+    """What is another version here than in the collection, a clause each; assets too."""
+    resolved = scene.recorded.header.resolved
+    now = versions(scene.task, scene.recipe.spec.embodiment)
+    assets = differences(
+        {"digest": resolved.assets.get("digest", "")}, {"digest": scene.pack.digest}
+    )
+    return [*differences(resolved.versions, now), *(f"assets.{clause}" for clause in assets)]
+
+
 def reproduce(recorded: RecordedAttempt, folder: Path) -> Comparison:
     """Simulates a seed of a dataset again and compares; the new files go to `folder`."""
-    spec, resolved, row = recorded.header.spec, recorded.header.resolved, recorded.row
-    name, digest = recorded.place.name, resolved.assets.get("digest", "")
+    spec, row, name = recorded.header.spec, recorded.row, recorded.place.name
     if spec.policy is not None:
         note = f"{name}: what {spec.policy} did is not made again without it"
         return Comparison([], [note], made=False)
     try:
-        task, recipe = load_task(spec.episode.task), _recipe(recorded.header, row.seed)
-        scene = Scene(recorded, recipe, task, _pack(digest), folder)
-        # The protocol of that name must draw as the manifest says.
-        own = recipe.spec
-        look, now = own.visual(), versions(task, own.embodiment)
-        drawn = {
-            "domain": (own.domain.digest, resolved.domain.get("digest")),
-            "visual": (None if look is None else look.to_json(), resolved.visual),
-        }
-        for key, (here, there) in drawn.items():
-            if here != there:
-                allowed = f"protocol {own.protocol} has {here!r} here"
-                raise BadValue(key, there, allowed, "manifest.json")
+        scene = scene_of(recorded, folder)
         found = _accepted(scene, row) if isinstance(row, Accepted) else _rejected(scene, row)
     except RtphysError as error:
         accepted = isinstance(row, Accepted)
         path = recorded.paths.phys_meta if accepted else recorded.place.ledger
         text = f"seed {row.seed} cannot be made again: {error}"
         return Comparison([(path, text)], made=False)
-    others = differences(resolved.versions, now)  # versions here than in the collection
-    changed = differences({"digest": digest}, {"digest": scene.pack.digest})
-    if others := [*others, *(f"assets.{clause}" for clause in changed)]:
+    if others := changed_since(scene):
         named = ", ".join(clause.partition(" was ")[0] for clause in others)
         suffix = f" (others here than in the collection: {named})"
         found.problems = [(path, text + suffix) for path, text in found.problems]
@@ -199,14 +216,41 @@ def regenerated(again: Attempt, scene: Scene) -> RegeneratedEpisode:
     return RegeneratedEpisode(frames, staged.phys_meta, staged.scene_info, words, scene.folder)
 
 
-def _compared(made: RegeneratedEpisode, scene: Scene) -> Comparison:
-    """With the stored files, and what cannot be compared."""
-    recorded, header = scene.recorded, scene.recorded.header
+def remade(recorded: RecordedAttempt, folder: Path) -> dict[Path, bytes]:
+    """The files of an attempt, simulated and drawn again: where they belong, and their content.
+
+    Raises `RtphysError`: it comes out otherwise here, or nothing can be drawn.
+    """
+    scene = scene_of(recorded, folder)
+    again = scene.attempt()
+    if again.accepted != isinstance(recorded.row, Accepted) or not (again.accepted or kept(again)):
+        now = "accepted" if again.accepted else f"rejected: {again.reason} ({again.detail})"
+        raise RtphysError(f"made again it is {now}")
+    made = regenerated(again, scene)
+    if made.folder is None:
+        raise NoRenderer("no pictures can be drawn here")
+    label = pretty(_as_labelled(made, recorded))
+    places = targets(recorded.paths)
+    return {
+        path: label if name == PHYS_META else files.read(made.folder / name)
+        for name, path in places.items()
+    }
+
+
+def _as_labelled(made: RegeneratedEpisode, recorded: RecordedAttempt) -> dict[str, JSON]:
+    """Its label, with what the dataset calls it, and with the versions of the collection."""
+    header = recorded.header
     # The domain is stored beside the spec; the recipe in a label names it as the user did.
     recipe = stored(header.spec.episode.at(recorded.row.seed))
     label = {**made.label, "episode": recorded.number, "recipe": recipe}
-    label["versions"] = {**header.resolved.versions}
-    found = compare_episode(recorded.paths, recorded.place.layout, replace(made, label=label))
+    return {**label, "versions": {**header.resolved.versions}}
+
+
+def _compared(made: RegeneratedEpisode, scene: Scene) -> Comparison:
+    """With the stored files, and what cannot be compared."""
+    recorded, header = scene.recorded, scene.recorded.header
+    labelled = replace(made, label=_as_labelled(made, recorded))
+    found = compare_episode(recorded.paths, recorded.place.layout, labelled)
     path, key = recorded.files.scene_info, f"episode_{recorded.number}"
     try:
         said = parse_mapping(files.read(path), path).get(key)

@@ -55,7 +55,7 @@ class PolicySetup:
 
     task: str = ""
     protocol: str = "clean"
-    split: str = "unseen"  # of instructions and textures: "seen" or "unseen"
+    split: str = "unseen"  # of the sentences: "seen" or "unseen"
     seed: int = 0  # for the policy's own random numbers, not an episode's seed
     options: Mapping[str, str] = field(default_factory=dict)  # given by the user, by key
     embodiment: str = DEFAULT

@@ -17,8 +17,8 @@ from pydantic import FiniteFloat
 from rtphys.core.errors import BadFile
 from rtphys.data.ledger import read_header, read_rows
 from rtphys.results.instances import ENFORCED, Fingerprint, InstanceList, read_lists
-from rtphys.spec.episode import EpisodeSpec
-from rtphys.spec.option import Offers, Option, Seed, checked_dataclass
+from rtphys.spec.episode import SPLITS, EpisodeSpec
+from rtphys.spec.option import Offers, Option, Seed, checked_dataclass, one_of
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import CLOSED
 
@@ -78,6 +78,16 @@ class EvaluationSpec:
     options: Annotated[
         Mapping[str, str], Option("key=value for the policy; repeatable.", "policy_option")
     ] = field(default_factory=dict[str, str])
+    sentences: Annotated[
+        str | None,
+        one_of("split of sentences", SPLITS),
+        Option("seen or unseen sentences. Default: as the textures."),
+    ] = None
+
+    @property
+    def hears(self) -> str:
+        """The split of the sentences that the policy gets."""
+        return self.sentences or self.episode.split
 
     def of(self, protocol: str, task: str) -> "EvaluationSpec":
         """The same in another task or under another protocol."""
@@ -151,6 +161,7 @@ class Results:
     def ground(self, protocol: str, task: str) -> Mapping[str, str]:
         """What decides an episode but its seed, as a table of short texts; versions that matter."""
         found = {"robot": self.robot, "split": self.spec.episode.split}
+        found |= {"sentences": self.spec.hears}
         if (header := self.headers.get((protocol, task))) is not None:
             of, versions = header.fingerprint, header.fingerprint.versions
             digests = {"domain": of.domain.digest, "look": of.look, "assets": of.assets}

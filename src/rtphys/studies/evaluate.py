@@ -144,7 +144,8 @@ def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeri
         {study.spec.key: study.instances for study in studies},
     )
     policy, episode = short_name(spec.policy), spec.episode
-    what = {"policy": spec.policy, "split": episode.split, "embodiment": episode.embodiment}
+    what = {"policy": spec.policy, "split": episode.split, "sentences": spec.hears}
+    what |= {"embodiment": episode.embodiment}
     files.replace_file(out / evaluation.SUMMARY, pretty({**what, **summary.to_json()}))
     for protocol, effects in summary.breaks.items():
         if effects:
@@ -153,7 +154,7 @@ def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeri
     for row in summary.tasks:
         folder = result_folder(out, row.task, policy, row.protocol)
         counts = row.counts.rollouts, row.counts.tried, row.counts.successes
-        write_result(folder, row.protocol, episode.split, counts)
+        write_result(folder, row.protocol, spec.hears, counts)
     return summary
 
 
@@ -197,7 +198,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         self.spec, self.instances, self.writer = header.spec, instances, writer
         spec, of = self.spec, self.spec.episode
         self._setup = PolicySetup(
-            of.task, of.protocol, of.split, spec.seed, spec.options, of.embodiment, arm_joints
+            of.task, of.protocol, spec.hears, spec.seed, spec.options, of.embodiment, arm_joints
         )
         self._out, self._video = out, video
         count = int(video) if video and video.isdecimal() else len(instances.feasible)
@@ -294,7 +295,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         policy = self._session.policy(job.setup)
         try:
             keep = "hash" if job.video is None and job.staging is None else "rows"
-            episode = begin(recipe, task, self.pack, self.recording, keep)
+            episode = begin(recipe, task, self.pack, self.recording, keep, job.setup.split)
         except Infeasible as problem:
             return unplayed(recipe, "infeasible", str(problem))
         trace = ""

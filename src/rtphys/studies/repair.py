@@ -1,0 +1,153 @@
+"""`collect --repair`: files of a dataset that are damaged or missing are made again."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from rtphys.campaign.local import run_here
+from rtphys.campaign.machine import cores
+from rtphys.campaign.pool import WorkerFailure
+from rtphys.campaign.series import QUIET, Batch, Listener
+from rtphys.core.errors import BadFile, RtphysError
+from rtphys.data import files
+from rtphys.data.attempts import Rejected, ledgers_below, read_attempts
+from rtphys.data.check_episode import Problem
+from rtphys.data.files import FileFacts
+from rtphys.data.layout import MANIFEST, TaskDataset
+from rtphys.data.lock import FolderLock
+from rtphys.data.manifest import read_manifest
+from rtphys.data.verify import file_problem
+from rtphys.data.writer import DatasetWriter, write_side_files
+from rtphys.episode.reproduce import RecordedAttempt, changed_since, remade, scene_of
+from rtphys.sim import renderer
+from rtphys.studies.resources import check_drawable
+
+
+class OtherVersions(RtphysError):
+    """What would be made here is not what the dataset holds."""
+
+
+class Damage(NamedTuple):
+    """An attempt, and its files that are not what the ledger lists."""
+
+    recorded: RecordedAttempt
+    wanted: dict[Path, FileFacts]
+
+    @property
+    def shader(self) -> str:
+        return self.recorded.header.spec.recording.shader
+
+
+@dataclass
+class Repaired:
+    """What came of it."""
+
+    files: list[Path] = field(default_factory=list[Path])  # made again
+    problems: list[Problem] = field(default_factory=list[Problem])  # one each that was not
+
+
+def repair(out: Path, workers: int | None = None, listener: Listener = QUIET) -> Repaired:
+    """Simulates each attempt again whose files are damaged or missing, and writes those files.
+
+    Every file that is as its ledger lists it stays untouched. A new file is written only if it has
+    the listed SHA-256. A manifest that is missing, and side files, are derived from the ledgers.
+
+    Raises:
+        BadFile: a ledger or the manifest is damaged, or there is no dataset.
+        OtherVersions: code, a package or the assets are others than in the collection.
+        NoRenderer: no pictures can be drawn here.
+        DatasetLocked: another run writes into the folder.
+    """
+    if not out.is_dir():
+        raise BadFile(out, "there is no such folder")
+    with FolderLock(out):
+        damaged = [*_damaged(out)]
+        _check(damaged)
+        results = dict[int, list[Problem]]()
+        for shader in sorted({one.shader for one in damaged}):  # a process draws with one
+            jobs = {number: one for number, one in enumerate(damaged) if one.shader == shader}
+            batch = Batch("repair", jobs, _lost)
+            run_here([batch], RepairWorker(shader), min(workers or cores(), len(jobs)), listener)
+            results |= batch.results
+        for ledger, header in ledgers_below(out).items():
+            place = TaskDataset.of(out, header.spec)
+            rows = (row for row in read_attempts(ledger) if isinstance(row, Rejected))
+            write_side_files(place, any(row.kept for row in rows))
+    if not (out / MANIFEST).exists():
+        with DatasetWriter(out):  # derives it from the ledgers
+            pass
+    done = Repaired()
+    for number, problems in sorted(results.items()):
+        refused = {problem.path for problem in problems}
+        done.files += [path for path in damaged[number].wanted if path not in refused]
+        done.problems += problems
+    return done
+
+
+def _damaged(out: Path) -> Iterator[Damage]:
+    """Attempts with a file that is not what its ledger lists. Raises `BadFile`."""
+    there = ledgers_below(out)
+    entries = read_manifest(out).task_datasets if (out / MANIFEST).exists() else {}
+    for ledger in (entry.below(out).ledger for entry in entries.values()):
+        if ledger not in there:
+            raise BadFile(ledger, "is missing: nothing can be made again without it")
+    if not there:
+        raise BadFile(out, "holds no dataset")
+    for ledger, header in there.items():
+        for row in read_attempts(ledger):
+            if row.on_disk is not None:
+                recorded = RecordedAttempt(out, header, row)
+                folder, listed = recorded.place.folder, row.on_disk.files
+                facts = {folder / name: one for name, one in listed.items()}
+                wanted = {p: one for p, one in facts.items() if file_problem(out, p, one)}
+                if wanted:
+                    yield Damage(recorded, wanted)
+
+
+def _check(damaged: Sequence[Damage]) -> None:
+    """Refuses what cannot come out as it was, once for each task dataset, before any work."""
+    for recorded in {one.recorded.place.name: one.recorded for one in damaged}.values():
+        if (policy := recorded.header.spec.policy) is not None:
+            raise OtherVersions(f"{recorded.place.name}: {policy} acted, who is not here")
+        if clauses := changed_since(scene_of(recorded, Path())):
+            raise OtherVersions(
+                f"{recorded.place.name} cannot be made again as it was: {'; '.join(clauses)}"
+            )
+    for shader in {one.shader for one in damaged}:
+        check_drawable(shader=shader)
+
+
+def _lost(job: Damage, loss: WorkerFailure) -> list[Problem]:
+    text = f"its worker was lost ({loss.reason}: {loss.detail})"
+    return [Problem(path, text) for path in job.wanted]
+
+
+@dataclass(frozen=True)
+class RepairWorker:
+    """Makes attempts again and writes those of their files that are wanted."""
+
+    shader: str
+
+    def __call__(self) -> Callable[[Damage], list[Problem]]:
+        renderer.configure(self.shader)
+        renderer.hold_anchor()
+        return self.do
+
+    def do(self, job: Damage) -> list[Problem]:
+        """What could not be written, and why."""
+        with tempfile.TemporaryDirectory(prefix="rtphys-repair-") as folder:
+            try:
+                made = remade(job.recorded, Path(folder) / "episode")
+            except RtphysError as error:
+                return [Problem(path, str(error)) for path in job.wanted]
+        found: list[Problem] = []
+        for path, listed in job.wanted.items():
+            if FileFacts.of(made[path]) == listed:
+                files.make_folder(path.parent)
+                files.replace_file(path, made[path])
+            else:
+                text = "made again it has other bytes: another device or driver drew it"
+                found.append(Problem(path, text))
+        return found

@@ -1,0 +1,127 @@
+"""Files of a dataset that are damaged or missing are made again, and nothing else is touched."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from forger import Forger, forge
+from typer.testing import CliRunner
+
+from rtphys.cli.main import app
+from rtphys.core.errors import BadFile
+from rtphys.data.dataset import Dataset
+from rtphys.data.faults import DatasetLocked
+from rtphys.data.layout import EpisodePaths
+from rtphys.data.lock import FolderLock
+from rtphys.data.verify import verify
+from rtphys.spec.collection import CollectionSpec
+from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.recording import RecordingSpec
+from rtphys.studies.collect import collect
+from rtphys.studies.repair import OtherVersions, repair
+from rtphys.studies.requests import Run
+
+pytestmark = [pytest.mark.sim, pytest.mark.render]
+# Its seed 0 is rejected; 1 and 2 are its episodes.
+PLAN = CollectionSpec(
+    EpisodeSpec("press_stapler", "phys_random_all"),
+    RecordingSpec(("head",)),
+    episodes=2,
+)
+
+
+@pytest.fixture(scope="module")
+def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("honest")
+    collect([PLAN], Run(out, workers=1))
+    return out
+
+
+@pytest.fixture
+def copied(honest: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(honest, tmp_path / "data"))
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    return {p.relative_to(out).as_posix(): p.read_bytes() for p in out.rglob("*") if p.is_file()}
+
+
+def damage(paths: EpisodePaths) -> None:
+    """A truncated HDF5, a video that is gone, a label that is gone, an edit of the sentences."""
+    paths.hdf5.write_bytes(paths.hdf5.read_bytes()[:1000])
+    paths.video.unlink()
+    paths.phys_meta.unlink()
+    paths.instruction.write_bytes(paths.instruction.read_bytes()[::-1])
+
+
+def test_what_is_damaged_comes_back_to_the_last_byte(honest: Path, copied: Path) -> None:
+    first, second = Dataset(copied)
+    damage(first.paths)
+    (copied / "manifest.json").unlink()
+    (seeds,) = copied.rglob("seeds.txt")
+    seeds.unlink()
+    sound = {path: path.stat().st_mtime_ns for path in second.paths.all()}
+    done = repair(copied, workers=1)
+    assert (set(done.files), done.problems) == (set(first.paths.all()), [])
+    assert contents(copied) == contents(honest)
+    assert sound == {path: path.stat().st_mtime_ns for path in second.paths.all()}
+    assert verify(copied).sound
+
+
+def test_a_sound_dataset_needs_no_simulation(
+    honest: Path, copied: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtphys.studies.repair.run_here", None)
+    assert repair(copied).files == []
+    assert contents(copied) == contents(honest)
+
+
+def test_other_versions_are_refused_by_name(copied: Path) -> None:
+    def change(forger: Forger) -> None:
+        forger.header["resolved"]["versions"]["sapien"] = "2.0"
+        forger.header["resolved"]["assets"]["digest"] = "0" * 64
+
+    forge(copied, change)
+    first, _ = Dataset(copied)
+    first.paths.video.unlink()
+    before = contents(copied)
+    with pytest.raises(OtherVersions, match=r"sapien was '2.0', now .*; assets.digest was '000"):
+        repair(copied)
+    assert contents(copied) == before
+
+
+def test_what_comes_out_otherwise_is_not_written(copied: Path) -> None:
+    """Its ledger lists a video that nobody has drawn."""
+
+    def change(forger: Forger) -> None:
+        forger.place.episode(0).video.write_bytes(b"x")
+
+    forge(copied, change)
+    first, _ = Dataset(copied)
+    first.paths.video.unlink()
+    done = repair(copied, workers=1)
+    assert done.files == []
+    assert "other bytes" in str(*done.problems)
+    assert not first.paths.video.exists()
+
+
+def test_without_a_ledger_nothing_is_made(copied: Path, tmp_path: Path) -> None:
+    with FolderLock(copied), pytest.raises(DatasetLocked):
+        repair(copied)
+    (ledger,) = copied.rglob("ledger.jsonl")
+    ledger.unlink()
+    with pytest.raises(BadFile, match="is missing: nothing can be made again without it"):
+        repair(copied)
+    with pytest.raises(BadFile, match="holds no dataset"):
+        repair(tmp_path)
+    with pytest.raises(BadFile, match="no such folder"):
+        repair(tmp_path / "nowhere")
+
+
+def test_the_command_takes_no_wish(copied: Path) -> None:
+    refused = CliRunner().invoke(app, ["collect", "click_bell", "--repair", "--out", str(copied)])
+    assert refused.exit_code == 2
+    assert "beside --repair stand only --out and --workers" in refused.stderr.replace("\n", " ")
+    done = CliRunner().invoke(app, ["collect", "--repair", "--out", str(copied)])
+    assert done.exit_code == 0
+    assert "0 files made again" in done.stdout
