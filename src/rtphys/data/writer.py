@@ -145,7 +145,7 @@ class TaskWriter:
                 there = set(os.listdir(folder)) if folder.is_dir() else set[str]()  # noqa: PTH208
                 listed = {f"{stem}{ends[folder]}" for stem in stems if folder in ends}
                 if missing := listed - there:
-                    cure = "`rtphys collect --repair` makes it again"
+                    cure = "`repair` of `rtphys collect` makes it again"
                     problem = f"the ledger lists it, but it is missing; {cure}"
                     raise BadFile(folder / min(missing), problem)
                 for path in (folder / name for name in sorted(there - listed)):

@@ -1,4 +1,4 @@
-"""`collect --repair`: files of a dataset that are damaged or missing are made again."""
+"""`repair`: files of a dataset that are damaged or missing are made again."""
 
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
