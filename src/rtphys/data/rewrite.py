@@ -72,8 +72,9 @@ class _Part:
 def convert(source: Path, out: Path, layout: str, progress: Progress | None = None) -> list[str]:
     """Writes every task dataset in another layout, attempts included.
 
-    All but pictures comes back with the same bits. Pictures are encoded again, as legacy files hold
-    red and blue exchanged and JPEG mixes the channels.
+    All but pictures comes back with the same bits. Where the layout changes, pictures are encoded
+    again: native files hold marked standard RGB, legacy ones red and blue exchanged without a mark,
+    and JPEG mixes the channels, so levels differ a little. A stream of the right kind is kept.
 
     Returns:
         Names of the task datasets written.
