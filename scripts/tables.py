@@ -12,6 +12,7 @@ from pathlib import Path
 
 import policy_tables
 from com_inside import Bodies, narrowed, survival
+from masses import theirs as robotwin_mass
 
 import results
 from rtphys import task as vocabulary
@@ -92,6 +93,7 @@ DOCUMENTS = (
     DOCS / "objects.md",
     DOCS / "domains.md",
     DOCS / "physics.md",
+    DOCS / "masses.md",
     DOCS / "scale.md",
     DOCS / "benchmark.md",
     DOCS / "maps.md",
@@ -209,6 +211,27 @@ def slip() -> str:
         turned = max((measured[n]["turned_deg"] for n in names), default=0)
         rows.append((title, *cells, f"{turned:.0f}"))
     return _table(("object", *(f"{a} mm" for a in aside), "turned [deg]"), rows)
+
+
+def masses() -> str:
+    """Table of what the tasks move: kilograms here, in RoboTwin, and how many times as much."""
+    rows = []
+    for kind, by_task in results.load("masses").items():
+        groups: dict[float, list[str]] = {}
+        for task in by_task:
+            groups.setdefault(robotwin_mass(task, kind), []).append(task)
+        for other, named in sorted(groups.items()):
+            counts, least, most = zip(*(by_task[task] for task in named), strict=True)
+            low, high = min(least), max(most)
+            names = ", ".join(f"`{task}`" for task in named)
+            times = _span(float(f"{low / other:.2g}"), float(f"{high / other:.2g}"))
+            cells = (str(max(counts)), _span(low, high), f"{other:g}", times, names)
+            rows.append((f"`{kind}`" if kind[0].isdigit() else kind, *cells))
+    return _table(("object", "parts", "here [kg]", "RoboTwin [kg]", "times", "tasks"), rows)
+
+
+def _span(low: float, high: float) -> str:
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
 
 
 def _extremes(pairs: list[list[float]]) -> str:
@@ -391,6 +414,7 @@ TABLES = {
     "com_rejection": com_rejection,
     "feasibility": feasibility,
     "slip": slip,
+    "masses": masses,
     "benchmark": benchmark,
     "baselines": baselines,
     "blind": blind,
