@@ -14,6 +14,7 @@ from collected import FRAMES, collect, keep
 
 import rtphys
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName
+from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset, find_episode
 from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.rewrite import convert
@@ -190,11 +191,12 @@ def seeds(data: Path, **wanted) -> list[int]:
 
 def test_selectors(data: Path) -> None:
     assert seeds(data) == [0, 1]
-    assert seeds(data, episode=1) == [1]
+    assert seeds(data, episode="1") == [1]
+    assert seeds(data, episode="0:9") == [0, 1]
     assert seeds(data, failure=0) == [2]
     assert seeds(data, seed="2") == [2], "a seed says by itself that a failure is meant"
     assert seeds(data, task="click_bell", config="phys_random", seed="1:9") == [1, 2]
-    assert seeds(data / "manifest.json", episode=0) == [0]
+    assert seeds(data / "manifest.json", episode="0") == [0]
     (failure,) = One(failure=0).of_path(data)
     assert failure.failed and One().of_path(failure.paths.video) == (failure,)
 
@@ -202,7 +204,8 @@ def test_selectors(data: Path) -> None:
 @pytest.mark.parametrize(
     ("wanted", "error", "said"),
     [
-        ({"episode": 7}, BadValue, "episodes 0 to 1"),
+        ({"episode": "7"}, BadValue, "episodes 0 to 1"),
+        ({"episode": ""}, BadValue, "at least one number"),
         ({"failure": 4}, BadValue, "failures 0 to 0"),
         ({"seed": "9"}, BadFile, "no such episode"),
         ({"seed": "x"}, BadValue, "such as 3,7"),
@@ -218,3 +221,18 @@ def test_what_is_not_there_is_said(
 
 def test_a_selection_of_everything_is_everything() -> None:
     assert Selection() == Selection(seed="") and seed_set("seed", "3,5:7") == {3, 5, 6}
+
+
+def test_a_selection_takes_the_same_of_rows_and_of_datasets(data: Path) -> None:
+    (entry,) = Dataset(data).task_datasets
+    rows = [*read_attempts(entry.below(data).ledger)]
+    for part, wanted in (
+        (Selection(), [0, 1]),
+        (Selection(episode="1"), [1]),
+        (Selection(seed="0,2", episode="0:9"), [0]),
+        (Selection(seed="2"), []),
+    ):
+        assert [one.seed for one in part.of(Dataset(data))] == wanted
+        taken = [row for row in rows if part.takes(row)]
+        assert [row.seed for row in taken if isinstance(row, Accepted)] == wanted
+    assert [row.seed for row in rows if Selection(seed="2").takes(row)] == [2]

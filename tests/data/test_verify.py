@@ -17,6 +17,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.core.errors import BadFile
 from rtphys.core.seeds import stream
 from rtphys.data.check_episode import Effort
+from rtphys.data.dataset import Dataset
 from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.jpeg import MARK
@@ -109,6 +110,8 @@ def test_without_a_dataset(tmp_path: Path, three: Path) -> None:
     assert "there is no such folder" in words(verify(tmp_path / "gone"))
     whole = f"there is no manifest.json here (this is a part of {three})"
     assert whole in words(verify(three / "phys_random"))
+    with pytest.raises(BadFile, match="this is a part of"):  # every reader says it
+        Dataset(three / "phys_random")
 
 
 @pytest.mark.parametrize(

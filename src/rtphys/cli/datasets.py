@@ -232,6 +232,9 @@ def lerobot(
     protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
     config: Annotated[str | None, typer.Option(help="Only this configuration.")] = None,
     seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
+    episode: Annotated[
+        str | None, typer.Option(help="Only these numbers in its task dataset: 3,7 or 0:50.")
+    ] = None,
     camera_names: Annotated[
         str, typer.Option(help="aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
     ] = "aloha",
@@ -258,7 +261,7 @@ def lerobot(
     from rtphys.export.lerobot_plan import READERS
 
     spec = ExportSpec(version, camera_names, tuple(names_in(features or [])), sentences)
-    chosen = Selection(task, config, seed).of(Dataset(dataset).where(protocol=protocol))
+    chosen = Selection(task, config, seed, episode).of(Dataset(dataset).where(protocol=protocol))
     with progress_bar("exporting") as bar:
         export_lerobot(chosen, out, spec, bar)
     say(f"{out}: {counted(len(chosen), 'episodes')}, LeRobot {version}, for {READERS[version]}")

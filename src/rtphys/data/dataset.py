@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from rtphys.core.bounds import MAX_PICTURES
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName, counted
 from rtphys.data import jpeg, schema
-from rtphys.data.attempts import Rejected, Row, read_attempts
+from rtphys.data.attempts import Accepted, Rejected, Row, read_attempts
 from rtphys.data.episode import Frames
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import EpisodeFile
@@ -189,6 +189,10 @@ def _has_seed(seeds: frozenset[int], row: Row) -> bool:
     return row.seed in seeds
 
 
+def _has_number(numbers: frozenset[int], row: Row) -> bool:
+    return isinstance(row, Accepted) and row.episode in numbers
+
+
 def _lies_within(key: str, low: float, high: float, row: Row) -> bool:
     numbers = _numbers(row.physics.get(key))
     return bool(numbers) and all(low <= number <= high for number in numbers)
@@ -271,12 +275,14 @@ class Dataset(Sequence[Episode]):
         config: str | None = None,
         physics: Mapping[str, tuple[float, float]] | None = None,
         seeds: Iterable[int] | None = None,
+        numbers: Iterable[int] | None = None,
     ) -> "Dataset":
         """The episodes of one task, protocol, robot or configuration, of some physics or seeds.
 
         Args:
             physics: attribute -> lowest and highest value, such as {"friction": (0.1, 0.3)}, for
                 each component of a vector. Episodes where it cannot act are left out.
+            numbers: of episodes in their task datasets.
 
         Raises `UnknownName`.
         """
@@ -299,6 +305,8 @@ class Dataset(Sequence[Episode]):
             tests.append(partial(_lies_within, key, low, high))
         if seeds is not None:
             tests.append(partial(_has_seed, frozenset(seeds)))
+        if numbers is not None:
+            tests.append(partial(_has_number, frozenset(numbers)))
         chosen = (
             replace(part, tests=(*part.tests, *tests))
             for part in self._parts

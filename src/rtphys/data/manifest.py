@@ -13,7 +13,7 @@ from rtphys.data import files
 from rtphys.data.attempts import Totals
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import Count, pretty
-from rtphys.data.layout import MANIFEST, TaskDataset
+from rtphys.data.layout import LEDGER, MANIFEST, TaskDataset
 from rtphys.data.ledger import START, read_lines
 from rtphys.spec.collection import DATASET_VERSION, CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.option import checked_dataclass
@@ -98,7 +98,21 @@ def manifest_bytes(entries: Mapping[str, TaskEntry]) -> bytes:
 
 def read_manifest(out: Path) -> Manifest:
     """The manifest of a dataset folder. Raises `BadFile`."""
-    return parse_manifest(files.read(out / MANIFEST), out / MANIFEST)
+    return parse_manifest(read_bytes(out), out / MANIFEST)
+
+
+def read_bytes(out: Path) -> bytes:
+    """What the file holds. Raises `BadFile`: there is none; says where there is one."""
+    path = out / MANIFEST
+    if not out.is_dir():
+        raise BadFile(out, "there is no such folder")
+    if not path.is_symlink() and not path.exists():
+        above = next((one for one in out.absolute().parents if (one / MANIFEST).is_file()), None)
+        begun = any(any(out.glob("*/" * depth + LEDGER)) for depth in range(4))
+        cure = " (a collection has only begun; resume it)" if begun else ""
+        cure = f" (this is a part of {above})" if begun and above else cure
+        raise BadFile(out, f"there is no {MANIFEST} here{cure}")
+    return files.read(path)
 
 
 def parse_manifest(data: bytes, path: Path) -> Manifest:

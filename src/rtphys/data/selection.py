@@ -1,9 +1,11 @@
 """Which episodes of a dataset are meant: the selectors of `show`, `view`, `render` and `export`."""
 
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated
 
 from rtphys.core.errors import BadFile, BadValue, counted
+from rtphys.data.attempts import Accepted, Row
 from rtphys.data.dataset import Dataset, Episode, find_episode
 from rtphys.data.layout import MANIFEST
 from rtphys.spec.option import Option, Seed, checked_dataclass
@@ -16,21 +18,37 @@ class Selection:
     task: Annotated[str | None, Option("Only of this task.")] = None
     config: Annotated[str | None, Option("Only of this configuration.")] = None
     seed: Annotated[str, Option("Only of these seeds: 3,7 or 0:50.")] = ""
+    episode: Annotated[
+        str | None, Option("Only of these numbers in its task dataset: 3,7 or 0:50.")
+    ] = None
 
     def __post_init__(self) -> None:
         seed_set("seed", self.seed)
+        if self.episode is not None and not seed_set("episode", self.episode):
+            raise BadValue("episode", self.episode, "name at least one number")
+
+    @property
+    def cuts(self) -> bool:
+        """Whether it takes single episodes out of a task dataset."""
+        return bool(self.seed or self.episode)
+
+    def takes(self, row: Row) -> bool:
+        """Whether an attempt of a task dataset that is meant is meant too."""
+        numbers = seed_set("episode", self.episode or "")
+        numbered = not numbers or (isinstance(row, Accepted) and row.episode in numbers)
+        return numbered and (not self.seed or row.seed in seed_set("seed", self.seed))
 
     def of(self, dataset: Dataset) -> Dataset:
         """That part. Raises `UnknownName`."""
         seeds = seed_set("seed", self.seed) if self.seed else None
-        return dataset.where(self.task, config=self.config, seeds=seeds)
+        numbers = seed_set("episode", self.episode) if self.episode else None
+        return dataset.where(self.task, config=self.config, seeds=seeds, numbers=numbers)
 
 
 @checked_dataclass(frozen=True)
 class One(Selection):
     """One episode, or one failure that was kept."""
 
-    episode: Annotated[Seed | None, Option("Its number in its task dataset; default: any.")] = None
     failure: Annotated[Seed | None, Option("Instead: number of a failure that was kept.")] = None
 
     def of_path(self, path: Path) -> tuple[Episode, ...]:
@@ -40,30 +58,32 @@ class One(Selection):
         """
         if not path.is_dir() and path.name != MANIFEST:
             return (find_episode(path),)
-        dataset = self.of(Dataset(path))
+        dataset = Selection(self.task, self.config, self.seed).of(Dataset(path))
         failures = dataset.failures()
         if self.failure is not None:
-            kind, number, known = "failure", self.failure, failures
+            kind, asked, known = "failure", str(self.failure), failures
         else:
-            kind, number, known = "episode", self.episode, tuple(dataset)
-            if self.seed and number is None:  # which says it without either
+            kind, asked, known = "episode", self.episode or "", tuple(dataset)
+            if self.seed and not asked:  # which says it without either
                 known += failures
+        numbers = seed_set(kind, asked)
         if not known:
             others = f", but {counted(len(failures), 'failures')}: `failure` 0" if failures else ""
             which = "such " if self != One() else ""
             raise BadFile(path, f"the dataset holds no {which}{kind}{others}")
-        if not (found := tuple(one for one in known if number in (None, one.number))):
+        if not (found := tuple(one for one in known if not asked or one.number in numbers)):
             most = max(one.number for one in known)
-            raise BadValue(kind, number, f"the dataset holds {kind}s 0 to {most}")
+            raise BadValue(kind, asked, f"the dataset holds {kind}s 0 to {most}")
         return found
 
 
+@lru_cache(maxsize=8)  # a row after the other is compared with the same
 def seed_set(option: str, text: str) -> frozenset[int]:
-    """Seeds of "3,7" or "0:50", the end not among them. Raises `BadValue`."""
+    """Seeds or numbers of "3,7" or "0:50", the end not among them. Raises `BadValue`."""
     found: set[int] = set()
     for part in filter(None, text.split(",")):
         first, colon, end = part.partition(":")
         if not (first.isdecimal() and (end.isdecimal() or not colon)):
-            raise BadValue(option, text, "write seeds such as 3,7 or a range such as 0:50")
+            raise BadValue(option, text, "write numbers such as 3,7 or a range such as 0:50")
         found.update(range(int(first), int(end)) if colon else (int(first),))
     return frozenset(found)

@@ -25,7 +25,7 @@ from rtphys.data.check_draws import DrawCheck
 from rtphys.data.check_episode import Effort, Problem, check_episode
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import compact, pretty
-from rtphys.data.layout import HELD, LEDGER, LOCK, MANIFEST, STAGING, TaskDataset, episode_number
+from rtphys.data.layout import HELD, LOCK, MANIFEST, STAGING, TaskDataset, episode_number
 from rtphys.data.ledger import read_header, read_lines
 from rtphys.data.manifest import (
     LedgerState,
@@ -33,6 +33,7 @@ from rtphys.data.manifest import (
     TaskEntry,
     dataset_digest,
     parse_manifest,
+    read_bytes,
     task_entry,
 )
 from rtphys.data.writer import scene_pieces
@@ -94,7 +95,8 @@ def verify(
     """
     report = Report()
     try:
-        manifest, data = _read(out)
+        data = read_bytes(out)
+        manifest = parse_manifest(data, out / MANIFEST)
     except BadFile as error:
         return Report(problems=[Problem(error.path, error.problem)])
     report.digest = dataset_digest(data)
@@ -128,21 +130,6 @@ def verify(
     _check_manifest(out, data, checks, report)
     _check_folder(out, manifest, report)
     return report
-
-
-def _read(out: Path) -> tuple[Manifest, bytes]:
-    """The manifest and its bytes. Raises `BadFile`: there is no dataset."""
-    path = out / MANIFEST
-    if not out.is_dir():
-        raise BadFile(out, "there is no such folder")
-    if not path.is_symlink() and not path.exists():
-        above = next((one for one in out.absolute().parents if (one / MANIFEST).is_file()), None)
-        begun = next(out.glob(f"**/{LEDGER}"), None)
-        cure = " (a collection has only begun; resume it)" if begun else ""
-        cure = f" (this is a part of {above})" if begun and above else cure
-        raise BadFile(out, f"there is no {MANIFEST} here{cure}")
-    data = files.read(path)
-    return parse_manifest(data, path), data
 
 
 @dataclass

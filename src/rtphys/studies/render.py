@@ -20,7 +20,6 @@ from rtphys.data.json_text import plain
 from rtphys.data.layout import MANIFEST, EpisodePaths
 from rtphys.data.manifest import TaskEntry
 from rtphys.data.rewrite import encoded_episode
-from rtphys.data.selection import seed_set
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode.generate import attempt, under_look
@@ -123,6 +122,8 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         load_task(entry.spec.episode.task)
     if not packs:
         raise BadFile(wanted.data / MANIFEST, "lists no episodes")
+    if wanted.part.cuts and not (len(part) or part.failures()):
+        raise BadFile(wanted.data, "the dataset holds no such episode")
     if len(shaders) > 1:
         allowed = f"the dataset was drawn with {' and '.join(sorted(shaders))}; name one of them"
         raise BadValue("shader", wanted.shader, allowed)
@@ -142,7 +143,7 @@ def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
     """That of the source, but for what is drawn otherwise."""
     visual, spec = _visual(wanted, entry), entry.spec
     spec = replace(spec, recording=wanted.recording(entry))
-    if wanted.part.seed:
+    if wanted.part.cuts:
         spec = replace(spec, made_by="subset", twin=None)
     if wanted.look is not None:
         # A twin's folder is named after that of its pair, so the look goes before that.
@@ -165,9 +166,8 @@ class RenderSeries(Series[RenderTask, Redrawn]):
         self._rejections: dict[int, Rejection] = {}
         self._places: dict[int, tuple[EpisodePaths, Mapping[str, JSON]]] = {}
         seeds: list[int] = []
-        only = seed_set("seed", wanted.part.seed)
         for row in islice(read_attempts(source.ledger), entry.attempts):
-            if only and row.seed not in only:
+            if not wanted.part.takes(row):
                 continue
             seeds.append(row.seed)
             if isinstance(row, Accepted):
