@@ -15,6 +15,8 @@ from rtphys.analysis.sensitivity import (
     Level,
     SearchSpec,
     SensitivityPlan,
+    SensitivityTask,
+    SensitivityWorker,
     answer,
     axes,
     sensitivity,
@@ -81,6 +83,24 @@ def test_a_camera_cannot_matter_open_loop_and_a_lower_table_must(tmp_path: Path)
     assert figure.read_bytes().startswith(b"\x89PNG")
     with pytest.raises(DatasetMismatch, match=r"search\.steps was 1, now 2"):
         sensitivity(replace(plan(tmp_path / "one"), search=SearchSpec(seeds=2, steps=2)), PACK)
+
+
+@pytest.mark.sim
+def test_a_policy_that_crashes_fails_and_its_error_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "broken.py"
+    file.write_text(
+        "class Policy:\n"
+        "    needs_images = False\n"
+        "    def __init__(self, setup): ...\n"
+        "    def play(self, episode): raise ValueError('no weights')\n"
+        "    def close(self): ...\n"
+    )
+    worker = SensitivityWorker(PACK, f"python:{file}:Policy")
+    assert not worker.do(SensitivityTask("click_bell", 3))
+    said = "click_bell, seed 3: the policy fails by ValueError: no weights\n"
+    assert capsys.readouterr().out == said
 
 
 def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:

@@ -120,7 +120,7 @@ def test_no_seed_left_is_the_end() -> None:
     assert begun(series, 9) == [0, 1, 2]
     take_all(series, (0, 1, 2))
     assert series.over and not series.progress.done
-    assert series.progress.stopped == "3 attempts were made, the most that were allowed"
+    assert series.progress.stopped == "the most attempts that were allowed were made: 3"
 
 
 @pytest.mark.parametrize("there", [0, 150, FRUITLESS])

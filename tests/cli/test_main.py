@@ -18,11 +18,11 @@ from typer.testing import CliRunner, Result
 
 from pages import parse
 from rtphys.cli import lazy
-from rtphys.cli.derived import takes
+from rtphys.cli.derived import JsonFile, takes
 from rtphys.cli.lazy import COMMANDS, GROUPS
 from rtphys.cli.main import app
 from rtphys.cli.terminal import command_line
-from rtphys.core.errors import BadValue, NoRenderer, RtphysError, UnknownName
+from rtphys.core.errors import BadFile, BadValue, NoRenderer, RtphysError, UnknownName
 from rtphys.spec.option import Option
 
 PACKAGE = Path(lazy.__file__).parent
@@ -82,6 +82,35 @@ def test_a_failure_is_one_line_and_an_exit_code(
     assert message in result.stderr
     assert len(result.stderr.strip().splitlines()) == 1
     assert "Traceback" not in result.output
+
+
+def test_a_cache_that_another_user_built_is_named_by_every_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: Failing
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    link = tmp_path / "rtphys" / "assets" / "link.json"
+    link.parent.mkdir(parents=True)
+    refused = PermissionError(errno.EACCES, "Permission denied", str(link))
+    assert f"{link}: Permission denied" in failing(refused).stderr  # to write it
+    monkeypatch.setattr(lazy.os, "access", lambda path, mode: False)
+    cure = f"let its owner run `chmod -R a+rX {tmp_path}/rtphys`, or set XDG_CACHE_HOME"
+    assert cure in failing(refused).stderr
+    elsewhere = PermissionError(errno.EACCES, "Permission denied", str(tmp_path / "x"))
+    assert "XDG_CACHE_HOME" not in failing(elsewhere).stderr
+
+
+def test_what_cannot_be_written_is_refused_with_its_cause(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    done = RUN.invoke(app, ["new-task", "stir_soup", "--in", str(tmp_path / "file")])
+    assert done.exit_code == 2 and "a file stands where a folder is needed" in done.stderr
+    output = JsonFile(tmp_path / "none" / "found.json")
+    with pytest.raises(BadFile, match=f"there is no folder {tmp_path}/none$"):
+        output.check()
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may write everywhere
+    with pytest.raises(BadFile, match=f"this user cannot write to {tmp_path}; name another file"):
+        JsonFile(tmp_path / "found.json").check()
 
 
 def test_a_locale_without_a_sign_ends_no_command() -> None:

@@ -55,4 +55,4 @@ def test_what_is_newer_than_the_manifest_is_covered_by_no_digest(dataset: Path) 
 def test_failures_are_no_episodes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     collect(tmp_path / "kept", 9, synthetic.header(keep_failures="all"), attempts=7)
-    assert "sound (5 episodes, 2 failures that were kept, " in verify(tmp_path / "kept").stdout
+    assert "sound (5 episodes, 2 kept failures, " in verify(tmp_path / "kept").stdout

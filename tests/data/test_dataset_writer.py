@@ -20,6 +20,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data import faults, files
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset
+from rtphys.data.lock import check_unlocked
 from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter, Rejection
@@ -202,6 +203,13 @@ def failing(number: int):
         raise OSError(number, os.strerror(number))
 
     return flock
+
+
+def test_a_name_that_no_file_system_takes(tmp_path: Path) -> None:
+    out = tmp_path / ("n" * 300)
+    check_unlocked(out)  # nobody can have locked it
+    with pytest.raises(faults.CannotWrite, match=r"n{300}: File name too long"):
+        DatasetWriter(out)
 
 
 def test_a_file_where_the_folder_should_be(tmp_path: Path) -> None:

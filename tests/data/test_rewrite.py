@@ -10,9 +10,9 @@ import synthetic
 from collected import FOLDER, collect, content, content_but_pictures
 
 from pages import ROOT, blocks
-from rtphys.core.errors import BadFile, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset
-from rtphys.data.faults import DatasetMismatch
+from rtphys.data.faults import PartsMismatch
 from rtphys.data.rewrite import convert, merge, subset
 from rtphys.data.verify import verify
 
@@ -85,7 +85,7 @@ def test_each_goes_on_where_it_was(three: Path, tmp_path: Path, name: str) -> No
 
 
 def test_refusals(three: Path, tmp_path: Path) -> None:
-    with pytest.raises(DatasetMismatch, match="it is a dataset that is read"):
+    with pytest.raises(BadValue, match="it is a dataset that is read; name another folder"):
         convert(three, three, "legacy")
     with pytest.raises(UnknownName, match="did you mean 'legacy'"):
         convert(three, tmp_path / "out", "legasy")
@@ -151,8 +151,8 @@ def test_shards_of_one_task_dataset(tmp_path: Path) -> None:
 
 def test_a_shard_that_is_not_there(tmp_path: Path) -> None:
     first, second = shards(tmp_path)
-    with pytest.raises(DatasetMismatch, match="shard 2 of 2 is not among the parts"):
+    with pytest.raises(PartsMismatch, match="shard 2 of 2 is not among the parts"):
         merge([first], tmp_path / "all")
-    with pytest.raises(DatasetMismatch, match="two of the parts are the same shard"):
+    with pytest.raises(PartsMismatch, match="two of the parts are the same shard"):
         merge([second, second], tmp_path / "all")
     assert not (tmp_path / "all" / "manifest.json").exists()

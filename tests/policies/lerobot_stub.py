@@ -43,6 +43,8 @@ class Checkpoint:
         if self.path == "dies":
             print("out of memory", file=sys.stderr, flush=True)
             os._exit(3)
+        if self.path == "talks":
+            return np.zeros((2**21, 14), np.float32)
         if self.path == "fails":
             raise RuntimeError(f"cannot {sentence[:0]}multiply")
         print("a library talks on standard output")

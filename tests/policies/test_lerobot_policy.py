@@ -181,6 +181,7 @@ def test_a_policy_with_a_memory_sees_what_lerobots_own_loop_shows_it(
     ("name", "given", "problem"),
     [
         ("dies", {}, r"lerobot:dies: .* ended with code 3: out of memory$"),
+        ("talks", {}, "lerobot:talks: sent a message of more than 16777216 bytes"),
         ("larger", {}, r"640x480, drawn are 320x240; set size=640x480$"),
         ("knows_physics", {"physics": "true"}, "object_joint_damping is the asset's own here"),
     ],

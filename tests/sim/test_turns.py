@@ -1,5 +1,6 @@
 """Turns on a GPU, with processes in the place of ones that draw."""
 
+import errno
 import subprocess
 import sys
 import threading
@@ -58,3 +59,15 @@ def test_the_turn_of_a_process_that_is_killed_ends(
         holder.kill()
     with turns._held(tmp_path / "gpu"):
         pass
+
+
+@pytest.mark.parametrize("call", ["fcntl.flock", "os.open"])
+def test_where_no_file_can_be_locked_nobody_waits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(call, fail)
+    with pytest.raises(ValueError, match="of who draws"), turns._held(tmp_path / "gpu"):
+        raise ValueError("of who draws")

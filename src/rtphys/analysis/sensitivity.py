@@ -10,7 +10,7 @@ from rtphys.campaign.local import LocalPool
 from rtphys.campaign.machine import cores
 from rtphys.campaign.pool import WorkerFailure
 from rtphys.campaign.series import QUIET, Listener, Progress, Series, run_all
-from rtphys.core.errors import Infeasible
+from rtphys.core.errors import Infeasible, shortened
 from rtphys.core.untrusted import JSON
 from rtphys.data import files
 from rtphys.data.json_text import pretty
@@ -224,7 +224,9 @@ class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
             policy.play(episode)
         except (PolicyGone, KeyboardInterrupt):
             raise
-        except BaseException:
+        except BaseException as error:
+            what = shortened(f"{type(error).__name__}: {error}")
+            print(f"{job.task}, seed {job.seed}: the policy fails by {what}", flush=True)
             self._session.close()  # what it remembers now must not decide the next episode
             return False
         return episode.success

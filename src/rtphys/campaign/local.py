@@ -30,6 +30,7 @@ from rtphys.campaign.pool import (
     WorkerPool,
 )
 from rtphys.campaign.series import Listener, Series, run_all
+from rtphys.core.errors import counted
 
 # One thread each, because there is a worker a core. (LP: Mesa's CPU renderer.)
 THREADS = {"LP_NUM_THREADS": "0", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
@@ -247,7 +248,8 @@ class LocalPool(WorkerPool[J, R]):
             if self.size < self._asked:
                 free = f"{free_memory() / 1e9:.1f} GB of memory is free"
                 each = f"a worker may take {WORKER_MEMORY / 1e9:g} GB"
-                self.notice(f"{self.size} workers, not {self._asked}: {free}, and {each}")
+                few = counted(self.size, "workers")
+                self.notice(f"{few}, not {self._asked}: {free}, and {each}")
                 self._asked = self.size
             self._server = _Server(self.setup)
             self._selector.register(self._server.line, selectors.EVENT_READ)

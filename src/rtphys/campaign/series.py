@@ -61,7 +61,7 @@ class Progress:
         if not self.done and self.fruitless >= FRUITLESS:
             self.stopped = f"none of the last {self.fruitless} attempts was accepted"
         elif not self.done and exhausted:
-            self.stopped = f"{self.attempts} attempts were made, the most that were allowed"
+            self.stopped = f"the most attempts that were allowed were made: {self.attempts}"
 
 
 class Series(ABC, Generic[J, R]):

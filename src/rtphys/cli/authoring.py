@@ -24,7 +24,7 @@ from rtphys.cli.screen import (
 )
 from rtphys.cli.terminal import say
 from rtphys.core import library
-from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName, counted
+from rtphys.core.errors import BadValue, RtphysError, UnknownName, counted
 from rtphys.data.files import make_folder, replace_file
 from rtphys.data.jpeg import encode_png
 from rtphys.physics import Domain, Value, attributes, domain_for_task, load_domain
@@ -178,11 +178,8 @@ def new_task(
     path = folder / "tasks" / f"{name}.py"
     if name in library.names("tasks", None) or path.exists():
         raise BadValue("name", name, "there is a task of that name already", path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(TEMPLATE)
-    except OSError as error:
-        raise BadFile(path, error.strerror or "cannot be written") from error
+    make_folder(path.parent)
+    replace_file(path, TEMPLATE.encode())
     say(f"{path}\ntry it: rtphys --library {folder} check {name} --seeds 20")
 
 

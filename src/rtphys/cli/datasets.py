@@ -209,7 +209,7 @@ def verify(checks: Checks) -> None:
     if report.digest:
         say(f"digest {report.digest}")
     counts = [counted(report.episodes, "episodes")]
-    counts += [counted(report.failures, "failures that were kept")] if report.failures else []
+    counts += [counted(report.failures, "kept failures")] if report.failures else []
     counts += [counted(report.files, "files"), f"{report.bytes / 1e6:.1f} MB{made}"]
     verdict = "sound" if report.sound else counted(len(report.problems), "problems")
     say(f"{out}: {verdict} ({', '.join(counts)})", err=not report.sound)
@@ -302,6 +302,6 @@ def verify_export(
     for problem in problems[:SHOWN]:
         say(problem)
     if problems:
-        say(f"{export}: {len(problems)} differences", err=True)
+        say(f"{export}: {counted(len(problems), 'differences')}", err=True)
         raise typer.Exit(1)
     say(f"{export}: every number and picture is the dataset's")

@@ -54,8 +54,12 @@ class JsonFile:
 
     def check(self) -> None:
         """Refuses before minutes of work what cannot be written after them."""
-        if self.json_file and not os.access(self.json_file.absolute().parent, os.W_OK):
-            raise BadFile(self.json_file, "its folder cannot be written, or does not exist")
+        if self.json_file is None:
+            return
+        if not (folder := self.json_file.absolute().parent).is_dir():
+            raise BadFile(self.json_file, f"there is no folder {folder}")
+        if not os.access(folder, os.W_OK):
+            raise BadFile(self.json_file, f"this user cannot write to {folder}; name another file")
 
     def write(self, content: object) -> None:
         """Writes the numbers, if they are wanted."""

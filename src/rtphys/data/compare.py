@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.core.errors import BadFile, short_repr
+from rtphys.core.errors import BadFile, counted, short_repr
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging, video
 from rtphys.data.episode import Frames
@@ -89,7 +89,7 @@ def _hdf5(path: Path, layout: str, made: RegeneratedEpisode, found: Comparison) 
         for name, old in pictures.items():
             again = read_pictures(file, layout, name).streams
             if len(old) != len(again):
-                problem = f"has {len(old)} pictures of {name}, made again {len(again)}"
+                problem = f"has {counted(len(old), 'pictures')} of {name}, made again {len(again)}"
                 found.problems.append((path, problem))
                 equal = False
                 continue
@@ -108,7 +108,7 @@ def _hdf5(path: Path, layout: str, made: RegeneratedEpisode, found: Comparison) 
 
 def _frame_differences(stored: Frames, made: Frames) -> list[str]:
     if len(stored) != len(made):
-        return [f"has {len(stored)} frames, made again {len(made)}"]
+        return [f"has {counted(len(stored), 'frames')}, made again {len(made)}"]
     problems, clauses = list[str](), list[str]()
     for key in ("joint_names", "stages", "object_poses", "contacts", "cameras"):
         both = (getattr(frames, key) for frames in (stored, made))

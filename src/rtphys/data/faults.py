@@ -5,12 +5,13 @@ from pathlib import Path
 
 from rtphys.core.errors import RtphysError
 
+_RIGHT = "permission denied; give this user the right to write there, or choose another folder"
 CAUSES = {
     errno.ENOSPC: "the disk is full; free some space, then repeat the command",
     errno.EDQUOT: "the disk quota is used up; free some space, then repeat the command",
     errno.EROFS: "the file system is read-only; choose another folder",
-    errno.EACCES: "permission denied; choose another folder",
-    errno.EPERM: "permission denied; choose another folder",
+    errno.EACCES: _RIGHT,
+    errno.EPERM: _RIGHT,
     errno.ENOTDIR: "a file stands where a folder is needed; choose another folder",
     errno.EEXIST: "a file stands where a folder is needed; choose another folder",
 }
@@ -44,6 +45,13 @@ class DatasetMismatch(RtphysError):
             f"{folder}: holds the work of another run and cannot be continued: "
             f"{'; '.join(differences)}. Choose another folder or ask for the same again"
         )
+
+
+class PartsMismatch(RtphysError):
+    """Datasets that cannot be joined to one."""
+
+    def __init__(self, part: str | Path, differences: list[str]) -> None:
+        super().__init__(f"{part}: cannot be joined with the others: {'; '.join(differences)}")
 
 
 class BadEpisode(RtphysError):

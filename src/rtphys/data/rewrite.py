@@ -13,11 +13,11 @@ from operator import itemgetter
 from pathlib import Path
 
 from rtphys.core.bounds import LARGEST_EPISODE
-from rtphys.core.errors import BadFile, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging
 from rtphys.data.attempts import Accepted, KeptFailure, Row, read_attempts
-from rtphys.data.faults import DatasetMismatch
+from rtphys.data.faults import PartsMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import read_episode
 from rtphys.data.layout import FAILURES, EpisodePaths, TaskDataset
@@ -53,7 +53,7 @@ class _Part:
         for seed, number, row in heapq.merge(*streams, key=itemgetter(0, 1)):
             if last is not None and last[0] == seed:
                 both = f"{places[last[1]].folder} and {places[number].folder}"
-                raise DatasetMismatch(places[number].folder, [f"seed {seed} is in {both}"])
+                raise PartsMismatch(places[number].folder, [f"seed {seed} is in {both}"])
             last = seed, number
             yield places[number], row
 
@@ -82,7 +82,8 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
     Raises:
         UnknownName: no such layout.
         BadFile: the source is damaged; names the file.
-        DatasetMismatch: `out` is the source itself, or holds something else.
+        BadValue: `out` is the source itself.
+        DatasetMismatch: `out` holds something else.
     """
     if layout not in LAYOUTS:
         raise UnknownName("layout", layout, LAYOUTS)
@@ -102,7 +103,9 @@ def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) ->
 
     Raises:
         BadFile: a part is damaged.
-        DatasetMismatch: parts do not fit; names the task dataset and each field that differs.
+        PartsMismatch: parts do not fit; names the task dataset and each field that differs.
+        BadValue: `out` is one of them.
+        DatasetMismatch: `out` holds something else.
     """
     groups: dict[str, list[Source]] = {}
     for part in parts:
@@ -113,7 +116,7 @@ def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) ->
 
 
 def _joined(name: str, group: Sequence[Source]) -> TaskHeader:
-    """The header of a task dataset that several parts have. Raises `DatasetMismatch`."""
+    """The header of a task dataset that several parts have. Raises `PartsMismatch`."""
     out, first = group[0]
     merged = [replace(entry.spec, shard=0, made_by="merge") for _, entry in group]
     # What parts of one task dataset may differ in, made equal.
@@ -123,13 +126,13 @@ def _joined(name: str, group: Sequence[Source]) -> TaskHeader:
     ]
     for (other, _), header in zip(group, alike, strict=True):
         if clauses := differences(alike[0], header):
-            raise DatasetMismatch(other / name, clauses)
+            raise PartsMismatch(other / name, clauses)
     shards = [entry.spec.shard for _, entry in group if entry.spec.shard]
     if len(set(shards)) < len(shards):
-        raise DatasetMismatch(out / name, ["two of the parts are the same shard"])
+        raise PartsMismatch(out / name, ["two of the parts are the same shard"])
     if shards and (missing := set(range(1, first.spec.shards + 1)) - set(shards)):
         clause = f"shard {min(missing)} of {first.spec.shards} is not among the parts"
-        raise DatasetMismatch(out / name, [clause])
+        raise PartsMismatch(out / name, [clause])
     if len(group) == 1:
         return first.header
     return replace(first.header, spec=min(merged, key=lambda spec: spec.first_seed))
@@ -165,7 +168,7 @@ def _write(
     parts: Sequence[_Part], read: Sequence[Path], out: Path, progress: Progress | None
 ) -> list[str]:
     if out.resolve() in [path.resolve() for path in read]:
-        raise DatasetMismatch(out, ["it is a dataset that is read"])
+        raise BadValue("out", str(out), "it is a dataset that is read; name another folder")
     total, done = sum(entry.episodes for part in parts for _, entry in part.sources), 0
     names: list[str] = []
     with DatasetWriter(out) as dataset:

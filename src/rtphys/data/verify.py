@@ -17,7 +17,7 @@ from typing import IO
 
 from rtphys.assets.pack import pack_with
 from rtphys.core.cache import NoCache, user_cache
-from rtphys.core.errors import BadFile
+from rtphys.core.errors import BadFile, counted
 from rtphys.core.untrusted import JSON, check_inside, parse_mapping
 from rtphys.data import files
 from rtphys.data.attempts import Accepted, KeptFailure, Rejected, Row, Totals, ledgers_below
@@ -184,8 +184,8 @@ class _TaskCheck:
         if self.counted is None:
             report.problem(place.ledger, "has fewer lines than the manifest counted")
         if self.newer:
-            text = f"{self.newer} attempts are newer than the manifest; the run was cut off"
-            report.notes.append(f"{self.name}: {text} or still goes on")
+            text = f"the manifest lacks the last {counted(self.newer, 'attempts')}"
+            report.notes.append(f"{self.name}: {text}; the run was cut off or still goes on")
         attempts = self.totals.attempts
         may_lag = bool(self.newer) or self.entry.listed < attempts or not attempts
         for one, seeds in ((place, self.seeds), (place.failures, self.failure_seeds)):

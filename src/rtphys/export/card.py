@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rtphys.core.errors import counted
 from rtphys.data.dataset import Dataset
 from rtphys.data.files import facts_of, replace_file
 from rtphys.data.json_text import plain, pretty
@@ -96,9 +97,9 @@ def card(dataset: Dataset, text: CardText) -> str:
     parts = [
         "\n".join(front),
         f"# {text.name}",
-        f"{len(dataset)} bimanual demonstrations ({frames} frames at 16.67 Hz) of "
-        f"{len(dataset.tasks)} simulated tasks. Physics differs from episode to episode; the "
-        "13 physical attributes in force in the contact solver are stored with each episode.",
+        f"{counted(len(dataset), 'bimanual demonstrations')} ({frames} frames at 16.67 Hz) of "
+        f"{counted(len(dataset.tasks), 'simulated tasks')}. Physics differs from episode to "
+        "episode; the 13 physical attributes in force in the contact solver are stored with each.",
         "## Episodes",
         _task_table(dataset),
         f"Attempts without an episode, by reason: {counts}." if counts else "",
@@ -178,8 +179,8 @@ def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
         "@type": "sc:Dataset",
         "conformsTo": "http://mlcommons.org/croissant/1.1",
         "name": text.name,
-        "description": f"{len(dataset)} simulated bimanual manipulation episodes with 13 physical "
-        "attributes each, as they were in force in the contact solver.",
+        "description": f"{counted(len(dataset), 'simulated bimanual manipulation episodes')} "
+        "with 13 physical attributes each, as they were in force in the contact solver.",
         "license": f"https://spdx.org/licenses/{text.license}",
         "url": text.url or "https://example.org/not-published-yet",
         "version": text.version,

@@ -150,6 +150,9 @@ class LeRobot:
                 raise PolicyGone(self._name, f"no answer within {self._given.reply_s:g} s")
             return lerobot_server.unpack(self._connection.recv_bytes(LARGEST_MESSAGE))
         except (EOFError, OSError) as error:
+            if not self._connection.closed and not self._connection.readable:
+                problem = f"sent a message of more than {LARGEST_MESSAGE} bytes"
+                raise PolicyGone(self._name, problem) from error
             problem = "its process has closed the connection"
             with contextlib.suppress(subprocess.TimeoutExpired):
                 code = self._process.wait(FAREWELL)

@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 import numpy as np
 
+from rtphys.core.errors import counted
 from rtphys.data.files import read, replace_file
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
 from rtphys.results.statistics import Rate
@@ -71,7 +72,7 @@ def _failures(results: Results, key: tuple[str, str]) -> str:
         where = quote(video.relative_to(results.path).as_posix())
         shown = f'<video controls preload=none src="{where}"></video>' if video.is_file() else ""
         why = escape(f"{one.reason}: {one.detail.strip()[-200:]}".removesuffix(": "))
-        what = f"<h3>seed {one.seed}, {one.steps} actions, {one.time:.1f} s</h3>"
+        what = f"<h3>seed {one.seed}, {counted(one.steps, 'actions')}, {one.time:.1f} s</h3>"
         boxes.append(f"<div class=box>{what}{shown}<p>{why}</p><dl>{physics}</dl></div>")
     name = escape(f"{key[1]}, {key[0]}: {len(boxes)} of {len(records)}")
     return f"<h3>{name}</h3><div class=grid>{''.join(boxes)}</div>"

@@ -16,7 +16,7 @@ from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import files
 from rtphys.data.attempts import Accepted, Rejected, read_attempts
 from rtphys.data.dataset import Dataset
-from rtphys.data.faults import DatasetMismatch
+from rtphys.data.faults import DatasetMismatch, PartsMismatch
 from rtphys.data.rewrite import merge, subset
 from rtphys.spec.collection import CollectionSpec, TaskHeader
 from rtphys.studies import collect as collect_module
@@ -127,13 +127,13 @@ def test_parts_that_do_not_fit(tmp_path: Path) -> None:
         "keep_failures was None, now '1'": [one, two, other],
     }
     for problem, parts in wrong.items():
-        with pytest.raises((DatasetMismatch, BadFile), match=problem):
+        with pytest.raises(PartsMismatch, match=f"cannot be joined with the others: .*{problem}"):
             merge(parts, tmp_path / "joined")
         shutil.rmtree(tmp_path / "joined", ignore_errors=True)
     whole = [collect(plans(1), tmp_path / name) for name in ("e", "f")]
-    with pytest.raises(DatasetMismatch, match="seed 3 is in"):
+    with pytest.raises(PartsMismatch, match="seed 3 is in"):
         merge(whole, tmp_path / "joined")
-    with pytest.raises(DatasetMismatch, match="it is a dataset that is read"):
+    with pytest.raises(BadValue, match="it is a dataset that is read; name another folder"):
         merge([one, two, three], one)
 
 
@@ -146,7 +146,7 @@ def test_parts_of_different_versions(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(collect_module, "header_of", newer)
     two = collect(plans(1), tmp_path / "two", "2/2")
-    with pytest.raises(DatasetMismatch, match=r"versions.rtphys was '0.1.0', now '0.2.0'"):
+    with pytest.raises(PartsMismatch, match=r"versions.rtphys was '0.1.0', now '0.2.0'"):
         merge([one, two], tmp_path / "joined")
 
 
