@@ -10,20 +10,17 @@ import re
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from itertools import count
 from pathlib import Path
 
 import rtphys  # noqa: F401  # isort: skip  (before numpy: it chooses the arithmetic)
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 import results
 from rtphys.analysis import figures
 from rtphys.analysis.identify import read_result
-from rtphys.assets.contact_sheet import CONTACT, FUNCTIONAL, UP, mesh_triangles
-from rtphys.assets.draw import draw, fitting
+from rtphys.assets.contact_sheet import tile
 from rtphys.assets.pack import default_pack
 from rtphys.episode.generate import attempt, prepare, settle, start
 from rtphys.episode.render import StateTrajectory, render_frames
@@ -53,8 +50,6 @@ PROTOCOL_SEEDS = {
     "move_stapler_pad": 9,
 }
 FRAMED = (("043_book", 0), ("057_toycar", 0), ("074_displaystand", 0))
-Colour = tuple[int, int, int]
-AXES: dict[str, Colour] = {"x": (230, 110, 0), "y": (0, 170, 60), "z": (150, 0, 200)}
 PROTOCOL_SIZE, HEAD = (256, 192), 22  # [px] of a picture; height of the protocols' names
 
 
@@ -154,7 +149,7 @@ def maps() -> None:
 
 def first_task() -> None:
     """Models with the axes of their own frames and points; below, moments of an episode."""
-    models = [framed(name, model, SHEET_SIZE[0]) for name, model in FRAMED]
+    models = [tile(default_pack(), name, model, SHEET_SIZE[0]) for name, model in FRAMED]
     text = (IMAGES.parent / "first_task.md").read_text()
     code = re.search(r"```python\n(# my_lab/tasks/(\w+)\.py\n.*?)```", text, re.DOTALL)
     assert code is not None
@@ -170,31 +165,6 @@ def first_task() -> None:
     row = [np.asarray(p.resize(SHEET_SIZE, Image.Resampling.LANCZOS)) for p in pictures]
     sheet = Image.fromarray(np.vstack([np.hstack(models), np.hstack(row)]))
     sheet.quantize(256, dither=Image.Dither.NONE).save(IMAGES / "first_task.png", optimize=True)
-
-
-def framed(name: str, model: int, size: int) -> NDArray[np.uint8]:
-    """A model with the axes of its frame, their letters at the ends, and its points as crosses."""
-    shown = default_pack().model(name, model)
-    pieces = [part.moved(UP) for part in mesh_triangles(shown.visual, shown.scale)]
-    view = fitting(pieces, size)
-    view = replace(view, radius=1.6 * view.radius)
-    image = Image.fromarray(draw(pieces, view))
-    pen = ImageDraw.Draw(image)
-    pen.text((4, 2), f"{name}/{model}", fill="black")
-
-    def stroke(start: NDArray[np.float64], end: NDArray[np.float64], colour: Colour) -> None:
-        pen.line([(c, r) for c, r, _ in view.project(np.stack([start, end]))], colour, 3)
-
-    for n, (letter, colour) in enumerate(AXES.items()):
-        tip = 0.6 * view.radius * UP[:3, n]
-        stroke(np.zeros(3), tip, colour)
-        column, row, _ = view.project(1.15 * tip)
-        pen.text((column, row), letter, fill=colour, anchor="mm", stroke_width=1)
-    marks = ((shown.contact_points, CONTACT), (shown.functional_points, FUNCTIONAL))
-    for point, colour in ((UP @ p, colour) for points, colour in marks for p in points):
-        for arm in 0.07 * view.radius * np.eye(3):
-            stroke(point[:3, 3] - arm, point[:3, 3] + arm, colour)
-    return np.asarray(image)
 
 
 PICTURES: dict[str, Callable[[], None]] = {

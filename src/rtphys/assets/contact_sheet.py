@@ -1,7 +1,8 @@
-"""A picture of many models side by side, with their contact and functional points."""
+"""A picture of many models side by side, with the axes of their frames and their points."""
 
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +12,17 @@ from PIL import Image, ImageDraw
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from rtphys.assets.draw import Triangles, View, draw, fitting, line
+from rtphys.assets.draw import Triangles, View, draw, fitting
 from rtphys.assets.model import Articulation
 from rtphys.assets.pack import Pack
 from rtphys.assets.urdf import placed
 from rtphys.core.poses import axis_angle, quat_to_matrix
 
 Array = NDArray[np.float64]
+Colour = tuple[int, int, int]
 
+AXES: dict[str, Colour] = {"x": (230, 110, 0), "y": (0, 170, 60), "z": (150, 0, 200)}
+ROOM = 1.4  # how much wider a picture is than its model, for the axes
 CONTACT, FUNCTIONAL = (200, 30, 30), (20, 70, 220)  # approach of a grasp; z of a functional point
 UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], float)  # y up to z up
 AJAR = 0.4  # [1] share of its range by which a joint is shown open
@@ -31,12 +35,17 @@ def contact_sheet(
     columns: int = 8,
     tell: Callable[[str], None] | None = None,
 ) -> Image.Image:
-    """A labelled square of `size` pixels per model, in rows of `columns`; `tell` gets each name."""
+    """A labelled square of `size` pixels per model, at most `columns` in a row.
+
+    Args:
+        tell: gets the name of each when it is drawn.
+    """
     tiles = []
     for id_name, index in models:
         tiles.append((f"{id_name}/{index}", tile(pack, id_name, index, size)))
         if tell is not None:
             tell(tiles[-1][0])
+    columns = min(columns, max(1, len(tiles)))
     rows = -(-len(tiles) // columns)
     sheet = Image.new("RGB", (columns * size, rows * (size + 12)), "white")
     pen = ImageDraw.Draw(sheet)
@@ -48,22 +57,30 @@ def contact_sheet(
 
 
 def tile(pack: Pack, id_name: str, index: int, size: int = 160) -> NDArray[np.uint8]:
-    """Picture of one model: red marks out of contact points, blue along functional z axes."""
+    """Picture of one model: axes of its frame; red out of contact points, blue along functional z.
+
+    The frame of an articulated model is that of its root link.
+    """
     if pack.is_articulated(id_name):
         model = pack.articulation(id_name, index)
         pieces, links = _open(model)
+        frame = next(iter(links.values()))
         contacts = [links[p.link] @ p.matrix for p in model.contact_points]
         functions = [links[p.link] @ p.matrix for p in model.functional_points]
     else:
         model = pack.model(id_name, index)
+        frame = UP
         pieces = [t.moved(UP) for t in mesh_triangles(model.visual, model.scale)]
         contacts = [UP @ m for m in model.contact_points]
         functions = [UP @ m for m in model.functional_points]
     view = fitting(pieces, size)
-    picture = draw(pieces, view)
-    _mark(picture, view, contacts, 1, CONTACT)
-    _mark(picture, view, functions, 2, FUNCTIONAL)
-    return picture
+    view = replace(view, radius=ROOM * view.radius)
+    image = Image.fromarray(draw(pieces, view))
+    pen = ImageDraw.Draw(image)
+    _draw_axes(pen, view, frame)
+    _mark(pen, view, contacts, 1, CONTACT)
+    _mark(pen, view, functions, 2, FUNCTIONAL)
+    return np.array(image)
 
 
 def mesh_triangles(path: Path, scale: Array) -> list[Triangles]:
@@ -100,15 +117,29 @@ def _look(mesh: trimesh.Trimesh) -> tuple[Array, Array | None, Array | None]:
     )
 
 
+def _draw_axes(pen: ImageDraw.ImageDraw, view: View, frame: Array) -> None:
+    for n, (letter, colour) in enumerate(AXES.items()):
+        origin, axis = frame[:3, 3], 0.6 * view.radius * frame[:3, n]
+        _stroke(pen, view, origin, origin + axis, colour)
+        column, row, _ = view.project(origin + 1.15 * axis).tolist()
+        pen.text((column, row), letter, colour, anchor="mm", stroke_width=2, stroke_fill="white")
+
+
 def _mark(
-    picture: NDArray[np.uint8], view: View, points: list[Array], axis: int, colour: tuple
+    pen: ImageDraw.ImageDraw, view: View, points: list[Array], axis: int, colour: Colour
 ) -> None:
     for m in points:
-        tip = m[:3, 3] + 0.22 * view.radius * m[:3, axis]
-        line(picture, view, [m[:3, 3], tip], colour)
+        origin = m[:3, 3]
+        _stroke(pen, view, origin, origin + 0.22 * view.radius * m[:3, axis], colour)
         for turn in (0, 2):  # a small cross at the point itself
             arm = 0.03 * view.radius * m[:3, turn]
-            line(picture, view, [m[:3, 3] - arm, m[:3, 3] + arm], colour)
+            _stroke(pen, view, origin - arm, origin + arm, colour)
+
+
+def _stroke(pen: ImageDraw.ImageDraw, view: View, start: Array, end: Array, colour: Colour) -> None:
+    """A line in front of everything."""
+    (x0, y0, _), (x1, y1, _) = view.project(np.stack([start, end])).tolist()
+    pen.line([(x0, y0), (x1, y1)], colour, max(1, view.size // 80))
 
 
 def _open(model: Articulation) -> tuple[list[Triangles], dict[str, Array]]:

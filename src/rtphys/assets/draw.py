@@ -111,15 +111,3 @@ def _sample(picture: Array, uv: Array) -> Array:
     column = np.floor(uv[:, 0] % 1 * width).astype(int) % width
     row = np.floor(np.clip(uv[:, 1], 0, 0.9999) * height).astype(int)
     return picture[row, column]
-
-
-def line(
-    image: NDArray[np.uint8], view: View, ends: Sequence[ArrayLike], colour: ArrayLike
-) -> None:
-    """Draw a straight line over the picture, in front of everything."""
-    (x0, y0, _), (x1, y1, _) = view.project(np.array(ends, float))
-    steps = int(max(abs(x1 - x0), abs(y1 - y0))) + 1
-    x = np.round(np.linspace(x0, x1, steps)).astype(int)
-    y = np.round(np.linspace(y0, y1, steps)).astype(int)
-    inside = (x >= 0) & (y >= 0) & (x < view.size) & (y < view.size)
-    image[y[inside], x[inside]] = np.asarray(colour, np.uint8)

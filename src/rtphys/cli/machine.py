@@ -149,7 +149,11 @@ def show(
     out: Annotated[Path, typer.Option(help="The picture to write.")] = Path("assets.png"),
     size: Annotated[int, typer.Option(help="Pixels a model.", min=32, max=1024)] = 160,
 ) -> None:
-    """Draw a contact sheet: red is out of a grasp's approach, blue along a function's axis."""
+    """Draw a contact sheet of models, with the axes of their frames and their points.
+
+    x is orange, y green, z violet. Red leads out of a contact point, against the hand's approach;
+    blue is the z of a functional point.
+    """
     from rtphys.assets.contact_sheet import contact_sheet
 
     pack = _pack()
