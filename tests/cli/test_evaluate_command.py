@@ -1,6 +1,7 @@
 """`rtphys evaluate`: what it refuses, and its tables: from 80 columns on, nothing is cut off."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -101,6 +102,31 @@ def test_the_first_error_of_a_policy_is_said_in_one_line(tmp_path: Path) -> None
     assert errors_of(results) == (sentence, False)
     assert errors_of(Results(tmp_path, {}, {("clean", TASK): records[1:]}, {})) == (sentence, True)
     assert errors_of(Results(tmp_path, {}, {("clean", TASK): records[:1]}, {})) == ("", False)
+
+
+def test_the_message_of_an_error_may_have_several_lines(tmp_path: Path) -> None:
+    frames = (
+        'Traceback (most recent call last):\n  File "mine.py", line 3, in play\n    f()\n    ^^^\n'
+    )
+    for trace in (f"{frames}ValueError: sizes\n[1 2\n 3]\n", f"{frames}ValueError: sizes\n"):
+        wrong = EpisodeRecord(TASK, "clean", 1, False, reason="policy_error", detail=trace)
+        said, _ = errors_of(Results(tmp_path, {}, {("clean", TASK): [wrong]}, {}))
+        assert said.startswith("policy_error of seed 1: ValueError: sizes; ")
+
+
+def test_what_a_policy_usually_does_wrong_is_one_line_below_the_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cause = "joints are beyond their limits in 83% of the actions, up to 95 rad: degrees? (2 of 2)"
+    tasks = (replace(SUMMARY.tasks[0], language=cause), SUMMARY.tasks[0])
+    made = replace(SUMMARY, tasks=tasks)
+    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
+    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
+    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(tmp_path)]
+    done = CliRunner().invoke(app, ["evaluate", *options])
+    assert done.exit_code == 0, done.output
+    assert " ".join(done.stdout.split()).count(f"phys_random_all, {TASK}: {cause}") == 1
+    assert done.stdout.count("degrees?") == 1, "nothing is said of the task that fits"
 
 
 @pytest.mark.parametrize(

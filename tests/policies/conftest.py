@@ -13,11 +13,11 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
 
 # What needs the extra rtphys[serve] is left out where that is not installed.
-collect_ignore = (
-    []
-    if find_spec("websockets") and find_spec("msgpack")
-    else ["test_websocket.py", "test_openpi.py", "test_xpolicylab.py", "test_hostile_server.py"]
+NEEDS_A_SERVER = (
+    *("test_websocket.py", "test_openpi.py", "test_xpolicylab.py", "test_hostile_server.py"),
+    "test_wrong_languages.py",
 )
+collect_ignore = [] if find_spec("websockets") and find_spec("msgpack") else [*NEEDS_A_SERVER]
 SHADES = {"head": 10, "left": 20, "right": 30}
 
 

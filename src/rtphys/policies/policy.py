@@ -118,5 +118,6 @@ def action_rows(actions: object, size: int, where: str) -> Array:
         raise ServerFailed(f"{where}: answered actions of shape {array.shape}, not (n, {size})")
     if not np.isfinite(array).all():
         row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
-        raise ServerFailed(f"{where}: action {row} of {len(array)} is not finite: {array[row]}")
+        numbers = array[row].tolist()  # an array would be shown on several lines
+        raise ServerFailed(f"{where}: action {row} of {len(array)} is not finite: {numbers}")
     return array
