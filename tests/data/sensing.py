@@ -5,6 +5,7 @@ import synthetic
 
 from rtphys.data.episode import Sensed
 from rtphys.senses.depth import DEPTH_SCALE
+from rtphys.senses.touch import TouchSense
 
 SENSES = ("depth", "segmentation", "pointcloud", "states")
 NAMES = ("background", "table", "bell", "left_camera")
@@ -28,4 +29,10 @@ def sensed(seed: int, frames: int = 8, senses: tuple[str, ...] = SENSES) -> Sens
         poses = rng.random((frames, 3, 7), np.float32)
         poses[..., 3:] /= np.linalg.norm(poses[..., 3:], axis=-1, keepdims=True)
         made.tracks["bodies", ""], made.names["body"] = poses, ("ground", "table", "bell")
+    if "touch" in senses:
+        fingers, more = ("fl7", "fl8", "fr7", "fr8"), {"force": (3,), "pressed": (1,)}
+        for one in TouchSense.fields:
+            shape = (frames, len(fingers), *more.get(one.name, ()))
+            made.tracks[one.name, ""] = rng.random(shape, np.float32)
+        made.names |= {"finger": fingers, "object": ("bell",)}
     return made

@@ -18,7 +18,6 @@ import synthetic
 from rtphys.data.dataset import Dataset
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter
-from rtphys.senses.touch import Touch, TouchSense
 
 pytest.importorskip("pyarrow", reason="the extra rtphys[lerobot] is not installed")
 
@@ -53,14 +52,6 @@ pytestmark = [
 ]
 
 
-def touch_of(seed: int) -> Touch:
-    rng = np.random.default_rng(seed)
-    more = {"force": (3,), "pressed": (1,)}
-    keys = [field.name for field in TouchSense.fields]
-    parts = {k: rng.random((FRAMES, 4, *more.get(k, ())), np.float32) for k in keys}
-    return Touch(("fl7", "fl8", "fr7", "fr8"), ("bell",), **parts)
-
-
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
     out = tmp_path_factory.mktemp("dataset")
@@ -68,9 +59,6 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
         task = opened.task(synthetic.header(senses=SENSES))
         for seed in range(EPISODES):
             made = sensing.sensed(seed, FRAMES, SENSES)
-            touch = touch_of(seed)
-            made.names |= {"finger": touch.fingers, "object": touch.objects}
-            made.tracks |= {(key, ""): values for key, values in touch.arrays().items()}
             episode = replace(synthetic.episode(seed, FRAMES), sensed=made)
             task.record(stage_episode(task.staging(seed), episode))
     return Dataset(out)

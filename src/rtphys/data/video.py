@@ -126,10 +126,10 @@ class VideoJoiner:
     def finish(self) -> bytes:
         """The whole file. The joiner cannot be used afterwards."""
         self._container.close()
-        return index_first(self._buffer.getvalue())
+        return index_first(self._buffer.getbuffer())  # not a copy: a file may have 50 MB
 
 
-def boxes(data: bytes, start: int, end: int) -> Iterator[tuple[bytes, int, int]]:
+def boxes(data: bytes | memoryview, start: int, end: int) -> Iterator[tuple[bytes, int, int]]:
     """(type, first byte, end) of the MP4 boxes between two offsets."""
     while start < end:
         size, kind = struct.unpack_from(">I4s", data, start)
@@ -141,7 +141,7 @@ def boxes(data: bytes, start: int, end: int) -> Iterator[tuple[bytes, int, int]]
         start += size
 
 
-def index_first(data: bytes) -> bytes:
+def index_first(data: bytes | memoryview) -> bytes:
     """Moves the index (`moov`) before the pictures, so that a browser starts at once.
 
     FFmpeg's own `faststart` re-opens the file by name, which a file in memory has not.
@@ -150,10 +150,10 @@ def index_first(data: bytes) -> bytes:
     moov_start, moov_end = parts[b"moov"]
     mdat_start, _ = parts[b"mdat"]
     if moov_start < mdat_start:
-        return data
+        return bytes(data)
     moov = bytearray(data[moov_start:moov_end])
     _shift_chunks(moov, len(moov))
-    return data[:mdat_start] + bytes(moov) + data[mdat_start:moov_start] + data[moov_end:]
+    return b"".join((data[:mdat_start], moov, data[mdat_start:moov_start], data[moov_end:]))
 
 
 def _shift_chunks(moov: bytearray, shift: int) -> None:
