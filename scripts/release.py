@@ -26,6 +26,9 @@ def disagreements(root: Path = ROOT) -> list[str]:
     environment = tomllib.loads((root / "lerobot_env_rtphys" / "pyproject.toml").read_text())
     if (other := environment["project"]["version"]) != version:
         found.append(f"lerobot_env_rtphys/pyproject.toml: version {other}, not {version}")
+    wheel = f"rtphys-{version}-py3-none-any.whl"
+    if wheel not in (root / "docs" / "install.md").read_text():
+        found.append(f"docs/install.md: does not name {wheel}")
     for name in ("CHANGELOG.md", "docs/releases.md"):
         first = re.search(r"^## .*$", (root / name).read_text(), re.MULTILINE)
         if first is None or first[0] != title:

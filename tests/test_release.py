@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 ROOT = Path(__file__).parents[1]
-NAMES = ("pyproject.toml", "lerobot_env_rtphys/pyproject.toml", "CITATION.cff")
+NAMES = ("pyproject.toml", "lerobot_env_rtphys/pyproject.toml", "CITATION.cff", "docs/install.md")
 TITLED = ("CHANGELOG.md", "docs/releases.md")
 
 pytestmark = pytest.mark.skipif(not (ROOT / "CITATION.cff").exists(), reason="not a checkout")

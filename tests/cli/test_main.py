@@ -196,6 +196,16 @@ def test_a_former_name_works_and_says_the_new_one(
     assert f"`{former}` of `rtphys {command}` is called `{now}` now" in result.output
 
 
+@pytest.mark.parametrize(
+    ("command", "now"), [(name, now) for name, of in lazy.FORMER.items() for now in of.values()]
+)
+def test_a_former_name_leads_to_one_that_is_there(command: str, now: str) -> None:
+    group = lazy.load(command)
+    below = getattr(group, "commands", {})
+    known = {flag for one in (group, *below.values()) for p in one.params for flag in p.opts}
+    assert now in {*known, *below}
+
+
 def test_video_without_a_value_is_all_as_it_was() -> None:
     line = ["evaluate", "click_bel", "--policy", "idle", "--protocol", "clean", "--video"]
     assert "`--video` of `rtphys evaluate` takes all, failures" in RUN.invoke(app, line).stderr
@@ -341,6 +351,9 @@ def test_an_error_of_the_library_names_the_flag() -> None:
     [
         ("collect click_bell --estimate", "--estimate is gone: `--dry-run` says what the table"),
         ("verify data --shader=rt", "--shader is gone: a dataset says itself"),
+        ("verify-manifest data --signed-by me", "--signed-by is gone: `ssh-keygen -Y verify`"),
+        ("evaluate click_bell --no-resume", "--no-resume is gone: a folder of another run"),
+        ("compare a b --table", "--table is gone: `--json` has the rates"),
     ],
 )
 def test_an_option_that_is_gone_says_what_there_is_now(line: str, said: str) -> None:

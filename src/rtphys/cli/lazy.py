@@ -84,8 +84,13 @@ FORMER = {
     "physics": {"prove": "law-test", "--seed": "--first-seed"},
     "show": {"--number": "--episode"},
 }
+NO_RESUME = "a folder of another run is refused without it, too"
 GONE = {
     ("collect", "--estimate"): "`--dry-run` says what the table in docs/scale.md knows",
+    ("collect", "--no-resume"): NO_RESUME,
+    ("compare", "--table"): "`--json` has the rates",
+    ("evaluate", "--no-resume"): NO_RESUME,
+    ("verify", "--signed-by"): "`ssh-keygen -Y verify` checks a signature, see docs/trust.md",
     ("verify", "--shader"): "a dataset says itself what its pictures were drawn with",
 }
 """Options of 1.0 that are no more, and what there is instead."""
