@@ -73,7 +73,7 @@ def _measured(
 
 def _rest(protocol: str, task: str, which: slice) -> InstanceList:
     """A list of only these feasible instances of the certified one."""
-    whole = read_list(benchmark_file(protocol), task)
+    whole = read_list(benchmark_file(protocol, task), task)
     assert whole is not None
     seeds = [one.seed for one in whole.feasible[which]]
     rest = tuple(one for one in whole.instances if seeds[0] <= one.seed <= seeds[-1])

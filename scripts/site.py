@@ -100,7 +100,7 @@ def tolerance(name: str) -> str:
 def draw(task: Task, pack: Pack, path: Path) -> None:
     """Moving picture of the first certified seed that the expert solves here."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    listed = read_list(benchmark_file(PROTOCOL), task.name)
+    listed = read_list(benchmark_file(PROTOCOL, task.name), task.name)
     for one in listed.instances if listed else ():
         recipe = EpisodeSpec(task.name, PROTOCOL).at(one.seed)
         if one.feasible and (result := attempt(recipe, task, pack)).accepted and result.recording:

@@ -1,11 +1,11 @@
-"""Lids of laptops: the arc along which a closed hand lifts their free edge."""
+"""Lids of laptops: the arc along which a closed hand lifts their free edge, and who does."""
 
 from itertools import product
 from math import cos, sin
 
 import numpy as np
 
-from rtphys.task import Arm, Pose, Robot, Scene, axis_angle, quat_multiply
+from rtphys.task import LEFT, RIGHT, Arm, Pose, Robot, Scene, axis_angle, quat_multiply
 
 from ._hinges import angle_to
 
@@ -17,6 +17,10 @@ STEPS = 12  # poses along the arc
 PITCHES = (0.8, 0.6, 1.0)  # [rad] of the hand below level
 TURNS = (0.0, 0.3, -0.3, 0.6, -0.6)  # [rad] of the hand about the vertical, from square to the edge
 ASIDES = (0.0, 0.04, -0.04)  # [m] along the edge, from its middle
+CARROT = 1  # contact point 2-3 cm further open than the lid's free edge
+AT_LID = 0.07  # [m] from the TCP to CARROT, at most; the expert's is 4 to 6 cm
+ASKEW = 1.3  # [rad] of the hand from straight at the lid, at most; the expert's is 1.1
+CLOSED = 0.1  # opening of the gripper, at most; the expert's is 0
 
 
 def arc(
@@ -57,3 +61,15 @@ def swing(robot: Robot, arm: Arm, laptop: str, share: float, seconds: float) -> 
     shapes = product(PITCHES, TURNS, ASIDES)
     arcs = [arc(robot.scene, laptop, share, arm.hand.tcp, *shape) for shape in shapes]
     robot.do(arm.sweep(*arcs, seconds=seconds, prop=laptop))
+
+
+def hands_at(scene: Scene, laptop: str) -> list[str]:
+    """Sides whose hand is closed, near the lid's edge, and points at it."""
+    return [side for side in (LEFT, RIGHT) if _is_at(scene, laptop, side)]
+
+
+def _is_at(scene: Scene, laptop: str, side: str) -> bool:
+    edge, tcp = scene.contact(laptop, CARROT), scene.tcp(side)
+    near = np.linalg.norm(tcp.p - edge.p) < AT_LID
+    straight = -(tcp.R[:, 0] @ edge.R[:, 1]) > cos(ASKEW)
+    return bool(near and straight) and scene.opening(side) < CLOSED

@@ -4,9 +4,7 @@ Success: the hinge is past 40 % of its range, and a closed hand that points at t
 it. Upstream asks only that a hand is near.
 """
 
-from math import cos, pi
-
-import numpy as np
+from math import pi
 
 from rtphys.task import (
     IDENTITY,
@@ -21,14 +19,10 @@ from rtphys.task import (
 )
 
 from ._hinges import angle_to, opened_in_time, share_open
-from ._lids import lever, swing
+from ._lids import hands_at, lever, swing
 
-CARROT = 1  # contact point 2-3 cm further open than the lid's free edge
 ENOUGH = 0.52  # share of the range to which the hand goes
 DONE = 0.43  # share of the range that is enough: success asks for 0.4
-AT_LID = 0.07  # [m] from the TCP to CARROT, at most; the expert's is 4 to 6 cm
-ASKEW = 1.3  # [rad] of the hand from straight at the lid, at most; the expert's is 1.1
-CLOSED = 0.1  # opening of the gripper, at most; the expert's is 0
 PUSH = 9.0  # [N] on the edge that the hinge's damping may cost: the servos yield 2 mm per newton
 DAMPING = 1.0  # [N m s/rad] taken for the hinge's where physics does not vary it
 MIN_TIME = 1.5  # [s] of a push
@@ -46,16 +40,8 @@ def layout(draw: Draw):
 
 
 def hand_at_lid(scene: Scene) -> bool:
-    return any(at_lid(scene, side) for side in ("left", "right"))
-
-
-def at_lid(scene: Scene, side: str) -> bool:
-    """Whether this hand is closed, on the lid near its edge, and points at it."""
-    edge, tcp = scene.contact("laptop", CARROT), scene.tcp(side)
-    near = np.linalg.norm(tcp.p - edge.p) < AT_LID
-    straight = -(tcp.R[:, 0] @ edge.R[:, 1]) > cos(ASKEW)
-    closed = scene.opening(side) < CLOSED
-    return bool(near and straight and closed) and scene.touching(f"{side}_gripper", "laptop")
+    at = hands_at(scene, "laptop")
+    return any(scene.touching(f"{side}_gripper", "laptop") for side in at)
 
 
 def push(robot: Robot, arm: Arm) -> None:

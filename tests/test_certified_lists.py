@@ -18,9 +18,21 @@ from rtphys.studies.evaluate import certified, other_versions
 from rtphys.studies.requests import CertificationRun, CertificationSpec, EvaluationRun
 from rtphys.task.spec import load_task
 
-FILES = sorted(p for root in library.roots() for p in root.glob(f"manifests/{BENCHMARK}/*.jsonl"))
-LISTS: dict[str, dict[str, InstanceList]] = {path.stem: read_lists(path) for path in FILES}
-CELLS = [(protocol, task) for protocol, lists in LISTS.items() for task in lists]
+FOLDER = library.bundled() / "manifests"
+Lists = dict[str, dict[str, InstanceList]]  # by protocol and task
+
+
+def lists_in(folder: str) -> Lists:
+    return {path.stem: read_lists(path) for path in sorted((FOLDER / folder).glob("*.jsonl"))}
+
+
+LISTS, SUITES = lists_in(BENCHMARK), {suite: lists_in(suite) for suite in library.suites()}
+CELLS = [
+    (protocol, task)
+    for of in (LISTS, *SUITES.values())
+    for protocol, lists in of.items()
+    for task in lists
+]
 QUICK = ("click_alarmclock", "place_shoe")
 
 
@@ -50,17 +62,32 @@ def test_a_list_is_shipped_or_pending() -> None:
 def test_fifty_tasks_have_as_many_each(protocol: str) -> None:
     lists = LISTS[protocol]
     assert len(lists) >= 50  # a new task may be certified later, but then under every protocol
-    assert lists.keys() == {task for _, task in CELLS}
+    assert lists.keys() == {task for of in LISTS.values() for task in of}
     assert min(len(found.feasible) for found in lists.values()) >= CERTIFIED
 
 
 @pytest.mark.parametrize("protocol", sorted(LISTS.keys() - {*MAIN}))
 def test_narrower_protocols_have_every_task_on_which_they_act(protocol: str) -> None:
-    lists, tasks = LISTS[protocol], tuple(sorted({task for _, task in CELLS}))
+    lists, tasks = LISTS[protocol], tuple(sorted({task for of in LISTS.values() for task in of}))
     acting = CertificationRun(tasks, (protocol,), Path("bench")).specs(CertificationSpec())
     assert lists.keys() == {spec.episode.task for spec in acting}
     least = NARROWER[protocol.split("_")[0]]
     assert min(len(found.feasible) for found in lists.values()) >= least
+
+
+@pytest.mark.parametrize("suite", SUITES)
+def test_a_suite_has_lists_of_its_own(suite: str) -> None:
+    lists = SUITES[suite]
+    assert lists.keys() == {"clean", "phys_random", "phys_random_all"}
+    for of in lists.values():
+        assert of.keys() == set(library.suites()[suite])
+        assert min(len(found.feasible) for found in of.values()) >= CERTIFIED
+
+
+def shipped(protocol: str, task: str) -> InstanceList:
+    return next(
+        of[protocol][task] for of in (LISTS, *SUITES.values()) if task in of.get(protocol, {})
+    )
 
 
 @pytest.mark.parametrize(("protocol", "task"), CELLS)
@@ -68,7 +95,8 @@ def test_no_list_is_stale(protocol: str, task: str, pack: Pack) -> None:
     run, loaded = EvaluationRun((task,), (protocol,)), load_task(task)
     now = fingerprint_of(loaded, protocol, pack)
     if doctor.other_versions():  # they may build other meshes; all else must hold
-        now = now.model_copy(update={"assets": LISTS[protocol][task].fingerprint.assets})
+        assets = shipped(protocol, task).fingerprint.assets
+        now = now.model_copy(update={"assets": assets})
     found = certified(run, protocol, task, now)
     seeds = [one.seed for one in found.instances]
     assert seeds == [*range(seeds[0], seeds[0] + len(seeds))]  # every seed tried has its row
@@ -92,7 +120,7 @@ def test_the_expert_solves_the_first_instance_bit_for_bit(
 @pytest.mark.parametrize(("protocol", "task"), CELLS)
 def test_the_expert_still_moves_as_listed(protocol: str, task: str, pack: Pack) -> None:
     """A change of planner, control or simulation shows here, though no task file changed."""
-    first = LISTS[protocol][task].feasible[0]
+    first = shipped(protocol, task).feasible[0]
     recipe = EpisodeSpec(task, protocol).at(first.seed)
     recording = attempt(recipe, load_task(recipe.task), pack).recording
     assert recording is not None and recording.hash.startswith(first.state)

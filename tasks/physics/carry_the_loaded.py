@@ -24,13 +24,13 @@ from rtphys.task import (
 )
 
 HALF = (0.24, 0.0125, 0.0125)  # [m] of the beam
-MASS = 1.9  # [kg]: a hand slips that bears 60 % of it with this friction
+MASS = 1.7  # [kg]: a hand slips that bears two thirds of it with this friction
 APART = 0.11  # [m] of each hand from the load
 PRE, LOW = 0.08, 0.004  # [m] above the grasp, before it; of the fingertips above the table
 RISE = 0.09  # [m] the beam is lifted
 NUDGE, HIGHEST = 0.005, 0.03  # [m] that hands go up at a time, and at most, to feel the load
-TRIES, TILTS = 3, 0.008  # of finding the load; sine of the tilt that says which end is loaded
-FARTHEST = 0.08  # [m] of the load from the middle
+TRIES, TILTS = 4, 0.008  # of finding the load; sine of the tilt that says which end is loaded
+FARTHEST = 0.1  # [m] of the load from the middle
 HOLD = 0.16  # [s]
 LEVEL = 0.07  # sine of the beam's tilt, at most
 

@@ -1,6 +1,7 @@
 """Of two laptops that look alike, open the one whose hinge moves easily; leave the stiff one.
 
-Success: the loose hinge is past 40 % of its range, the stiff one has not left its place.
+Success: the loose hinge is past 40 % of its range, with a closed hand at its lid, and the stiff one
+has not left its place.
 """
 
 from collections.abc import Mapping
@@ -19,7 +20,7 @@ from rtphys.task import (
 )
 
 from .._hinges import angle_to, opened_in_time, share_open
-from .._lids import lever, swing
+from .._lids import hands_at, lever, swing
 from ._hidden import ranked, values
 
 LAPTOPS = {"first": LEFT, "second": RIGHT}  # the arm on whose side it stands
@@ -44,7 +45,8 @@ def layout(draw: Draw):
 
 def loose_is_open(scene: Scene) -> bool:
     loose, stiff = ranked(scene, "object_joint_damping", list(LAPTOPS))
-    return share_open(scene, loose) > OPEN and share_open(scene, stiff) < STILL_SHUT
+    opened = share_open(scene, loose) > OPEN and bool(hands_at(scene, loose))
+    return opened and share_open(scene, stiff) < STILL_SHUT
 
 
 def script(robot: Robot) -> None:

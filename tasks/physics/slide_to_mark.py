@@ -52,7 +52,7 @@ def layout(draw: Draw):
     ):
         yield Box(
             name=name, half_size=half, colour=colour, fixed=True, visual_only=True,
-            pose=Pose((spot.x, at, TABLE_TOP)), phrase=f"{name}",
+            pose=Pose((spot.x, at, TABLE_TOP)), phrase=name,
         )  # fmt: skip
 
 

@@ -140,7 +140,7 @@ def complaint(path: Path, text: str) -> str:
 
 def test_values_that_do_not_belong_there(tmp_path: Path) -> None:
     path, wrong = tmp_path / "clean.jsonl", list[str]()
-    with benchmark_file("clean").open() as lines:
+    with benchmark_file("clean", "click_bell").open() as lines:
         head, *rows = [next(lines) for _ in range(101)]
     header, row = json.loads(head), json.loads(rows[0])
     for value in (*VALUES, *NAMES):
@@ -154,7 +154,7 @@ def test_values_that_do_not_belong_there(tmp_path: Path) -> None:
 
 
 def test_too_many_instances_are_refused_soon(tmp_path: Path) -> None:
-    head = benchmark_file("clean").read_text().partition("\n")[0]
+    head = benchmark_file("clean", "click_bell").read_text().partition("\n")[0]
     assert not complaint(tmp_path / "list.jsonl", head + "\n" + '[1, ""]\n' * 1_000_000)
     assert not complaint(tmp_path / "list.jsonl", head + "\n" + '[1, ""]\n' * 3_000_000)
 

@@ -243,7 +243,7 @@ def certified_seed(spec: EpisodeSpec, index: object) -> int:
         raise BadValue("index", index, "it must be an integer, counting certified instances from 0")
     if spec.embodiment != DEFAULT:
         raise BadValue("index", index, f"instances are certified for the {DEFAULT} alone")
-    listed = read_list(path := benchmark_file(spec.protocol), spec.task)
+    listed = read_list(path := benchmark_file(spec.protocol, spec.task), spec.task)
     if listed is None:
         raise BadFile(path, f"has no list of {spec.task}")
     feasible = listed.feasible

@@ -23,7 +23,7 @@ from rtphys.data.json_text import Model
 from rtphys.spec.stored import problems_of
 
 BENCHMARK = "benchmark_v3"
-"""The folder below `manifests/` that holds the certified lists of this version."""
+"""The folder below `manifests/` that holds this version's certified lists of tasks of no suite."""
 
 FIRST_SEED = 100_000
 """First seed of certification, as in RoboTwin's evaluation; training seeds start at 0."""
@@ -128,9 +128,16 @@ def list_file(folder: Path, protocol: str) -> Path:
     return folder / f"{protocol}.jsonl"
 
 
-def benchmark_file(protocol: str) -> Path:
-    """The lists of a protocol that come with rtphys; it may not be there."""
-    return list_file(library.bundled() / "manifests" / BENCHMARK, protocol)
+def lists_folder(root: Path, task: str) -> Path:
+    """Where a library has the lists of a task: those of a suite are in a folder of its name."""
+    path = library.find("tasks", task)
+    suite = path.parent.relative_to(library.top_of("tasks", path)).name
+    return root / "manifests" / (suite or BENCHMARK)
+
+
+def benchmark_file(protocol: str, task: str) -> Path:
+    """The lists of a protocol, this task's among them, that rtphys ships; may not be there."""
+    return list_file(lists_folder(library.bundled(), task), protocol)
 
 
 def write_lists(path: Path, lists: Iterable[InstanceList]) -> None:

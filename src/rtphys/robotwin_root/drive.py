@@ -116,7 +116,7 @@ class Run:
     def seeds(self) -> Iterator[int]:
         """Seeds that the expert solves; the others are only counted."""
         first = int(str(self.usr_args["seed"]))
-        path = benchmark_file(protocol_of(self.args))
+        path = benchmark_file(protocol_of(self.args), self.env.task_name)
         listed = read_list(path, self.env.task_name) if first == 0 and path.is_file() else None
         if listed is not None:
             for one in listed.instances:

@@ -43,12 +43,12 @@ from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
 from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec, short_name
 from rtphys.results.instances import (
-    BENCHMARK,
     ENFORCED,
     BenchmarkInstance,
     Fingerprint,
     InstanceList,
     list_file,
+    lists_folder,
     read_list,
     write_lists,
 )
@@ -390,7 +390,7 @@ def certified(
     if given is not None and (given / MANIFEST).is_file():
         where, found = given, _of_dataset(given, *cell, fingerprint)
     else:
-        folders = [given] if given else [root / "manifests" / BENCHMARK for root in library.roots()]
+        folders = [given] if given else [lists_folder(root, task) for root in library.roots()]
         paths = [one if one.is_file() else list_file(one, protocol) for one in folders]
         read = [(path, read_list(path, task)) for path in paths if path.is_file()]
         where, found = next((pair for pair in reversed(read) if pair[1]), (paths[0], None))
