@@ -126,6 +126,8 @@ def test_only_the_same_instances_are_paired(
     assert (pair.outcome.trials, pair.unpaired) == (0 if why else 2, told)
     line = f"not paired: {pair.first}, {pair.second}, clean, click_bell:"
     assert (line in said(*folders)) is bool(why)
+    (row,) = [row for row in said(*folders).splitlines() if row.startswith(f"{pair.first}  ")]
+    assert row.split()[-1] == ("-" if why else "1"), "nothing was compared"
 
 
 def test_a_seed_with_other_physics_is_another_instance(tmp_path: Path) -> None:

@@ -340,7 +340,8 @@ def _show_pairs(comparison: Comparison) -> None:
             outcome = pair.outcome
             gap = "-" if outcome.difference is None else f"{100 * outcome.difference:+.1f} points"
             counts = map(str, (outcome.trials, outcome.only_first, outcome.only_second))
-            table.add_row(pair.first, pair.second, pair.protocol, *counts, gap, f"{outcome.p:.2g}")
+            p = f"{outcome.p:.2g}" if outcome.trials else "-"
+            table.add_row(pair.first, pair.second, pair.protocol, *counts, gap, p)
         print_table(table)
     for pair in comparison.pairs:
         for reason in pair.unpaired:

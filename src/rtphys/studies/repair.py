@@ -148,6 +148,7 @@ class RepairWorker:
                 files.make_folder(path.parent)
                 files.replace_file(path, made[path])
             else:
-                text = "made again it has other bytes: another device or driver drew it"
+                text = "made again it has other bytes than the ledger lists; pictures depend on "
+                text += "device and driver, all files on the versions of packages"
                 found.append(Problem(path, text))
         return found
