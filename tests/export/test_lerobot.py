@@ -9,7 +9,9 @@ import pytest
 import sensing
 import synthetic
 from collected import FRAMES
+from typer.testing import CliRunner
 
+from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, video
 from rtphys.data.dataset import Dataset
@@ -196,6 +198,17 @@ def test_depth_is_a_video_of_millimetres(tmp_path: Path) -> None:
     assert "head_camera, depth, frame 2: another picture" in problem
     with pytest.raises(BadValue, match=r"depth.* from v3\.0 on"):
         export(data, tmp_path / "old", version="v2.1", features=("depth",))
+
+
+def test_the_command_says_which_format_a_converter_breaks(dataset: Dataset, tmp_path: Path) -> None:
+    """LeRobot's converter rounds the frame rate of v2.1 to 16, and then cuts videos wrongly."""
+    said = {}
+    for version in ("v2.1", "v3.0"):
+        words = ["export", "lerobot", str(dataset.path), "--out", str(tmp_path / version)]
+        done = CliRunner().invoke(app, [*words, "--version", version], env={"COLUMNS": "300"})
+        assert done.exit_code == 0, done.output
+        said[version] = "converter to v3.0 breaks it: export v3.0" in done.output
+    assert said == {"v2.1": True, "v3.0": False}
 
 
 def test_a_consumer_reads_v21_by_its_modalities(dataset: Dataset, tmp_path: Path) -> None:
