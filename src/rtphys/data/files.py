@@ -72,14 +72,25 @@ def write_synced(path: Path, data: bytes) -> FileFacts:
 def replace_file(path: Path, data: bytes) -> FileFacts:
     """Atomic: temporary name in the same folder, sync, rename, sync the folder."""
     facts = write_synced(hidden(path, TEMPORARY), data)
-    move(hidden(path, TEMPORARY), path)
+    _put_in_place(path)
     return facts
 
 
 def replace_pieces(path: Path, pieces: Iterable[bytes]) -> None:
     """As `replace_file`, for a content that need not fit into memory. Raises `CannotWrite`."""
     _write(hidden(path, TEMPORARY), pieces)
-    move(hidden(path, TEMPORARY), path)
+    _put_in_place(path)
+
+
+def _put_in_place(path: Path) -> None:
+    """Gives the temporary file its name. A refused name, such as one too long, leaves no file."""
+    temporary = hidden(path, TEMPORARY)
+    try:
+        move(temporary, path)
+    except BaseException:
+        with suppress(OSError):
+            temporary.unlink()
+        raise
 
 
 def move(source: Path, target: Path) -> None:

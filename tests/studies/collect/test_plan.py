@@ -155,7 +155,7 @@ def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(own_task, tmp_p
     options = ["--task", "hopeless", "--out", str(out), "--max-attempts", "3", "--workers", "1"]
     done = CliRunner().invoke(app, ["collect", *options])
     assert done.exit_code == 4
-    assert "hopeless: 3 attempts were made" in done.stderr
+    assert "hopeless: the most attempts that were allowed were made: 3" in done.stderr
     assert verify(out).problems == []
     leaf = json.loads((out / "manifest.json").read_text())["task_datasets"][
         "phys_random_all/hopeless/aloha_agilex"
