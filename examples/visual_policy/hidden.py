@@ -7,7 +7,7 @@ Head camera, `clean`, seeds that no list and no training set has. The question i
 has the larger value, the left or the right one; of three, whether the leftmost has the largest; of
 one, whether its value is above the middle of its range. Ridge regression on all features of
 `pretrained` is fitted on nine tenths and judged on the tenth that it has not seen, ten times. The
-area under the ROC curve (AUC) is 0.5 for who guesses; its interval is Hanley and McNeil's. As a
+area under the ROC curve (AUC) is 0.5 for a guess; its interval is Hanley and McNeil's. As a
 control the same is asked of something that the picture does show: whether a prop lies in the right
 half of where it may lie.
 """
