@@ -7,7 +7,7 @@ import inspect
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import policy_tables
@@ -23,7 +23,10 @@ from rtphys.core import library
 from rtphys.data.schema import FailureMeta
 from rtphys.physics import attributes, load_domain
 from rtphys.physics.load import domain_for_task
+from rtphys.policies.experts import OTHER
+from rtphys.results import Rate
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
+from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.rates import PROTOCOL, costs, rates
 from rtphys.task.spec import load_task
 
@@ -44,6 +47,13 @@ SHARES = {
     "phys_random_all": (1.0, 1.0),
 }
 EPISODES = 100  # of each task
+SHUFFLED = "expert:shuffled"
+# Tasks whose hidden value is continuous: whether one value will do for another one.
+NEAR: dict[str, Callable[[float, float], bool]] = {
+    "balance_the_bar": lambda true, taken: abs(taken - true) < 0.02,  # half of the support
+    "carry_the_loaded": lambda true, taken: abs(taken - true) < 0.04,  # two thirds on a hand
+    "slide_to_mark": lambda true, taken: abs(taken / true - 1) < 0.02 / 0.1375,  # half the mark
+}
 CORES = (4, 16, 64)
 # On one H200, version 1.0.0: CPU time of a picture as a share of that without a GPU, and how many
 # pictures the card draws for all processes together; without a GPU a picture takes so long.
@@ -97,6 +107,7 @@ DOCUMENTS = (
     DOCS / "scale.md",
     DOCS / "benchmark.md",
     DOCS / "maps.md",
+    DOCS / "physics_suite.md",
     DOCS / "visual_policy.md",
     DOCS / "reference" / "task.md",
 )
@@ -280,6 +291,64 @@ def blind() -> str:
 def _solved(of: dict[str, list[int]]) -> str:
     """Successes and trials of all tasks, of which each has successes and trials."""
     return "{} of {}, {} tasks".format(*map(sum, zip(*of.values(), strict=True)), len(of))
+
+
+def knowing_suite() -> str:
+    """Table of the physical suite: chance, and what the label, a belief and feeling achieve."""
+    solved = results.load("knowing_suite")["solved"]
+    lists = read_lists(ROOT / "manifests" / "physics" / "clean.jsonl")
+    senseless = [policy for policy in BLIND if policy in solved]
+    head = ("task", "chance", "feasible of tried", "knows", "blind", "feels", "worth", *senseless)
+    rows = []
+    for task in library.suites()["physics"]:
+        knows, blind, feels = (solved[policy][task] for policy in ("expert", SHUFFLED, "feels"))
+        rates = (_rate(one) for one in (knows, blind, feels))
+        none = (f"{(of := solved[policy][task]).count('1')} of {len(of)}" for policy in senseless)
+        length = _length([lists[task]])
+        row = (f"`{task}`", f"{_chance(task):.0%}", length, *rates, _worth(knows, blind), *none)
+        rows.append(row)
+    return _table(head, rows)
+
+
+def _rate(solved: str) -> str:
+    rate = Rate(solved.count("1"), len(solved))
+    low, high = (100 * bound for bound in rate.interval)
+    return f"{rate.successes} of {rate.trials} ({low:.0f} to {high:.0f} %)"
+
+
+def _worth(first: str, second: str) -> str:
+    """Percentage points by which the first is better on the same seeds, and a 95 % interval.
+
+    The interval is that of Agresti and Min (2005) for paired proportions.
+    """
+    only_first = sum(a > b for a, b in zip(first, second, strict=True)) + 0.5
+    only_second = sum(a < b for a, b in zip(first, second, strict=True)) + 0.5
+    n, more = len(first) + 2, only_first - only_second
+    half = 1.96 * (only_first + only_second - more**2 / n) ** 0.5 / n
+    better = 100 * (first.count("1") - second.count("1")) / len(first)
+    low, high = (100 * max(-1.0, min(1.0, more / n + side * half)) for side in (-1, 1))
+    return f"{better:.0f} ({low:.0f} to {high:.0f})"
+
+
+def _chance(task: str) -> float:
+    """How often another episode's hidden values lead to what these ask for, of 5,000 pairs."""
+    spec = EpisodeSpec(task, "clean")
+    keys = [key for key in domain_for_task(task).by_prop.keys if "@" in key]
+    pairs = [
+        [
+            [_first(drawn[key]) for key in keys]
+            for drawn in (spec.draw(seed), spec.draw(seed + OTHER))
+        ]
+        for seed in range(5000)
+    ]
+    if task in NEAR:
+        return sum(NEAR[task](true[0], taken[0]) for true, taken in pairs) / len(pairs)
+    ranks = [[sorted(range(len(keys)), key=one.__getitem__) for one in pair] for pair in pairs]
+    return sum(true == taken for true, taken in ranks) / len(ranks)
+
+
+def _first(value: object) -> float:
+    return float(value[0] if isinstance(value, tuple) else value)  # pyright: ignore
 
 
 def _certified() -> dict[str, dict[str, InstanceList]]:
