@@ -487,6 +487,7 @@ TABLES = {
     "benchmark": benchmark,
     "baselines": baselines,
     "blind": blind,
+    "knowing_suite": knowing_suite,
     "relevance": relevance,
     **{name: lambda of=of: _table(*of()) for name, of in policy_tables.TABLES.items()},
 }
