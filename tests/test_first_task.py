@@ -37,8 +37,10 @@ def test_the_task_solves(written: Path, protocol: str, least: int) -> None:
 
 
 def test_a_target_with_the_books_orientation_is_out_of_reach(written: Path) -> None:
-    right = "np.array([0.0, height, 0.0]))"
+    right = 'robot.scene.on_top("book")'
     text = written.read_text()
     assert right in text
-    written.write_text(text.replace(right, right[:-1] + ', scene.pose("book").q)'))
+    book = f'Pose({right}.p, robot.scene.pose("book").q)'
+    text = text.replace(right, book).replace("    Placing,", "    Placing,\n    Pose,")
+    written.write_text(text)
     assert set(outcomes(written, "clean")) <= {"unreachable", "no_path"}

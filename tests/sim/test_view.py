@@ -3,9 +3,16 @@
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
+import pytest
+
+from rtphys.assets.pack import default_pack
+from rtphys.episode.generate import prepare
 from rtphys.sim.engine import AnyBody
-from rtphys.sim.view import PosesNow
+from rtphys.sim.view import PosesNow, SceneView
 from rtphys.sim.world import World
+from rtphys.spec.episode import EpisodeSpec
+from rtphys.task import load_task
 
 FIRST, SECOND = cast(AnyBody, "first"), cast(AnyBody, "second")
 
@@ -55,3 +62,15 @@ def test_all_values_share_one_read_a_step() -> None:
         world.step(first, second)
         assert [value() for value in values] == [first + second] * 3
     assert world.reads == 4
+
+
+@pytest.mark.sim
+def test_the_top_of_a_box_is_its_own_point_there_whatever_its_size_and_the_tables_tilt() -> None:
+    physics = {"object_scale": 1.2, "table_tilt": 0.05}
+    spec = EpisodeSpec("stack_blocks_two", "clean", overrides=physics)
+    instance = prepare(spec.at(1), load_task(spec.task), default_pack())
+    instance.world.settle()
+    scene = SceneView(instance.world, instance.physics)
+    top = scene.on_top("red")
+    assert top.p == pytest.approx(scene.functional("red", 1).p, abs=1e-3)  # its point has z down
+    assert abs(top.R - np.eye(3)).max() < 1e-9

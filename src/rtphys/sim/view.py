@@ -130,6 +130,11 @@ class SceneView:
             thing.links.values(), lambda: float((self._X_TW @ thing.points())[:, 2].min())
         )
 
+    def on_top(self, prop: str) -> Pose:
+        points = self._X_TW @ self.world.object(prop).points()
+        low, high = points.min(axis=0), points.max(axis=0)
+        return Pose([*(low + high)[:2] / 2, high[2]])
+
     def joint(self, prop: str, index: int = 0) -> tuple[float, float, float]:
         art = self.world.object(prop).articulation
         if art is None:

@@ -48,6 +48,13 @@ class Scene(Protocol):
         """Height of the prop's lowest collision vertex, task frame [m]."""
         ...
 
+    def on_top(self, prop: str) -> Pose:
+        """Where a thing may be put down on this prop: above the middle of what it covers, z up.
+
+        The height is that of its highest collision vertex; the axes are the task frame's.
+        """
+        ...
+
     def opening(self, side: str) -> float:
         """Measured gripper opening, 0 closed .. 1 open, from joint positions."""
         ...
