@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sight import PICTURES, labels, shrink
+from sight import PICTURES, felt_frames, labels, shrink
 
 from rtphys.data.dataset import Episode
 
@@ -28,6 +28,8 @@ class Demonstrations:
     following: Floats  # (N, CHUNK, 14) the next commands; behind the end, the last one
     objects: Floats  # (N, 3 k) positions of the task's k objects [m], world frame
     labels: Floats  # (N, m) physics of the episode
+    felt: Floats  # (N, FELT), or (N, 0) where it does not matter
+    begin: NDArray[np.intp]  # (N,) frame with which the episode begins
     longest: int  # frames of the longest episode
     digest: str  # of the files
 
@@ -54,11 +56,16 @@ def thinned(command: NDArray[np.floating]) -> NDArray[np.intp]:
     return np.array(kept)
 
 
-def load(dataset: Sequence[Episode], keep: Callable[[NDArray[np.uint8]], Arrays]) -> Demonstrations:
+def load(
+    dataset: Sequence[Episode],
+    keep: Callable[[NDArray[np.uint8]], Arrays],
+    feeling: bool = False,
+) -> Demonstrations:
     """All frames of one task's episodes in memory.
 
     Args:
         keep: pictures (n, H, W, 3) of a camera to arrays of n rows that are kept of them.
+        feeling: whether what was felt is kept; the dataset must have the sense of touch.
 
     Raises:
         ValueError: no episodes, or pictures that are too small.
@@ -73,7 +80,9 @@ def load(dataset: Sequence[Episode], keep: Callable[[NDArray[np.uint8]], Arrays]
     # Filled in place: parts that are joined at the end would need the memory twice.
     seen, parts = dict[str, Arrays](), []
     for episode, rows, end in zip(dataset, kept, ends, strict=True):
-        parts.append(_numbers(episode, rows, names))
+        felt = felt_frames(episode)[rows] if feeling else np.empty((len(rows), 0), np.float32)
+        begin = np.full(len(rows), end - len(rows))
+        parts.append(_numbers(episode, rows, names) | {"felt": felt, "begin": begin})
         for camera in PICTURES:
             arrays = keep(_pictures(camera, episode, rows))
             whole = seen.setdefault(
@@ -86,7 +95,7 @@ def load(dataset: Sequence[Episode], keep: Callable[[NDArray[np.uint8]], Arrays]
         seen=seen,
         longest=max(len(rows) for rows in kept),
         digest=digest(dataset),
-        **{key: array.astype(np.float32) for key, array in joined.items()},
+        **joined,
     )
 
 
@@ -109,9 +118,10 @@ def _pictures(camera: str, episode: Episode, rows: NDArray[np.intp]) -> NDArray[
 def _numbers(episode: Episode, rows: NDArray[np.intp], names: list[str]) -> dict[str, NDArray]:
     command = episode.state[rows]
     ahead = np.minimum(np.arange(len(rows))[:, None] + np.arange(1, CHUNK + 1), len(rows) - 1)
+    objects = np.concatenate([episode.poses(name)[rows, :3] for name in names], axis=1)
     return {
-        "command": command,
-        "following": command[ahead],
-        "objects": np.concatenate([episode.poses(name)[rows, :3] for name in names], axis=1),
+        "command": command.astype(np.float32),
+        "following": command[ahead].astype(np.float32),
+        "objects": objects.astype(np.float32),
         "labels": np.tile(labels(episode.physics), (len(rows), 1)),
     }

@@ -18,6 +18,8 @@ class Shape:
     chunk: int
     objects: int  # numbers of the objects' positions, which are predicted in training alone
     labels: int  # physics labels that it is shown; 0: none
+    felt: int = 0  # numbers that are felt in a frame; 0: it feels nothing
+    looks: int = 1  # how many frames are felt: this one, and earlier ones (`sight.looks`)
     hidden: int = 512
 
     def to_json(self) -> dict[str, int]:
@@ -78,7 +80,13 @@ class Network(nn.Module):
         super().__init__()
         self.shape = shape
         self.head, self.wrist = Encoder("head"), Encoder("left")  # both wrists share one
-        inputs = 3 * 2 * CHANNELS + 14 + shape.labels
+        remembered = min(shape.felt * shape.looks, shape.hidden // 4)
+        self.remember = (
+            nn.Sequential(nn.Linear(shape.felt * shape.looks, remembered), nn.ReLU())
+            if shape.looks > 1
+            else nn.Identity()
+        )
+        inputs = 3 * 2 * CHANNELS + 14 + shape.labels + remembered
         self.body = nn.Sequential(
             nn.Linear(inputs, shape.hidden),
             nn.ReLU(),
@@ -87,12 +95,18 @@ class Network(nn.Module):
         )
         self.actions = nn.Linear(shape.hidden, shape.chunk * 14)
         self.objects = nn.Linear(shape.hidden, shape.objects)
-        for name, size in (("command", 14), ("labels", shape.labels), ("objects", shape.objects)):
+        sizes = {
+            "command": 14,
+            "labels": shape.labels,
+            "objects": shape.objects,
+            "felt": shape.felt,
+        }
+        for name, size in sizes.items():
             self.register_buffer(f"{name}_mean", torch.zeros(size))
             self.register_buffer(f"{name}_scale", torch.ones(size))
 
     def measure(self, name: str, samples: Tensor) -> None:
-        """Take mean and spread of `command`, `labels` or `objects` from samples (N, size)."""
+        """Take mean and spread of one of the inputs or of `objects` from samples (N, size)."""
         if not samples.shape[1]:
             return
         spread = samples.std(0)
@@ -101,7 +115,11 @@ class Network(nn.Module):
         getattr(self, f"{name}_scale").copy_(torch.where(spread > 1e-4, spread, torch.inf))
 
     def forward(
-        self, seen: dict[str, tuple[Tensor, Tensor]], command: Tensor, labels: Tensor
+        self,
+        seen: dict[str, tuple[Tensor, Tensor]],
+        command: Tensor,
+        labels: Tensor,
+        felt: Tensor,
     ) -> tuple[Tensor, Tensor]:
         """Commands (n, chunk, 14) and object positions (n, objects) [m].
 
@@ -109,11 +127,14 @@ class Network(nn.Module):
             seen: features by camera, fine and coarse (`pretrained.Seen`).
             command: (n, 14).
             labels: (n, m) in standard deviations from the mean (`standard`).
+            felt: (n, looks, felt), now and before, as it is.
         """
         encoders = {"head": self.head, "left": self.wrist, "right": self.wrist}
         points = [encoder(*seen[camera]) for camera, encoder in encoders.items()]
         known = (command - self.command_mean) / self.command_scale
-        hidden = self.body(torch.cat([*points, known, labels], dim=1))
+        feeling = (felt - self.felt_mean) / self.felt_scale
+        feeling = self.remember(feeling.clamp(-5, 5).flatten(1))
+        hidden = self.body(torch.cat([*points, known, labels, feeling], dim=1))
         actions = self.actions(hidden).unflatten(1, (self.shape.chunk, 14))
         base = command.clone()
         base[:, GRIPPERS] = 0

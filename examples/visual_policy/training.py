@@ -16,7 +16,7 @@ import torch
 from demonstrations import CHUNK, Demonstrations, digest, load
 from network import ARMS, GRIPPERS, Network, Shape
 from pretrained import Eye
-from sight import PICTURES
+from sight import PICTURES, Sees, looks
 from torch import Tensor
 
 import rtphys  # before NumPy
@@ -39,6 +39,7 @@ class Options:
     batch: int = 64
     rate: float = 1e-3  # Adam's, at first; it falls to 0 along a cosine
     labels: bool = False  # whether the physics labels are shown
+    sees: Sees = "joints"  # beside pictures
     seed: int = 0
     bfloat16: bool = False  # whether to convolve in it
 
@@ -47,6 +48,7 @@ class Samples:
     """Demonstrations on a device; draws batches with noise."""
 
     def __init__(self, data: Demonstrations, options: Options, device: str) -> None:
+        self._options, self._device = options, device
         self.seen = {
             camera: tuple(torch.from_numpy(array).to(device) for array in arrays)
             for camera, arrays in data.seen.items()
@@ -55,7 +57,8 @@ class Samples:
         self.following = torch.from_numpy(data.following).to(device)
         self.objects = torch.from_numpy(data.objects).to(device)
         self.labels = torch.from_numpy(data.labels).to(device)
-        self._options, self._device = options, device
+        self.felt = torch.from_numpy(data.felt).to(device)
+        self._begin, self._looks = self._on(data.begin), self._on(looks(options.sees))
 
     def batch(self, step: int, net: Network) -> dict[str, object]:
         """One batch, a function of the seed and the step alone."""
@@ -70,6 +73,7 @@ class Samples:
             "seen": {c: tuple(array[rows] for array in arrays) for c, arrays in self.seen.items()},
             "command": self.command[rows] + self._on(noise.astype(np.float32)),
             "labels": labels + self._on(LABEL_NOISE * _normal(rng, tuple(labels.shape))),
+            "felt": self.felt[torch.maximum(rows[:, None] - self._looks, self._begin[rows, None])],
             "following": self.following[rows],
             "objects": self.objects[rows],
         }
@@ -84,7 +88,7 @@ def _normal(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
 
 def errors(net: Network, batch: dict) -> tuple[Tensor, Tensor, Tensor]:
     """Mean absolute errors of arms [rad], openings, and object positions [m]."""
-    actions, objects = net(batch["seen"], batch["command"], batch["labels"])
+    actions, objects = net(batch["seen"], batch["command"], batch["labels"], batch["felt"])
     off = (actions - batch["following"]).abs()
     return (
         off[..., ARMS].mean(),
@@ -101,7 +105,8 @@ def train(data: Demonstrations, options: Options, out: Path, device: str = "cpu"
     """
     torch.manual_seed(options.seed)
     torch.use_deterministic_algorithms(True)
-    shape = Shape(CHUNK, data.objects.shape[1], data.labels.shape[1] if options.labels else 0)
+    labels, felt = options.labels * data.labels.shape[1], data.felt.shape[1]
+    shape = Shape(CHUNK, data.objects.shape[1], labels, felt, len(looks(options.sees)))
     samples, net = Samples(data, options, device), Network(shape).to(device)
     net.head.short = net.wrist.short = options.bfloat16
     for encoder, camera in ((net.head, "head"), (net.wrist, "left")):
@@ -109,6 +114,7 @@ def train(data: Demonstrations, options: Options, out: Path, device: str = "cpu"
     net.measure("command", samples.command)
     net.measure("objects", samples.objects)
     net.measure("labels", samples.labels[:, : shape.labels])
+    net.measure("felt", samples.felt)
     adam = torch.optim.Adam(net.parameters(), lr=options.rate)
     about = {"options": asdict(options), "data": data.digest, "longest": data.longest}
     first = _continued(out, about, net, adam)
@@ -190,13 +196,19 @@ def main() -> None:
     parser.add_argument("--batch", type=int, default=Options.batch)
     parser.add_argument("--rate", type=float, default=Options.rate)
     parser.add_argument("--labels", action="store_true", help="show the network the physics labels")
+    parser.add_argument(
+        "--sees",
+        choices=("joints", "touch", "memory"),
+        default=Options.sees,
+        help="beside pictures: joint commands; also efforts and touch; also those of the last 15 s",
+    )
     parser.add_argument("--seed", type=int, default=Options.seed)
     parser.add_argument("--bfloat16", action="store_true", help="faster where the processor has it")
     parser.add_argument("--device", default="cpu", help="cuda, cuda:1, ...")
     parser.add_argument("--threads", type=int, default=1, help="of PyTorch, on a CPU")
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
-    decisive = ("task", "steps", "batch", "rate", "labels", "seed", "bfloat16")
+    decisive = ("task", "steps", "batch", "rate", "labels", "sees", "seed", "bfloat16")
     options = Options(**{name: getattr(args, name) for name in decisive})
     opened = [rtphys.Dataset(path).where(args.task, args.protocol) for path in args.datasets]
     episodes = [episode for dataset in opened for episode in dataset[: args.episodes]]
@@ -205,7 +217,7 @@ def main() -> None:
     if found is not None and found["done"] == options.steps:
         print(f"{args.out}: {options.steps} steps done")
         return
-    data = load(episodes, Eye(args.device))
+    data = load(episodes, Eye(args.device), feeling=options.sees != "joints")
     sizes = ", ".join(f"{camera} {w}x{h}" for camera, (h, w) in PICTURES.items())
     print(f"{len(data)} frames of {len(episodes)} demonstrations, {sizes}")
     train(data, options, args.out, args.device)

@@ -13,7 +13,7 @@ import torch
 from network import Network, Shape
 from numpy.typing import NDArray
 from pretrained import Eye
-from sight import labels, shrunk
+from sight import felt, labels, looks, shrunk
 
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies import PolicySetup
@@ -35,18 +35,25 @@ class VisualPolicy:
         self._eye = Eye(self._device)
         self._net = Network(Shape(**found["shape"])).to(self._device).eval()
         self._net.load_state_dict(found["net"])
+        self._looks = looks(found["options"]["sees"]).tolist()
+        self._felt = list[NDArray[np.float32]]()  # before each action of this episode
         self._most = int(float(options.get("patience", 2)) * found["longest"])
 
     def play(self, episode: PolicyEpisode) -> None:
         """Act until the episode is over, or for as long as demonstrations make sense."""
         true = self._tensor(labels(episode.instance.physics))  # used by an oracle alone
         known = self._net.labels_mean[None] if self._labels == "mean" else true
+        self._felt.clear()
         while not episode.over and episode.taken < self._most:
             for action in self._chunk(episode.observe(), known):
+                self._felt.append(self._feel(episode.observe()))
                 episode.act(action)
 
     def close(self) -> None:
         """Nothing to release."""
+
+    def _feel(self, observation: Observation) -> NDArray[np.float32]:
+        return felt(observation) if self._net.shape.felt else np.empty(0, np.float32)
 
     @torch.no_grad()
     def _chunk(self, observation: Observation, known: torch.Tensor) -> NDArray[np.float64]:
@@ -57,7 +64,10 @@ class VisualPolicy:
             for camera, picture in shrunk(observation.images).items()
         }
         command = self._tensor(observation.vector.astype(np.float32))
-        actions, _ = self._net(seen, command, self._net.standard(known))
+        before = [*self._felt, self._feel(observation)]
+        shown = [before[max(0, len(before) - 1 - ago)] for ago in self._looks]
+        remembered = self._tensor(np.array(shown))
+        actions, _ = self._net(seen, command, self._net.standard(known), remembered)
         return actions[0, : self._execute].double().cpu().numpy()
 
     def _tensor(self, array: np.ndarray) -> torch.Tensor:

