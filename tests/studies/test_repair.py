@@ -18,7 +18,7 @@ from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.collect import collect
-from rtphys.studies.repair import OtherVersions, repair
+from rtphys.studies.repair import OtherVersions, damage, repair
 from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
@@ -46,7 +46,7 @@ def contents(out: Path) -> dict[str, bytes]:
     return {p.relative_to(out).as_posix(): p.read_bytes() for p in out.rglob("*") if p.is_file()}
 
 
-def damage(paths: EpisodePaths) -> None:
+def spoil(paths: EpisodePaths) -> None:
     """A truncated HDF5, a video that is gone, a label that is gone, an edit of the sentences."""
     paths.hdf5.write_bytes(paths.hdf5.read_bytes()[:1000])
     paths.video.unlink()
@@ -56,12 +56,12 @@ def damage(paths: EpisodePaths) -> None:
 
 def test_what_is_damaged_comes_back_to_the_last_byte(honest: Path, copied: Path) -> None:
     first, second = Dataset(copied)
-    damage(first.paths)
+    spoil(first.paths)
     (copied / "manifest.json").unlink()
     (seeds,) = copied.rglob("seeds.txt")
     seeds.unlink()
     sound = {path: path.stat().st_mtime_ns for path in second.paths.all()}
-    done = repair(copied, workers=1)
+    done = repair(copied, damage(copied), workers=1)
     assert (set(done.files), done.problems) == (set(first.paths.all()), [])
     assert contents(copied) == contents(honest)
     assert sound == {path: path.stat().st_mtime_ns for path in second.paths.all()}
@@ -72,7 +72,7 @@ def test_a_sound_dataset_needs_no_simulation(
     honest: Path, copied: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("rtphys.studies.repair.run_here", None)
-    assert repair(copied).files == []
+    assert repair(copied, damage(copied)).files == []
     assert contents(copied) == contents(honest)
 
 
@@ -86,7 +86,7 @@ def test_other_versions_are_refused_by_name(copied: Path) -> None:
     first.paths.video.unlink()
     before = contents(copied)
     with pytest.raises(OtherVersions, match=r"sapien was '2.0', now .*; assets.digest was '000"):
-        repair(copied)
+        repair(copied, damage(copied))
     assert contents(copied) == before
 
 
@@ -99,7 +99,7 @@ def test_what_comes_out_otherwise_is_not_written(copied: Path) -> None:
     forge(copied, change)
     first, _ = Dataset(copied)
     first.paths.video.unlink()
-    done = repair(copied, workers=1)
+    done = repair(copied, damage(copied), workers=1)
     assert done.files == []
     assert "other bytes" in str(*done.problems)
     assert not first.paths.video.exists()
@@ -107,15 +107,15 @@ def test_what_comes_out_otherwise_is_not_written(copied: Path) -> None:
 
 def test_without_a_ledger_nothing_is_made(copied: Path, tmp_path: Path) -> None:
     with FolderLock(copied), pytest.raises(DatasetLocked):
-        repair(copied)
+        damage(copied)
     (ledger,) = copied.rglob("ledger.jsonl")
     ledger.unlink()
     with pytest.raises(BadFile, match="is missing: nothing can be made again without it"):
-        repair(copied)
+        damage(copied)
     with pytest.raises(BadFile, match="holds no dataset"):
-        repair(tmp_path)
+        damage(tmp_path)
     with pytest.raises(BadFile, match="no such folder"):
-        repair(tmp_path / "nowhere")
+        damage(tmp_path / "nowhere")
 
 
 def test_the_command_takes_no_wish(copied: Path) -> None:

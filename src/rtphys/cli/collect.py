@@ -15,6 +15,7 @@ from rtphys.cli.screen import (
     fitting_table,
     print_rows,
     print_table,
+    progress_bar,
     summary_table,
 )
 from rtphys.cli.terminal import (
@@ -138,11 +139,12 @@ def _refuse_others(context: typer.Context, beside: Set[str], allowed: str) -> No
 
 
 def _repair(run: Run) -> None:
-    from rtphys.studies.repair import repair
+    from rtphys.studies.repair import damage, repair
 
-    say(f"comparing every file in {run.out} with its ledger", err=True)
+    with progress_bar("comparing") as bar:
+        damaged = damage(run.out, bar)
     with resumable(), campaign_progress("episodes") as listener:
-        done = repair(run.out, run.workers, listener)
+        done = repair(run.out, damaged, run.workers, listener)
     for path in done.files:
         say(f"made again: {path}")
     for problem in done.problems:

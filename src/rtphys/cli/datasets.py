@@ -76,16 +76,16 @@ def subset(
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")],
     task: Annotated[list[str] | None, typer.Option(help="Only these tasks.")] = None,
     config: Annotated[list[str] | None, typer.Option(help="Only these configurations.")] = None,
-    seeds: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
-    drop_seeds: Annotated[str, typer.Option(help="All seeds but these.")] = "",
+    seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
+    drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
     """Copy a part of a dataset, its episodes numbered anew.
 
     Examples:
 
         rtphys subset data --out bells --task click_bell
-        rtphys subset data --out small --seeds 0:50
-        rtphys subset data --out cleaned --drop-seeds 17,23
+        rtphys subset data --out small --seed 0:50
+        rtphys subset data --out cleaned --drop-seed 17,23
     """
     known = Dataset(dataset)
     tasks, configs = names_in(task or ()), names_in(config or ())
@@ -93,17 +93,17 @@ def subset(
         known.where(task=name)  # refuses a name that it lacks
     for name in configs:
         known.where(config=name)
-    only, not_these = seed_set("seeds", seeds), seed_set("drop_seeds", drop_seeds)
+    only, not_these = seed_set("seed", seed), seed_set("drop_seed", drop_seed)
 
     def chosen(entry: TaskEntry) -> bool:
         task_fits = not tasks or entry.spec.episode.task in tasks
         return task_fits and (not configs or entry.spec.name in configs)
 
     def kept(row: Accepted) -> bool:
-        return (not seeds or row.seed in only) and row.seed not in not_these
+        return (not seed or row.seed in only) and row.seed not in not_these
 
     with resumable():
-        names = write_subset(known.path, out, chosen, kept if seeds or drop_seeds else None)
+        names = write_subset(known.path, out, chosen, kept if seed or drop_seed else None)
     _say_result(out, names)
 
 

@@ -156,18 +156,9 @@ def errors_of(results: Results) -> tuple[str, bool]:
     if not broken:
         return "", False
     first = broken[0]
-    raised = _raised(first.detail)
     where = ledger_file(results.path, first.protocol, first.task)
     rest = f"the traceback is `detail` of its line in {where}"
-    return f"policy_error of seed {first.seed}: {raised}; {rest}", len(broken) == len(played)
-
-
-def _raised(trace: str) -> str:
-    """The first line of what ends a traceback; a message of several lines may follow."""
-    lines = trace.strip().splitlines()
-    frames = [n for n, line in enumerate(lines) if line.startswith('  File "')]
-    rest = lines[frames[-1] + 1 :] if frames else lines[-1:]
-    return next((line for line in rest if not line.startswith(" ")), lines[-1])
+    return f"policy_error of seed {first.seed}: {first.raised}; {rest}", len(broken) == len(played)
 
 
 def rates_table(summary: Summary) -> Table:

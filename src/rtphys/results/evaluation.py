@@ -66,6 +66,14 @@ class EpisodeRecord:
     state: str = ""  # SHA-256 over the states of the episode
     detail: str = ""  # a traceback, or what is missing for success
 
+    @property
+    def raised(self) -> str:
+        """First line of the error that ends the traceback: its message may have more."""
+        lines = self.detail.strip().splitlines()
+        frames = [n for n, line in enumerate(lines) if line.startswith('  File "')]
+        rest = lines[frames[-1] + 1 :] if frames else lines[-1:]
+        return next((line for line in rest if not line.startswith(" ")), self.detail.strip())
+
 
 @checked_dataclass(frozen=True, config=CLOSED)
 class EvaluationSpec:

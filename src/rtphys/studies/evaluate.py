@@ -321,8 +321,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         renderer.hold_anchor(drawn(senses))
         reason, detail = "", ""
         if not record.success:
-            reason, lines = record.reason, record.detail.strip().splitlines()
-            detail = (lines[-1] if lines else "")[:SHORT]
+            reason, detail = record.reason, record.raised[:SHORT]
         tried = Attempt(recipe, reason, detail, instance, recording, episode.finish())
         # The cameras of a dataset, and the senses that the policy was asked to have.
         shown, worker = RecordingSpec(senses=senses), CollectWorker(self.pack)

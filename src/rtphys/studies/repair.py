@@ -1,7 +1,7 @@
 """`repair`: files of a dataset that are damaged or missing are made again."""
 
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -16,9 +16,9 @@ from rtphys.data.attempts import Rejected, ledgers_below, read_attempts
 from rtphys.data.check_episode import Problem
 from rtphys.data.files import FileFacts
 from rtphys.data.layout import MANIFEST, TaskDataset
-from rtphys.data.lock import FolderLock
+from rtphys.data.lock import FolderLock, check_unlocked
 from rtphys.data.manifest import read_manifest
-from rtphys.data.verify import file_problem
+from rtphys.data.verify import Progress, file_problem
 from rtphys.data.writer import DatasetWriter, write_side_files
 from rtphys.episode.reproduce import RecordedAttempt, changed_since, remade, scene_of
 from rtphys.sim import renderer
@@ -48,23 +48,25 @@ class Repaired:
     problems: list[Problem] = field(default_factory=list[Problem])  # one each that was not
 
 
-def repair(out: Path, workers: int | None = None, listener: Listener = QUIET) -> Repaired:
-    """Simulates each attempt again whose files are damaged or missing, and writes those files.
+def repair(
+    out: Path,
+    damaged: Sequence[Damage],
+    workers: int | None = None,
+    listener: Listener = QUIET,
+) -> Repaired:
+    """Simulates what `damage` found again, and writes those files.
 
     Every file that is as its ledger lists it stays untouched. A new file is written only if it has
     the listed SHA-256. A manifest that is missing, and side files, are derived from the ledgers.
 
     Raises:
-        BadFile: a ledger or the manifest is damaged, or there is no dataset.
+        BadFile: a ledger is damaged.
         OtherVersions: code, a package or the assets are others than in the collection.
         NoRenderer: no pictures can be drawn here.
         DatasetLocked: another run writes into the folder.
     """
-    if not out.is_dir():
-        raise BadFile(out, "there is no such folder")
+    _check(damaged)
     with FolderLock(out):
-        damaged = [*_damaged(out)]
-        _check(damaged)
         results = dict[int, list[Problem]]()
         for shader in sorted({one.shader for one in damaged}):  # a process draws with one
             jobs = {number: one for number, one in enumerate(damaged) if one.shader == shader}
@@ -86,8 +88,17 @@ def repair(out: Path, workers: int | None = None, listener: Listener = QUIET) ->
     return done
 
 
-def _damaged(out: Path) -> Iterator[Damage]:
-    """Attempts with a file that is not what its ledger lists. Raises `BadFile`."""
+def damage(out: Path, compared: Progress | None = None) -> list[Damage]:
+    """Attempts with a file that is not what its ledger lists.
+
+    `compared` is called with how many attempts' files were compared, and how many there are.
+
+    Raises `BadFile`: a ledger or the manifest is damaged, or there is no dataset; `DatasetLocked`:
+    another run writes there.
+    """
+    if not out.is_dir():
+        raise BadFile(out, "there is no such folder")
+    check_unlocked(out)
     there = ledgers_below(out)
     entries = read_manifest(out).task_datasets if (out / MANIFEST).exists() else {}
     for ledger in (entry.below(out).ledger for entry in entries.values()):
@@ -95,15 +106,22 @@ def _damaged(out: Path) -> Iterator[Damage]:
             raise BadFile(ledger, "is missing: nothing can be made again without it")
     if not there:
         raise BadFile(out, "holds no dataset")
-    for ledger, header in there.items():
-        for row in read_attempts(ledger):
-            if row.on_disk is not None:
-                recorded = RecordedAttempt(out, header, row)
-                folder, listed = recorded.place.folder, row.on_disk.files
-                facts = {folder / name: one for name, one in listed.items()}
-                wanted = {p: one for p, one in facts.items() if file_problem(out, p, one)}
-                if wanted:
-                    yield Damage(recorded, wanted)
+    rows = [
+        (header, row, row.on_disk.files)
+        for ledger, header in there.items()
+        for row in read_attempts(ledger)
+        if row.on_disk is not None
+    ]
+    found = list[Damage]()
+    for done, (header, row, listed) in enumerate(rows, start=1):
+        recorded = RecordedAttempt(out, header, row)
+        facts = {recorded.place.folder / name: one for name, one in listed.items()}
+        wanted = {p: one for p, one in facts.items() if file_problem(out, p, one)}
+        if compared:
+            compared(done, len(rows))
+        if wanted:
+            found.append(Damage(recorded, wanted))
+    return found
 
 
 def _check(damaged: Sequence[Damage]) -> None:

@@ -206,11 +206,11 @@ def test_the_commands(tmp_path: Path) -> None:
         "subset", joined, "--out", tmp_path / "a", "--task", "lift_pot"
     )
     seeds = [episode.seed for episode in Dataset(joined)]
-    said = run("subset", joined, "--out", tmp_path / "b", "--drop-seeds", seeds[0])
+    said = run("subset", joined, "--out", tmp_path / "b", "--drop-seed", seeds[0])
     assert f"{sum(seed != seeds[0] for seed in seeds)} episodes" in said
     for wrong, problem in (
         (["--task", "lift_pt"], "did you mean 'lift_pot'?"),
-        (["--seeds", "x"], "--seeds = 'x' is not allowed"),
+        (["--seed", "x"], "--seed = 'x' is not allowed"),
     ):
         done = CliRunner().invoke(app, ["subset", str(joined), "--out", str(tmp_path), *wrong])
         assert done.exit_code == 2 and problem in done.stderr
