@@ -1,8 +1,8 @@
 """Draw pictures of the documents into docs/images: `pictures.py NAME...`.
 
-contact_sheet.png: six moments of every task. moving.webp: four tasks at real speed. protocols.jpg:
-one seed of eight tasks under each protocol. maps: the figures of docs/maps.md. first_task.png:
-frames, and the episode of docs/first_task.md.
+contact_sheet.png: six moments of every task; physics_suite.png: of that suite. moving.webp: four
+tasks at real speed. protocols.jpg: one seed of eight tasks under each protocol. maps: figures of
+docs/maps.md. first_task.png: frames, and the episode of docs/first_task.md.
 """
 
 import os
@@ -22,6 +22,7 @@ from rtphys.analysis import figures
 from rtphys.analysis.identify import read_result
 from rtphys.assets.contact_sheet import tile
 from rtphys.assets.pack import default_pack
+from rtphys.core import library
 from rtphys.episode.generate import attempt, prepare, settle, start
 from rtphys.episode.render import StateTrajectory, render_frames
 from rtphys.sim import renderer
@@ -70,11 +71,11 @@ def accepted(spec: EpisodeSpec, max_seeds: int | None = None) -> tuple[Recipe, R
     return None
 
 
-def contact_sheet() -> None:
+def contact_sheet(names: Sequence[str], protocol: str, file: str) -> None:
     """Evenly spaced pictures of every task's first accepted seed, a row a task."""
     rows = []
-    for name in task_names():
-        found = accepted(EpisodeSpec(name, "phys_random"), MAX_SEEDS)
+    for name in names:
+        found = accepted(EpisodeSpec(name, protocol), MAX_SEEDS)
         if found is None:
             print(f"{name}: no success in {MAX_SEEDS} seeds", file=sys.stderr)
             continue
@@ -90,7 +91,7 @@ def contact_sheet() -> None:
         rows.append(np.asarray(row))
     # 256 colours suffice for renderings and need a third of the bytes.
     sheet = Image.fromarray(np.vstack(rows)).quantize(256, dither=Image.Dither.NONE)
-    sheet.save(IMAGES / "contact_sheet.png", optimize=True)
+    sheet.save(IMAGES / file, optimize=True)
 
 
 def moving() -> None:
@@ -168,7 +169,10 @@ def first_task() -> None:
 
 
 PICTURES: dict[str, Callable[[], None]] = {
-    "contact_sheet": contact_sheet,
+    "contact_sheet": lambda: contact_sheet(task_names(), "phys_random", "contact_sheet.png"),
+    "physics_suite": lambda: contact_sheet(
+        library.suites()["physics"], "clean", "physics_suite.png"
+    ),
     "moving": moving,
     "protocols": protocols,
     "maps": maps,

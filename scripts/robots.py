@@ -1,10 +1,10 @@
-"""Measure what the expert solves with a robot: `scripts/robots.py ROBOT [--seeds N]`.
+"""Measure what the expert solves with a robot: `scripts/robots.py ROBOT [--suite NAME]`.
 
 It tries every task under `clean`, then those solved by at least 80 % under `phys_random_all`, on
 `--varied N` seeds. The actions of the first two accepted seeds of a task under `clean` are
 replayed. All tasks get five seeds before one gets more. A run continues where
-docs/results/robots.json ends, also with more seeds. At the end it prints the robot's row of the
-table in docs/robots.md.
+docs/results/robots.json (of a suite, robots_NAME.json) ends, also with more seeds. At the end it
+prints the robot's row of the table in docs/robots.md.
 """
 
 from collections import Counter
@@ -20,7 +20,7 @@ from rtphys.episode.control import actions_of, replay
 from rtphys.episode.generate import attempt
 from rtphys.plan.kinematics import check_robot
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.task.spec import load_task
+from rtphys.task.spec import load_task, task_names
 
 REPLAYED = 2  # accepted seeds of a task whose actions are tried again
 BLOCK = 5  # seeds of a task in turn
@@ -74,11 +74,13 @@ def main(
     robot: str,
     seeds: Annotated[int, typer.Option(help="Seeds of a task under clean.")] = 20,
     varied: Annotated[int, typer.Option(help="Seeds of a task under phys_random_all.")] = 10,
+    suite: Annotated[str, typer.Option(help="Its tasks instead of RoboTwin's fifty.")] = "",
 ) -> None:
     """Measure, and save after every few attempts."""
     pack = default_pack()
     check_robot(pack, robot)
-    known = results.load("robots")
+    file = f"robots_{suite}" if suite else "robots"
+    known = results.load(file) if (results.RESULTS / f"{file}.json").exists() else {}
 
     def measure(protocol: str, tasks: list[str], count: int, replays: int) -> dict[str, Counts]:
         counts_of = known.setdefault(robot, {}).setdefault(protocol, {})
@@ -87,10 +89,11 @@ def main(
                 counts = counts_of.setdefault(name, {"seeds": 0})
                 missing = range(counts["seeds"], min(end, count))
                 tried(EpisodeSpec(name, protocol, embodiment=robot), missing, counts, replays, pack)
-                results.save("robots", known)
+                results.save(file, known)
         return counts_of
 
-    clean = measure("clean", sorted(library.names("tasks")), seeds, REPLAYED)
+    tasks = library.suites()[suite] if suite else task_names()
+    clean = measure("clean", tasks, seeds, REPLAYED)
     measure("phys_random_all", solved(clean), varied, 0)
     print(row(robot, known[robot]))
 

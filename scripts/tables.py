@@ -33,6 +33,12 @@ from rtphys.task.spec import load_task
 BASELINES = ("replay", "twin")  # columns of a certified list
 BENCHMARKED = ("clean", "official_random", "phys_random", "phys_random_all")
 PROTOCOLS = ("clean", "phys_random")  # of the success rates shown
+TRIED = ("clean", "phys_random_all")  # with other robots
+SEES = {
+    "joints": "pictures and joints",
+    "touch": "also efforts and touch",
+    "memory": "and memory of these",
+}
 BLIND = {
     "idle": "keeps its posture",
     "random": "moves both arms and grippers slowly at random",
@@ -310,6 +316,63 @@ def knowing_suite() -> str:
     return _table(head, rows)
 
 
+def knowing_fifty() -> str:
+    """Table of the fifty tasks' scripts that ask for physics: what each attribute is worth."""
+    measured = results.load("knowing_fifty")
+    asked, solved = measured["asked"], measured["solved"]
+    keys = sorted({key for own in asked.values() for key in own})
+    rows = list[tuple[str, ...]]()
+    total: dict[str, list[str]] = {key: ["", ""] for key in keys}
+    for task, own in asked.items():
+        if not own:
+            continue
+        knows, cells = solved["expert"][task], list[str]()
+        for key in keys:
+            blind = solved[f"expert:{key}=shuffled"].get(task, "")
+            total[key] = [total[key][0] + (knows if blind else ""), total[key][1] + blind]
+            cells.append(_worth(knows, blind) if blind else "")
+        rows.append((f"`{task}`", _rate(knows), *cells))
+    rows.append(("all of these", "", *(_worth(*total[key]) for key in keys)))
+    return _table(("task", "knows", *(f"`{key}`" for key in keys)), rows)
+
+
+def suite_robots() -> str:
+    """Table of the physical suite on other robots: attempts of the expert that succeed."""
+    measured = results.load("robots_physics")
+    rows = [
+        (f"`{task}`", *(_accepted(of[p].get(task)) for of in measured.values() for p in TRIED))
+        for task in library.suites()["physics"]
+    ]
+    head = (f"`{robot}`, {protocol}" for robot in measured for protocol in TRIED)
+    return _table(("task", *head), rows)
+
+
+def _accepted(counts: dict[str, int] | None) -> str:
+    return f"{counts.get('accepted', 0)} of {counts['seeds']}" if counts else ""
+
+
+def hidden() -> str:
+    """Table of a classifier on first frames: what is hidden, and what is not."""
+    rows = [
+        (f"`{task}`", str(of["hidden"]["episodes"]), *(_auc(of[q]) for q in ("hidden", "control")))
+        for task, of in results.load("hidden").items()
+    ]
+    return _table(("task", "episodes", "AUC of what is hidden", "of a prop's place"), rows)
+
+
+def _auc(found: dict[str, float]) -> str:
+    return "{auc:.2f} ({low:.2f} to {high:.2f})".format_map(found)
+
+
+def learner() -> str:
+    """Table of policies that learnt from `feels`, by what they sense."""
+    rows = [
+        (f"`{task}`", f"{_chance(task):.0%}", *(_rate(of[sees]) for sees in SEES))
+        for task, of in results.load("learner").items()
+    ]
+    return _table(("task", "chance", *SEES.values()), rows)
+
+
 def _rate(solved: str) -> str:
     rate = Rate(solved.count("1"), len(solved))
     low, high = (100 * bound for bound in rate.interval)
@@ -488,6 +551,10 @@ TABLES = {
     "baselines": baselines,
     "blind": blind,
     "knowing_suite": knowing_suite,
+    "knowing_fifty": knowing_fifty,
+    "suite_robots": suite_robots,
+    "hidden": hidden,
+    "learner": learner,
     "relevance": relevance,
     **{name: lambda of=of: _table(*of()) for name, of in policy_tables.TABLES.items()},
 }
