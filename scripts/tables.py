@@ -28,7 +28,7 @@ from rtphys.results import Rate
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.rates import PROTOCOL, costs, rates
-from rtphys.task.spec import load_task
+from rtphys.task.spec import load_task, task_names
 
 BASELINES = ("replay", "twin")  # columns of a certified list
 BENCHMARKED = ("clean", "official_random", "phys_random", "phys_random_all")
@@ -458,7 +458,8 @@ def collection_costs() -> str:
     known, seeds, rows = costs(), rates(), list[tuple[str, ...]]()
     for protocol, (of_cpu, of_bytes) in SHARES.items():
         tried = {
-            task: EPISODES * r[protocol].seeds / r[protocol].accepted for task, r in seeds.items()
+            task: EPISODES * (rate := seeds[task][protocol]).seeds / rate.accepted
+            for task in task_names()
         }
         attempts = of_cpu * sum(known[task].attempt * n for task, n in tried.items())
         pictures = of_cpu * EPISODES * sum(cost.pictures for cost in known.values())
