@@ -122,6 +122,14 @@ STORIES = {
     "also in the plural": (BOTH, "failed_check", "cups at rest", ("tip_over", 30, "cup")),
     "but not without a name": (BOTH, "failed_check", "a hand carries both", ("moved", 50, "plate")),
     "nor of a joint": (BOTH, "failed_check", "cup joint 0 beyond 50%", ("moved", 50, "plate")),
+    "a hand that is to press closes on its way": (
+        frames_of(resting(), NEVER), "gave_up", "not true: cup pressed at its point 0",
+        ("end", T - 1, "", ""),
+    ),
+    "but one that is to take as well misses": (
+        frames_of(resting(), NEVER), "gave_up", "not true: cup pressed at its point 0; cup at rest",
+        ("miss", SHUT, "", "left"),
+    ),
     "what pushed the other is the instant": (
         beside(frames_of(tipped(resting(), 50), NEVER), "plate", shoved(resting(), 44)),
         "not_held", "cup at rest", ("moved", 44, "plate"),

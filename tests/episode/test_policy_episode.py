@@ -209,6 +209,20 @@ def test_a_stepwise_policy_acts_out_its_chunks(episode: PolicyEpisode) -> None:
     assert episode.taken == 10 and policy.seen == 3
 
 
+def test_a_stepwise_policy_that_returns_none_gives_up(episode: PolicyEpisode) -> None:
+    class Twice(Stepwise):
+        seen = 0
+
+        def act(self, observation: Observation) -> Array | None:
+            self.seen += 1
+            return observation.vector if self.seen <= 2 else None
+
+    Twice().play(episode)
+    outcome = episode.finish()
+    assert (episode.taken, episode.reason) == (2, "gave_up")
+    assert outcome.detail.startswith("not true: ")
+
+
 def test_a_stepwise_policy_names_the_kind_of_its_actions(episode: PolicyEpisode) -> None:
     class Shifts(Stepwise):
         kind = "delta_ee"

@@ -9,7 +9,21 @@ import pytest
 
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.task import Scene, in_either_hand, in_hand
-from rtphys.task.success import pressed
+from rtphys.task.success import (
+    Condition,
+    above,
+    at_rest,
+    joint_beyond,
+    lifted,
+    near,
+    on_table,
+    opened,
+    parallel,
+    points_meet,
+    pressed,
+    turned_to,
+    upright,
+)
 
 
 @dataclass
@@ -105,3 +119,52 @@ def test_a_press_is_near_closed_and_from_above(
 ) -> None:
     condition = pressed("clock", 0, (0.03, 0.03, 0.03))
     assert condition.holds(cast(Scene, OneHand(point, opening, pitch, tcp))) is counts
+
+
+class Leaning:
+    """Everything leans by 0.3 rad about y, 0.1 m right of the middle and 0.9 m up, and moves."""
+
+    frame = Pose((0.1, 0.0, 0.9), axis_angle((0, 1, 0), 0.3))
+
+    def pose(self, prop: str, link: str = "") -> Pose:
+        return self.frame
+
+    def functional(self, prop: str, index: int = 0) -> Pose:
+        return Pose((0.02 * index, 0.0, 0.0))
+
+    def lowest(self, prop: str) -> float:
+        return 0.8
+
+    def speed(self, prop: str) -> float:
+        return 0.07
+
+    def opening(self, side: str) -> float:
+        return 0.5
+
+    def joint(self, prop: str, index: int = 0) -> tuple[float, float, float]:
+        return 0.5, 0.0, 2.0
+
+
+@pytest.mark.parametrize(
+    ("condition", "said"),
+    [
+        (near("a", (0, 0, 0.9), within=(0.05, 1, 1)), "off by 0.100, 0.000, 0.000 m"),
+        (points_meet("a", 1, "b", 0, (0.01, 1, 1)), "off by 0.020, 0.000, 0.000 m"),
+        (on_table("a"), "higher by 0.060 m"),
+        (above("a", 1.0), "at 0.900 m"),
+        (lifted("a", 0.1), "by 0.060 m"),
+        (opened("left"), "50% of 80%"),
+        (at_rest("a"), "0.07 m/s"),
+        (upright("a", 2, 0.2), "0.30 rad"),
+        (parallel("a", 2, (0, 0, -1), 0.2), "0.30 rad"),
+        (turned_to("a", (1, 0, 0, 0), 0.2), "0.30 rad"),
+        (joint_beyond("a", 0.4), "25%"),
+    ],
+    ids=lambda value: value.text if isinstance(value, Condition) else "",
+)
+def test_a_condition_that_fails_says_what_was_measured(condition: Condition, said: str) -> None:
+    assert condition.failing(cast(Scene, Leaning())) == [f"{condition.text} ({said})"]
+
+
+def test_a_condition_without_a_measure_says_its_text() -> None:
+    assert in_either_hand("mug").failing(scene()) == ["the mug is in a hand"]

@@ -5,7 +5,8 @@
   without contact. A person marks it there: a slide begins with millimetres, which nobody sees. If
   it swung by 50 deg within half a second before, then there.
 * drop: a closed hand lost an object that had not slid before. First frame without contact.
-* miss: a hand closed on nothing. First frame in which its fingers are closed.
+* miss: a hand closed on nothing, where something had to be taken. First frame in which its fingers
+  are closed.
 * tip_over: an object tipped that no hand held, nor carried later. First frame beyond 45 deg.
 * moved: an object moved that no hand held, nor carried later, nor let go of within half a second
   before. First frame beyond 2 cm or 20 deg. What lies in a carried object is carried.
@@ -49,7 +50,8 @@ SOON = 8  # frames, half a second, in which what was let go of is still on its w
 CLOSED = 0.5  # of the stroke that fingers have to close at once for a grasp
 
 LOST, UPSET = ("slip", "drop"), ("tip_over", "moved")
-CHECK = ("failed_check", "not_held")  # reasons whose detail names the conditions that fail
+# Reasons whose detail names the conditions that fail: of the expert, and of policies.
+CHECK = ("failed_check", "not_held", "gave_up", "step_limit")
 GRASP = ("grasp_missed", "slipped", "recovered")  # reasons that name a lost or missed grasp
 STUCK = ("no_path", "unreachable", "retime_failed", "ungraspable", "stalled", "too_slow")
 
@@ -87,7 +89,8 @@ def went_wrong(frames: Frames, reason: str, detail: str, scenery: Sequence[str] 
         if reason in CHECK:
             candidates = [one for one in candidates if _names(detail, one.object)] or candidates
         if not candidates:
-            return max(misses, key=_frame, default=end)
+            closed = reason in CHECK and _wants_closed_hands(detail)
+            return end if closed else max(misses, key=_frame, default=end)
         last = max(candidates, key=_frame)
         if last.event == "misplaced":  # every load is let go of, but few tip over for good
             last = max((one for one in candidates if one.event in UPSET), key=_frame, default=last)
@@ -118,6 +121,12 @@ def _names(detail: str, name: str) -> bool:
     texts = [text for text in detail.split("; ") if " joint " not in text]
     words = set(re.findall(r"\w+", " ".join(texts)))
     return name in words or f"{name.rstrip('0123456789')}s" in words
+
+
+def _wants_closed_hands(detail: str) -> bool:
+    """Whether all that is not true is about pressing and pushing, for which a hand is closed."""
+    texts = detail.split("; ")
+    return all(" pressed at " in text or " joint " in text for text in texts)
 
 
 def _cause(late: Instant, about: str, found: Sequence[Instant]) -> Instant:

@@ -175,7 +175,7 @@ def attempt(
     if outcome.held:
         return Attempt(recipe, "", "", instance, recording, outcome)
     reason = "failed_check" if outcome.first_success is None else "not_held"
-    return Attempt(recipe, reason, "; ".join(outcome.missing), instance, recording, outcome)
+    return Attempt(recipe, reason, outcome.detail, instance, recording, outcome)
 
 
 def start(instance: Instance, options: RolloutOptions = NO_LIMIT) -> Rollout:

@@ -92,13 +92,16 @@ class Stepwise(ABC):
         """Called before the first observation; `episode.instruction` is the sentence to follow."""
 
     @abstractmethod
-    def act(self, observation: Observation) -> Array:
-        """The next actions (k, N) or one action (N,), k >= 1: absolute targets and openings."""
+    def act(self, observation: Observation) -> Array | None:
+        """The next actions (k, N) or one action (N,), k >= 1: absolute targets and openings.
+
+        None gives up: the episode is judged as it is.
+        """
 
     def play(self, episode: PolicyEpisode) -> None:
         self.reset(episode)
-        while not episode.over:
-            for action in np.atleast_2d(self.act(episode.observe())):
+        while not episode.over and (actions := self.act(episode.observe())) is not None:
+            for action in np.atleast_2d(actions):
                 episode.act(action, self.kind)
 
     def close(self) -> None:  # noqa: B027 - an empty hook on purpose

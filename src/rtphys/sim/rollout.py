@@ -62,6 +62,11 @@ class Outcome:
     held: bool  # it holds at the end, after HOLD_TIME of keeping still
     missing: tuple[str, ...]  # conditions that do not hold at the end
 
+    @property
+    def detail(self) -> str:
+        """What does not hold, in one line."""
+        return f"not true: {'; '.join(self.missing)}" if self.missing else ""
+
 
 @dataclass(frozen=True)
 class RolloutOptions:

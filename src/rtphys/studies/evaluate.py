@@ -354,7 +354,7 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
         physics={key: plain(value, key) for key, value in physics.items()},
         inert=tuple(sorted(attributes().keys() - able)),
         state=episode.rollout.recorder.recording.hash,
-        detail=trace or "; ".join(outcome.missing),
+        detail=trace or outcome.detail,
     )
 
 

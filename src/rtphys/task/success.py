@@ -3,11 +3,12 @@
 `a & b` needs both, `~a` its opposite; a failed check can name the conditions that do not hold.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from rtphys.core.poses import Array
 from rtphys.task.props import TABLE_TOP
 from rtphys.task.scene import LEFT, RIGHT, Scene
 
@@ -27,6 +28,7 @@ class Condition:
     parts: tuple["Condition", ...] = ()
     remembers: bool = False
     quick: bool = False  # costs little: asked before the others, as there is a poll every step
+    measured: Callable[[Scene], str] | None = None  # what it judges, for people
 
     def __and__(self, other: "Condition") -> "Condition":
         parts = (self.parts or (self,)) + (other.parts or (other,))
@@ -42,8 +44,12 @@ class Condition:
         return condition(f"not ({self.text})", lambda s: not self.holds(s), self.remembers)
 
     def failing(self, scene: Scene) -> list[str]:
-        """Texts of the leaves that do not hold now."""
-        return [part.text for part in (self.parts or (self,)) if not part.holds(scene)]
+        """Texts of the parts that do not hold now, each with what was measured."""
+        return [part.said(scene) for part in (self.parts or (self,)) if not part.holds(scene)]
+
+    def said(self, scene: Scene) -> str:
+        """The text, and what is measured now."""
+        return f"{self.text} ({self.measured(scene)})" if self.measured else self.text
 
 
 def near(prop: str, target: str | Vector, within: Vector, offset: Vector = (0, 0, 0)) -> Condition:
@@ -51,23 +57,29 @@ def near(prop: str, target: str | Vector, within: Vector, offset: Vector = (0, 0
     bounds = tuple(float(w) for w in within)
     shift = tuple(float(o) for o in offset)
 
-    def holds(scene: Scene) -> bool:
+    def off(scene: Scene) -> list[float]:
         here = scene.pose(prop).p.tolist()
         goal = scene.pose(target).p.tolist() if isinstance(target, str) else target
-        gaps = zip(here, goal, shift, bounds, strict=True)
-        return all(abs(h - g - o) < w for h, g, o, w in gaps)
+        return [h - g - o for h, g, o in zip(here, goal, shift, strict=True)]
 
-    return Condition(f"{prop} within {bounds} m of {target}", holds)
+    def holds(scene: Scene) -> bool:
+        return all(abs(x) < w for x, w in zip(off(scene), bounds, strict=True))
+
+    text = f"{prop} within {bounds} m of {target}"
+    return Condition(text, holds, measured=lambda s: _metres("off by", off(s)))
 
 
 def points_meet(prop: str, point: int, target: str, target_point: int, within: Vector) -> Condition:
     """Functional point of `prop` within (dx, dy, dz) [m] of one of `target`."""
 
-    def holds(scene: Scene) -> bool:
-        gap = scene.functional(prop, point).p - scene.functional(target, target_point).p
-        return bool(np.all(np.abs(gap) < np.asarray(within, float)))
+    def off(scene: Scene) -> Array:
+        return scene.functional(prop, point).p - scene.functional(target, target_point).p
 
-    return Condition(f"point {point} of {prop} at point {target_point} of {target}", holds)
+    def holds(scene: Scene) -> bool:
+        return bool(np.all(np.abs(off(scene)) < np.asarray(within, float)))
+
+    text = f"point {point} of {prop} at point {target_point} of {target}"
+    return Condition(text, holds, measured=lambda s: _metres("off by", off(s)))
 
 
 def in_row(*props: str, within: tuple[float, float] = (0.13, 0.03)) -> Condition:
@@ -101,22 +113,39 @@ def beside(prop: str, other: str, side: str) -> Condition:
 def on_table(*props: str) -> Condition:
     """Each prop's lowest point within 1 cm of the table's surface: neither held up nor stacked."""
     text = f"{', '.join(props)} on the table"
-    return Condition(text, lambda s: all(abs(s.lowest(p) - TABLE_TOP) < 0.01 for p in props))
+    return Condition(
+        text,
+        lambda s: all(abs(s.lowest(p) - TABLE_TOP) < 0.01 for p in props),
+        measured=lambda s: _metres("higher by", [s.lowest(p) - TABLE_TOP for p in props]),
+    )
 
 
 def above(prop: str, height: float) -> Condition:
     """Origin of `prop` higher than `height` [m], task frame."""
-    return Condition(f"{prop} above {height} m", lambda s: bool(s.pose(prop).p[2] > height))
+    return Condition(
+        f"{prop} above {height} m",
+        lambda s: bool(s.pose(prop).p[2] > height),
+        measured=lambda s: _metres("at", s.pose(prop).p[2:]),
+    )
 
 
 def lifted(prop: str, by: float) -> Condition:
     """The prop's lowest point at least `by` [m] above the table."""
-    return Condition(f"{prop} lifted by {by} m", lambda s: bool(s.lowest(prop) > TABLE_TOP + by))
+    return Condition(
+        f"{prop} lifted by {by} m",
+        lambda s: bool(s.lowest(prop) > TABLE_TOP + by),
+        measured=lambda s: _metres("by", [s.lowest(prop) - TABLE_TOP]),
+    )
 
 
 def opened(side: str, more_than: float = 0.8) -> Condition:
     """Measured opening of one gripper above a share of its range (official: 0.8)."""
-    return Condition(f"{side} gripper open", lambda s: s.opening(side) > more_than, quick=True)
+    return Condition(
+        f"{side} gripper open",
+        lambda s: s.opening(side) > more_than,
+        quick=True,
+        measured=lambda s: f"{s.opening(side):.0%} of {more_than:.0%}",
+    )
 
 
 def hands_open() -> Condition:
@@ -154,31 +183,43 @@ def in_either_hand(prop: str) -> Condition:
 def at_rest(*props: str, slower_than: float = 0.05) -> Condition:
     """Linear speed of each prop below a bound [m/s]."""
     text = f"{', '.join(props)} at rest"
-    return Condition(text, lambda s: all(s.speed(prop) < slower_than for prop in props))
+    return Condition(
+        text,
+        lambda s: all(s.speed(prop) < slower_than for prop in props),
+        measured=lambda s: f"{max(s.speed(prop) for prop in props):.2f} m/s",
+    )
 
 
 def upright(prop: str, axis: int, within: float) -> Condition:
     """The prop's own axis (0 x, 1 y, 2 z) within an angle [rad] of the table normal."""
     text = f"{prop} upright within {within:.2f} rad"
-    return Condition(text, lambda s: bool(s.pose(prop).R[2, axis] > np.cos(within)))
+    return Condition(
+        text,
+        lambda s: bool(s.pose(prop).R[2, axis] > np.cos(within)),
+        measured=lambda s: _radians(s.pose(prop).R[2, axis]),
+    )
 
 
 def parallel(prop: str, axis: int, to: Vector, within: float) -> Condition:
     """The prop's own axis (0 x, 1 y, 2 z) within an angle [rad] of a direction, either way."""
     line = np.asarray(to, float) / np.linalg.norm(to)
     text = f"{prop} along {tuple(np.round(line, 2).tolist())} within {within:.2f} rad"
-    return Condition(text, lambda s: bool(abs(s.pose(prop).R[:, axis] @ line) > np.cos(within)))
+    return Condition(
+        text,
+        lambda s: bool(abs(s.pose(prop).R[:, axis] @ line) > np.cos(within)),
+        measured=lambda s: _radians(float(abs(s.pose(prop).R[:, axis] @ line))),
+    )
 
 
 def turned_to(prop: str, q: Vector, within: float) -> Condition:
     """Orientation within an angle [rad] of a task-frame quaternion wxyz."""
     goal = np.asarray(q, float) / np.linalg.norm(q)
 
-    def holds(scene: Scene) -> bool:
-        cosine = min(1.0, abs(float(scene.pose(prop).q @ goal)))
-        return 2 * float(np.arccos(cosine)) < within
+    def off(scene: Scene) -> float:
+        return 2 * float(np.arccos(min(1.0, abs(float(scene.pose(prop).q @ goal)))))
 
-    return Condition(f"{prop} turned to {tuple(np.round(goal, 3).tolist())}", holds)
+    text = f"{prop} turned to {tuple(np.round(goal, 3).tolist())} within {within:.2f} rad"
+    return Condition(text, lambda s: off(s) < within, measured=lambda s: f"{off(s):.2f} rad")
 
 
 OFF = 0.03  # [m] of the TCP from what is pressed, outward, at least; the expert's is 3.4 to 6.5 cm
@@ -227,7 +268,11 @@ def joint_beyond(prop: str, share: float, index: int = 0) -> Condition:
         q, low, high = scene.joint(prop, index)
         return q >= low + share * (high - low)
 
-    return Condition(f"{prop} joint {index} beyond {share:.0%}", holds)
+    def now(scene: Scene) -> str:
+        q, low, high = scene.joint(prop, index)
+        return f"{(q - low) / (high - low):.0%}"
+
+    return Condition(f"{prop} joint {index} beyond {share:.0%}", holds, measured=now)
 
 
 def shaken(prop: str, by: float, turns: int, during: Condition) -> Condition:
@@ -249,9 +294,23 @@ def shaken(prop: str, by: float, turns: int, during: Condition) -> Condition:
     return Condition(f"{prop} shaken {turns} times by {by} m", holds, remembers=True)
 
 
-def condition(text: str, holds: Callable[[Scene], bool], remembers: bool = False) -> Condition:
+def _metres(word: str, numbers: Iterable[float]) -> str:
+    return f"{word} {', '.join(f'{x:.3f}' for x in numbers)} m"
+
+
+def _radians(cosine: float) -> str:
+    return f"{float(np.arccos(np.clip(cosine, -1, 1))):.2f} rad"
+
+
+def condition(
+    text: str,
+    holds: Callable[[Scene], bool],
+    remembers: bool = False,
+    measured: Callable[[Scene], str] | None = None,
+) -> Condition:
     """A task's own condition, with the sentence that names it.
 
-    `remembers` must be true when it uses `Scene.once` or `Scene.peak`.
+    `remembers` must be true when it uses `Scene.once` or `Scene.peak`. `measured` says what it
+    judges, with its unit; it is shown where the condition does not hold.
     """
-    return Condition(text, holds, remembers=remembers)
+    return Condition(text, holds, remembers=remembers, measured=measured)
