@@ -42,7 +42,7 @@ SUMMARY = Summary(
 RATES = [
     "phys_random_all",
     TASK,
-    "89 % [86, 91.5] 445/500",
+    "89 % [86-91.5] 445/500",
     "77.5 % 445/574",
     "66.6 % 333/500",
     "step_limit 44, policy_error 11",

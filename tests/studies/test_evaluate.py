@@ -353,8 +353,9 @@ def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None
     options += ["--policy-option", "actions=2"]
     done = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
     assert done.exit_code == 0, done.output
-    assert " 0 % [0, 79.3] 0/1" in done.output and "gave_up 1" in done.output
-    facts = probe((tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}.mp4").read_bytes())
+    assert " 0 % [0-79.3] 0/1" in done.output and "gave_up 1" in done.output
+    film = tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}_failure.mp4"
+    facts = probe(film.read_bytes())
     assert (facts.width, facts.height) == (320, 360) and facts.frames > 2
     (official,) = (tmp_path / "eval_result").rglob("_result_clean.txt")
     assert official.read_text().rstrip().endswith("0.0")
