@@ -362,7 +362,9 @@ def check_lists(folder: Path | None = None) -> Finding:
     why = [f"{clause} ({count})" for clause, count in clauses.most_common(CLAUSES)]
     if len(clauses) > CLAUSES:
         why.append(f"{len(clauses) - CLAUSES} more differences")
-    detail = f"{stale} of {lists} are stale, `rtphys evaluate` refuses them: {'; '.join(why)}{aside}"
+    detail = (
+        f"{stale} of {lists} are stale, `rtphys evaluate` refuses them: {'; '.join(why)}{aside}"
+    )
     return Finding("certified lists", "note", "ok", detail)
 
 

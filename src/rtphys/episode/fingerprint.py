@@ -27,7 +27,8 @@ def fingerprint_of(
 ) -> Fingerprint:
     """Fingerprint of a task under a protocol: rules, assets, robot and versions.
 
-    `pack`: None where there is none yet; `assets` is empty then. Raises `UnknownName`: no such protocol.
+    `pack`: None where there is none yet; `assets` is empty then. Raises `UnknownName`: no such
+    protocol.
     """
     spec = EpisodeSpec(task.name, protocol)
     domain, visual = spec.domain, spec.visual()

@@ -22,8 +22,8 @@ LEVEL_SPREAD = 10.0  # of a group's log-odds at the smallest x
 
 
 TOGETHER = (
-    "Each effect is seen while the protocol's other attributes vary too; `rtphys sensitivity` moves "
-    "one attribute alone, so the two may disagree."
+    "Each effect is seen while the protocol's other attributes vary too; `rtphys sensitivity` "
+    "moves one attribute alone, so the two may disagree."
 )
 """What has to be said beside the effects."""
 

@@ -114,8 +114,8 @@ def evaluate(
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
         if unfilmed := sum(study.unfilmed for study in studies):
-            text = f"{counted(unfilmed, 'episodes')} of it are not filmed, since they were run"
-            listener.noticed(f"{text} without video; evaluate into another folder to film them")
+            text = f"not filmed, since they were run without video: {counted(unfilmed, 'episodes')}"
+            listener.noticed(f"{text}; evaluate into another folder to film them")
         worker = EvaluateWorker(pack, spec.policy, spec.recording)
         saved = dataset.checkpoint_if_due if dataset else lambda: None
         run_here(
