@@ -97,6 +97,14 @@ def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -
     assert capsys.readouterr().out.split().count("[86-91.5]") == 2
 
 
+def test_heads_wrap_before_rates_do(capsys: pytest.CaptureFixture[str]) -> None:
+    counts = Counts(tried=40, infeasible=0, rollouts=40, successes=40, held=40)
+    row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {"gave_up": 26})
+    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,), overall=())))
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if BELL in line)
+    assert "  100 % [91.2-100]  " in line and line.count("  100 % 40/40  ") == 2
+
+
 def test_seeds_of_a_dataset_are_no_benchmark_instances() -> None:
     for certified, head in ((True, "of benchmark instances"), (False, "of these seeds")):
         table = rates_table(replace(SUMMARY, certified=certified))

@@ -5,6 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from operator import gt
 from typing import Self
 
 from rich.cells import cell_len
@@ -111,7 +112,7 @@ def print_within(screen: Screen, table: Table) -> None:
         min(_widest(column, str.splitlines), max(NARROWEST, min(word, UNBROKEN)))
         for column, word in zip(others, words, strict=True)
     )
-    space = screen.width - GAP * len(table.columns)
+    space = screen.width - GAP * (len(table.columns) - 1)
     room = space - sum(_widest(column, str.splitlines) for column in kept)
     if room < needed:
         for column in kept:
@@ -123,24 +124,27 @@ def print_within(screen: Screen, table: Table) -> None:
 
 
 def _shrink(columns: Sequence[Column], least: Sequence[int], room: int) -> bool:
-    """Sets widths of at least so many characters, the widest shrunk first; whether there are any.
+    """Sets widths of at least so many characters; whether there are any that fit.
 
-    Left alone, rich would shrink all alike.
+    A column's head wraps before its cells do, and the widest column first. Left alone, rich would
+    shrink all alike.
     """
     if sum(least) > room:
         return False
     widths = [_widest(column, str.splitlines) for column in columns]
-    while sum(widths) > room:
-        spare = [width - few for width, few in zip(widths, least, strict=True)]
-        widths[max(range(len(widths)), key=lambda i: (spare[i] > 0, widths[i]))] -= 1
+    cells = [_widest(column, str.splitlines, head=False) for column in columns]
+    for floor in (map(max, least, cells), least):
+        floors = [*floor]
+        while sum(widths) > room and any(map(gt, widths, floors)):
+            widths[max(range(len(widths)), key=lambda i: (widths[i] > floors[i], widths[i]))] -= 1
     for column, width in zip(columns, widths, strict=True):
         column.width = width
     return True
 
 
-def _widest(column: Column, parts: Callable[[str], list[str]]) -> int:
-    cells = [str(cell) for cell in (column.header, *column.cells)]
-    return max(cell_len(part) for cell in cells for part in parts(cell) or [""])
+def _widest(column: Column, parts: Callable[[str], list[str]], head: bool = True) -> int:
+    texts = map(str, [*([column.header] if head else []), *column.cells])
+    return max((cell_len(part) for text in texts for part in parts(text)), default=0)
 
 
 @contextmanager
