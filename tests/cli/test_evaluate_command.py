@@ -102,7 +102,7 @@ def test_heads_wrap_before_rates_do(capsys: pytest.CaptureFixture[str]) -> None:
     row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {"gave_up": 26})
     print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,), overall=())))
     (line,) = (line for line in capsys.readouterr().out.splitlines() if BELL in line)
-    assert "  100 % [91.2-100]  " in line and line.count("  100 % 40/40  ") == 2
+    assert "  100 % [91.2-100]  " in line and line.count("  100 % 40/40") == 2
 
 
 def test_seeds_of_a_dataset_are_no_benchmark_instances() -> None:

@@ -154,8 +154,8 @@ def test_what_was_run_without_recording_is_refused(tmp_path: Path, pack: Pack) -
     take(opened(tmp_path), *MANY)
     header = recording_header(IDLE.spec, opened(tmp_path).instances, load_task("lift_pot"), pack)
     with DatasetWriter(tmp_path / "kept") as dataset:
-        said = r"3 episodes of lift_pot, clean .* were run without recording; evaluate into another"
-        with pytest.raises(BadValue, match=said):
+        said = r"lift_pot.ledger: holds 3 episodes that were run without recording; evaluate into"
+        with pytest.raises(BadFile, match=said):
             opened(tmp_path, writer=dataset.task(header))
 
 

@@ -215,10 +215,10 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         if before[: len(seeds)] != seeds[: len(before)]:
             raise BadFile(path, "its seeds are not those of the instance list")
         done = min(len(before), len(seeds))
-        if writer is not None and done and seeds[done - 1] >= writer.next_seed:
-            text = f"{counted(done, 'episodes')} of {of.task}, {of.protocol} in {out} were run"
-            cure = "without recording; evaluate into another folder to record them"
-            raise BadValue("record", str(writer.task_dataset.folder), f"{text} {cure}")
+        missing = sum(seed >= writer.next_seed for seed in seeds[:done]) if writer else 0
+        if missing:
+            text = f"holds {counted(missing, 'episodes')} that were run without recording"
+            raise BadFile(path, f"{text}; evaluate into another folder to record them")
         name = f"{of.task}, {of.protocol}"
         solved = sum(one.success for one in self._all[:done])
         super().__init__(Progress(name, len(seeds), done, done, solved=solved), seeds[done:])
