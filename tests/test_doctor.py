@@ -14,11 +14,22 @@ import pytest
 from rtphys import doctor
 from rtphys.assets.pack import default_pack
 from rtphys.core import compiled_dependencies as natives
+from rtphys.core import library
 from rtphys.core.cache import NoCache
 from rtphys.core.errors import RtphysError
 from rtphys.data.verify import default_path
+from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.results.instances import (
+    BenchmarkInstance,
+    Fingerprint,
+    InstanceList,
+    list_file,
+    read_fingerprints,
+    write_lists,
+)
 from rtphys.sim import probe
 from rtphys.studies.resources import check_space
+from rtphys.task.spec import load_task
 
 NO_DEVICE = {"VK_DRIVER_FILES": "/nowhere.json", "VK_ICD_FILENAMES": "/nowhere.json"}
 
@@ -189,6 +200,7 @@ def test_the_cache_of_another_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     found = {finding.check: finding.cause for finding in doctor.examine(tmp_path)}
     assert found["assets"] == found["space for assets"] == "no_cache"
     assert (found["renderer"], found["library"]) == ("unknown", "ok")
+    assert found["certified lists"] == "ok", "that it cannot compare them is no failure of its own"
 
 
 def test_no_home_to_write_to(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -236,6 +248,37 @@ def test_versions_that_are_not_the_certified_ones_are_a_note(
     assert (finding.status, doctor.exit_code([finding])) == ("note", 0)
     assert f"numpy 2.0.0, not {known['numpy']}" in finding.detail and str(path) in finding.detail
     assert "sapien" not in finding.detail
+
+
+def test_stale_lists_are_counted_with_the_cause(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = fingerprint_of(load_task("click_bell"), "clean", default_pack())
+
+    def write(suite: str, listed: Fingerprint) -> None:
+        made = InstanceList("click_bell", "clean", listed, (BenchmarkInstance(1),))
+        write_lists(list_file(tmp_path / suite, "clean"), [made])
+
+    write("benchmark", now)
+    assert doctor.check_lists(tmp_path).detail == "1 list, none is stale"
+    versions = {**now.versions, "code": "old", "numpy": "0.1"}
+    write("suite", now.model_copy(update={"versions": versions, "assets": "none"}))
+    finding = doctor.check_lists(tmp_path)
+    assert (finding.status, doctor.exit_code([finding])) == ("note", 0)
+    assert finding.detail.startswith("1 of 2 lists are stale, `rtphys evaluate` refuses them: ")
+    assert f"versions.code was 'old', now '{now.versions['code']}' (1)" in finding.detail
+    assert "assets was 'none'" in finding.detail and "numpy" not in finding.detail
+    monkeypatch.setattr(doctor, "cache_folder", lambda: tmp_path)  # no pack is built there
+    detail = doctor.check_lists(tmp_path).detail
+    assert "versions.code was" in detail and "assets was" not in detail
+    assert "assets were not compared" in detail
+
+
+def test_the_shipped_lists_are_examined() -> None:
+    finding = doctor.check_lists()
+    said = re.match(r"(?:\d+ of )?(\d+) lists", finding.detail)
+    shipped = (library.bundled() / "manifests").glob("*/*.jsonl")
+    assert said and int(said[1]) == sum(len(read_fingerprints(path)) for path in shipped) > 24
 
 
 def test_assets_that_are_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

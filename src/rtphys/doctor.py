@@ -11,14 +11,16 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
 from rtphys.assets.identity import source_digest
-from rtphys.assets.pack import STAMP, Pack, cache_folder, linked
+from rtphys.assets.pack import STAMP, Pack, cache_folder, default_pack, linked
 from rtphys.core import arithmetic, library
 from rtphys.core.cache import NoCache, reading_cache
 from rtphys.core.errors import RtphysError, counted
@@ -27,6 +29,7 @@ PROBE = (sys.executable, "-W", "ignore", "-m", "rtphys.sim.probe")
 COMPILED = (sys.executable, "-W", "ignore", "-m", "rtphys.core.compiled_dependencies")
 PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
 OPENCV = ("opencv-contrib-python-headless", "opencv-python-headless")  # either will do
+CLAUSES = 3  # differences of stale lists that are named
 DISK_LOW, DISK_NEEDED = 5e9, 5e8  # [bytes] warn, fail; an episode is about 5 MB
 
 _DRIVER = (
@@ -132,6 +135,7 @@ def examine(out: Path = Path()) -> list[Finding]:
         "space for assets": check_cache,
         "assets": check_assets,
         "library": check_library,
+        "certified lists": check_lists,
     }
     findings: list[Finding] = []
     for check, run in checks.items():
@@ -252,7 +256,7 @@ def other_versions() -> list[str]:
 def check_versions() -> Finding:
     """Whether packages have the versions with which the benchmark's lists were certified."""
     if not (clauses := other_versions()):
-        return _found("certified versions", "ok", "all as certified")
+        return _found("certified versions", "ok", "all packages as certified")
     cure = f"last bits may differ; for the same: pip install -c {constraints()} rtphys"
     return Finding("certified versions", "note", "ok", f"{'; '.join(clauses)}; {cure}")
 
@@ -284,11 +288,16 @@ def check_disk(check: str, folder: Path) -> Finding:
 
 def check_cache() -> Finding:
     """Space for the builtin pack, and the right to write it, where it is not built yet."""
-    with reading_cache():
-        if (cache_folder() / source_digest()[:16] / STAMP).is_file():
-            return _found("space for assets", "ok", "no more is needed, the pack is built")
+    if _is_built():
+        return _found("space for assets", "ok", "no more is needed, the pack is built")
     found = check_disk("space for assets", cache_folder())
     return replace(found, cause="no_cache") if found.cause == "not_writable" else found
+
+
+def _is_built() -> bool:
+    """Whether the builtin pack of this version is there. Raises `NoCache`."""
+    with reading_cache():
+        return (cache_folder() / source_digest()[:16] / STAMP).is_file()
 
 
 def check_assets() -> Finding:
@@ -321,6 +330,42 @@ def check_library() -> Finding:
         return _found("library", "bad_library", f"no tasks in {library.bundled()}")
     detail = f"{counted(len(tasks), 'tasks')}, {counted(len(domains), 'domains')}"
     return _found("library", "ok", detail)
+
+
+def check_lists(folder: Path | None = None) -> Finding:
+    """Whether `evaluate` accepts the certified lists that rtphys ships; their headers alone count.
+
+    Args:
+        folder: whose folders hold lists; default `manifests/` of rtphys.
+    """
+    try:  # here, because they load the simulator, which may be what does not work
+        from rtphys.episode.fingerprint import fingerprint_of
+        from rtphys.results.instances import read_fingerprints
+        from rtphys.task.spec import load_task
+
+        pack = default_pack() if _is_built() else None
+    except (ImportError, RtphysError) as error:  # which another check has found
+        return Finding("certified lists", "note", "ok", f"not compared: {error}")
+    tasks, clauses, total, stale = cache(load_task), Counter[str](), 0, 0
+    for path in sorted((folder or library.bundled() / "manifests").glob("*/*.jsonl")):
+        for task, listed in read_fingerprints(path).items():
+            now = fingerprint_of(tasks(task), path.stem, pack, listed.embodiment)
+            if pack is None:
+                now = now.model_copy(update={"assets": listed.assets})
+            found = listed.changes(now)
+            clauses.update(found)
+            total, stale = total + 1, stale + bool(found)
+    lists = counted(total, "lists")
+    aside = "" if pack else "; their assets were not compared, since the pack is not built yet"
+    if not stale:
+        return _found("certified lists", "ok", f"{lists}, none is stale{aside}")
+    why = [f"{clause} ({count})" for clause, count in clauses.most_common(CLAUSES)]
+    if len(clauses) > CLAUSES:
+        why.append(f"{len(clauses) - CLAUSES} more differences")
+    detail = (
+        f"{stale} of {lists} are stale, `rtphys evaluate` refuses them: {'; '.join(why)}{aside}"
+    )
+    return Finding("certified lists", "note", "ok", detail)
 
 
 def _found(check: str, cause: str, detail: str) -> Finding:

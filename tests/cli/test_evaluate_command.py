@@ -6,6 +6,7 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
+from evaluations import FINGERPRINT, instances, record
 from rich.box import HEAVY_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -14,11 +15,14 @@ from typer.testing import CliRunner
 from rtphys.cli.evaluate import (
     attributes_table,
     errors_of,
+    left_out_of,
     loads_table,
     pairs_table,
     rates_table,
 )
 from rtphys.cli.main import app
+from rtphys.cli.screen import Screen, print_within
+from rtphys.results import summarise
 from rtphys.results.breaks import Break, Curve
 from rtphys.results.evaluation import EpisodeRecord, Results, ledger_file
 from rtphys.results.statistics import Paired
@@ -42,7 +46,7 @@ SUMMARY = Summary(
 RATES = [
     "phys_random_all",
     TASK,
-    "89 % [86, 91.5] 445/500",
+    "89 % [86-91.5] 445/500",
     "77.5 % 445/574",
     "66.6 % 333/500",
     "step_limit 44, policy_error 11",
@@ -87,6 +91,35 @@ def test_nothing_is_cut_off(
     assert cells(draw(SUMMARY), width) == said
 
 
+@pytest.mark.parametrize("width", [80, 100])
+def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -> None:
+    print_within(Screen(width=width), rates_table(SUMMARY))
+    assert capsys.readouterr().out.split().count("[86-91.5]") == 2
+
+
+def test_heads_wrap_before_rates_do(capsys: pytest.CaptureFixture[str]) -> None:
+    counts = Counts(tried=40, infeasible=0, rollouts=40, successes=40, held=40)
+    row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {"gave_up": 26})
+    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,), overall=())))
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if BELL in line)
+    assert "  100 % [91.2-100]  " in line and line.count("  100 % 40/40") == 2
+
+
+def test_seeds_of_a_dataset_are_no_benchmark_instances() -> None:
+    for certified, head in ((True, "of benchmark instances"), (False, "of these seeds")):
+        table = rates_table(replace(SUMMARY, certified=certified))
+        assert str(table.columns[2].header) == head
+
+
+def test_attributes_that_are_not_shown_are_counted_with_their_place() -> None:
+    (effect,) = SUMMARY.breaks["phys_random_all"]
+    assert left_out_of(SUMMARY) == []
+    many = replace(SUMMARY, breaks={"clean": [], "phys_random_all": [effect] * 8})
+    assert len(attributes_table(many).rows) == 5
+    where = "summary.json and attributes_phys_random_all.png"
+    assert left_out_of(many) == [f"phys_random_all: 3 more attributes in {where}"]
+
+
 def test_the_first_error_of_a_policy_is_said_in_one_line(tmp_path: Path) -> None:
     trace = "Traceback (most recent call last):\n  ...\nValueError: 14 actions, not 16\n"
     records = [
@@ -127,6 +160,24 @@ def test_what_a_policy_usually_does_wrong_is_one_line_below_the_table(
     assert done.exit_code == 0, done.output
     assert " ".join(done.stdout.split()).count(f"phys_random_all, {TASK}: {cause}") == 1
     assert done.stdout.count("degrees?") == 1, "nothing is said of the task that fits"
+
+
+def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listed = instances(BELL, "clean", 1)
+    edited = FINGERPRINT.model_copy(update={"assets": "new"})
+    key = ("clean", BELL)
+    stale = summarise({key: [record(1)]}, {key: listed}, {key: edited})
+    made = replace(SUMMARY, changed=stale.changed)
+    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
+    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
+    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(tmp_path)]
+    done = CliRunner().invoke(app, ["evaluate", *options])
+    assert done.exit_code == 0, done.output
+    clause = "1 of 1 list had another certification fingerprint when they were run: assets was ''"
+    assert done.stdout.count(clause) == 1
+    assert done.stdout.count("`rtphys sensitivity` moves one attribute alone") == 1
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,17 @@ def test_every_letter_is_there_at_any_width(width: int, monkeypatch: pytest.Monk
         assert lines[1].startswith("stack_blocks_three")
 
 
+@pytest.mark.parametrize("width", [80, 100, 120])
+def test_names_give_way_before_words_break(width: int, capsys: pytest.CaptureFixture[str]) -> None:
+    table = fitting_table(["protocol", "task"], ["rate", "others", "more", "reasons"])
+    cells = ("100 % [91.2-100] 40/40", "77.5 % 445/574", "66.6 % 333/500", "policy_error 11")
+    table.add_row("phys_random_all", "shake_bottle_horizontally", *cells)
+    print_within(Screen(width=width), table)
+    said = capsys.readouterr().out
+    assert max(map(len, said.splitlines())) <= width
+    assert {"[91.2-100]", "40/40", "445/574", "policy_error", "phys_random_all"} <= {*said.split()}
+
+
 def test_a_pipe_gets_one_line_a_row(capsys: pytest.CaptureFixture[str]) -> None:
     table = fitting_table(["name"], ["what", "code"], "title")
     table.add_row(*ROW)
@@ -166,6 +177,19 @@ def test_where_a_failure_counts_as_well_the_solved_are_shown(capsys: pytest.Capt
     lines = Lines("episodes")
     lines.progresses = [progress]
     assert lines.sentence().startswith("3 of 3 episodes, 1 solved, ")
+
+
+def test_what_was_there_before_counts_as_solved() -> None:
+    finished = Progress("click_bell", 80, accepted=80, attempts=80, solved=54)
+    assert [*summary_table([finished]).columns[3].cells] == ["68 %"]
+    lines = Lines("episodes")
+    lines.progresses = [finished]
+    assert lines.sentence() == "80 of 80 episodes, 54 solved, all there already"
+    lines.progresses = [Progress("click_bell", 80, accepted=80, attempts=90)]
+    assert lines.sentence() == "80 of 80 episodes, all there already"
+    lines.progresses = [begun := Progress("click_bell", 81, accepted=80, attempts=80, solved=54)]
+    begun.add("", success=True)
+    assert lines.sentence().startswith("81 of 81 episodes, 55 solved, ")
 
 
 def test_the_sentence_below_the_bar_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -77,7 +77,9 @@ def test_a_line_that_is_no_record_is_named(tmp_path: Path, row: str) -> None:
 
 def test_paths_within_a_folder() -> None:
     assert ledger_file(Path("a"), "clean", "t") == Path("a/clean/t.ledger")
-    assert video_file(Path("a"), "clean", "t", 3) == Path("a/video/clean/t/3.mp4")
+    folder = Path("a/video/clean/t")
+    assert video_file(Path("a"), "clean", "t", 3, success=True) == folder / "3_success.mp4"
+    assert video_file(Path("a"), "clean", "t", 3, success=False) == folder / "3_failure.mp4"
 
 
 def test_a_policy_has_a_short_name() -> None:

@@ -17,6 +17,7 @@ from rtphys.results.instances import (
     InstanceList,
     benchmark_file,
     list_file,
+    read_fingerprints,
     read_list,
     read_lists,
     write_lists,
@@ -50,6 +51,33 @@ def test_the_first_episodes_keep_the_attempts_they_took() -> None:
     assert [one.seed for one in part.instances] == [100000, 100001, 100002]
     assert (part.attempts, len(part.feasible)) == (3, 2)
     assert LIST.first(9).instances == ROWS
+
+
+def test_what_certification_made_is_told_from_a_datasets_seeds() -> None:
+    assert LIST.certified
+    seeds = tuple(BenchmarkInstance(row.seed, row.reason) for row in ROWS)
+    assert not replace(LIST, instances=seeds).certified
+
+
+def test_headers_are_read_without_their_rows(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    path.write_bytes(path.read_bytes().replace(b"[100001", b"[nonsense"))
+    with pytest.raises(BadFile):
+        read_lists(path)
+    assert read_fingerprints(path) == {"click_bell": FINGERPRINT}
+
+
+def test_a_fingerprint_says_what_keeps_a_list_from_being_used() -> None:
+    def now(**changes: object) -> Fingerprint:
+        return FINGERPRINT.model_copy(update=changes)
+
+    assert FINGERPRINT.changes(now()) == []
+    # Only versions that decide an episode count.
+    versions = {**FINGERPRINT.versions, "rtphys": "9.0", "numpy": "3"}
+    assert FINGERPRINT.changes(now(versions=versions)) == []
+    clauses = ["assets was '%s', now 'a'" % ("1" * 64), "versions.code was None, now 'b'"]
+    versions = {**versions, "code": "b"}
+    assert FINGERPRINT.changes(now(assets="a", versions=versions)) == clauses
 
 
 def test_counts() -> None:

@@ -1,7 +1,9 @@
 """The summary of an evaluation, from its records and certified lists."""
 
+from dataclasses import replace
+
 import pytest
-from evaluations import instances, record
+from evaluations import FINGERPRINT, instances, record
 
 from rtphys.results import summarise
 
@@ -58,3 +60,28 @@ def test_loads_are_those_of_successes_and_rough_ones_are_counted() -> None:
     assert (row["torque"]["max"], row["rough"]) == (1.0, 1)
     none = summarise({("clean", "click_bell"): records[3:]}, lists)
     assert none.to_json()["overall"][0]["force"] is None
+
+
+def test_stale_lists_mark_the_summary_and_others_leave_none() -> None:
+    keys = [("clean", "click_bell"), ("clean", "lift_pot")]
+    lists = {key: instances(key[1], key[0], 1, 2) for key in keys}
+    records = {key: [record(1, task=key[1]), record(2, task=key[1])] for key in keys}
+    same = summarise(records, lists, dict.fromkeys(keys, FINGERPRINT))
+    assert same.stale == "" and "changed_since_certified" not in same.to_json()
+    edited = FINGERPRINT.model_copy(update={"versions": {"code": "new"}})
+    found = summarise(records, lists, {keys[0]: FINGERPRINT, keys[1]: edited})
+    clause = "versions.code was None, now 'new'"
+    assert found.to_json()["changed_since_certified"] == [
+        {"protocol": "clean", "task": "lift_pot", "clauses": [clause]}
+    ]
+    assert found.stale == (
+        "1 of 2 lists had another certification fingerprint when they were run: " + clause
+    )
+
+
+def test_seeds_of_a_dataset_are_not_called_certified() -> None:
+    key, listed = ("clean", "click_bell"), instances("click_bell", "clean", 1, 2)
+    seeds = replace(listed, instances=tuple(one._replace(state="") for one in listed.instances))
+    for given, certified in ((listed, True), (seeds, False)):
+        found = summarise({key: [record(1)]}, {key: given})
+        assert found.certified == found.to_json()["certified"] == certified

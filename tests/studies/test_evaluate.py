@@ -30,6 +30,7 @@ from rtphys.results.evaluation import (
     EvaluationHeader,
     EvaluationSpec,
     ledger_file,
+    video_file,
 )
 from rtphys.results.instances import (
     FIRST_SEED,
@@ -70,17 +71,17 @@ MANY = [FIRST_SEED, FIRST_SEED + 2, FIRST_SEED + 3]  # the one between them is i
 IDLE = EvaluationHeader(EvaluationSpec("idle").of("clean", "lift_pot"), FINGERPRINT)
 
 
-def opened(out: Path, episodes: int = 3) -> EvaluationSeries:
+def opened(out: Path, episodes: int = 3, **wanted) -> EvaluationSeries:
     rows = tuple(
         BenchmarkInstance(seed, "" if seed in MANY else "slipped")
         for seed in range(MANY[0], MANY[-1] + 1)
     )
     listed = InstanceList("lift_pot", "clean", FINGERPRINT, rows)
-    return EvaluationSeries(out, IDLE, listed.first(episodes))
+    return EvaluationSeries(out, IDLE, listed.first(episodes), **wanted)
 
 
-def record(seed: int, success: bool = False) -> EpisodeRecord:
-    return EpisodeRecord("lift_pot", "clean", seed, success, steps=seed % 7)
+def record(seed: int, success: bool = False, **known) -> EpisodeRecord:
+    return EpisodeRecord("lift_pot", "clean", seed, success, steps=seed % 7, **known)
 
 
 def take(made: EvaluationSeries, *seeds: int) -> None:
@@ -130,6 +131,32 @@ def test_a_lost_episode_is_a_failure_with_its_reason(tmp_path: Path) -> None:
     (lost,) = made.records
     assert lost == replace(record(seed), steps=0, reason="worker_hang", detail=lost.detail)
     assert "30 s" in lost.detail and not made.halted
+
+
+def test_episodes_of_an_earlier_run_that_lack_a_film_are_counted(tmp_path: Path) -> None:
+    made = opened(tmp_path)
+    lost = record(MANY[2], reason="worker_hang")
+    played = [record(MANY[0], True, state="0" * 64), record(MANY[1], state="1" * 64)]
+    for one in (*played, lost):
+        made.begin()
+        made.take(one.seed, EvaluationResult(one))
+    assert opened(tmp_path).unfilmed == 0  # nobody asks for films
+    assert opened(tmp_path, video="all").unfilmed == 2  # of the lost one there can be none
+    assert opened(tmp_path, video="failures").unfilmed == opened(tmp_path, video="1").unfilmed == 1
+    film = video_file(tmp_path, *IDLE.spec.key, MANY[1], success=False)
+    film.parent.mkdir(parents=True)
+    film.touch()
+    assert opened(tmp_path, video="failures").unfilmed == 0
+    assert opened(tmp_path).progress.solved == 1
+
+
+def test_what_was_run_without_recording_is_refused(tmp_path: Path, pack: Pack) -> None:
+    take(opened(tmp_path), *MANY)
+    header = recording_header(IDLE.spec, opened(tmp_path).instances, load_task("lift_pot"), pack)
+    with DatasetWriter(tmp_path / "kept") as dataset:
+        said = r"lift_pot.ledger: holds 3 episodes that were run without recording; evaluate into"
+        with pytest.raises(BadFile, match=said):
+            opened(tmp_path, writer=dataset.task(header))
 
 
 # ---- a worker ------------------------------------------------------------------------------------
@@ -299,9 +326,14 @@ def test_a_list_with_another_fingerprint_is_refused(
     mine.write_text(text.replace(pack.digest, "0" * 64))
     with pytest.raises(ChangedSinceCertified, match=r"assets was '0+', now .*`accept_changes`"):
         run(tmp_path / "out", mine, pack, episodes=1, **CLEAN)
+    run(tmp_path / "stale", mine, pack, episodes=1, accept_changes=True, **CLEAN)
+    (mark,) = json.loads((tmp_path / "stale" / SUMMARY).read_text())["changed_since_certified"]
+    assert (mark["protocol"], mark["task"]) == ("clean", TASK)
+    assert mark["clauses"] == [f"assets was '{'0' * 64}', now '{pack.digest}'"]
     # Which numpy it was certified with is stated in the list, not enforced.
     mine.write_text(text.replace('"numpy": "', '"numpy": "0.'))
     assert len(run(tmp_path / "out", mine, pack, episodes=1, **CLEAN)) == 1
+    assert "changed_since_certified" not in (tmp_path / "out" / SUMMARY).read_text()
 
 
 def test_a_list_under_a_wrong_name_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> None:
@@ -353,9 +385,17 @@ def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None
     options += ["--policy-option", "actions=2"]
     done = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
     assert done.exit_code == 0, done.output
-    assert " 0 % [0, 79.3] 0/1" in done.output and "gave_up 1" in done.output
-    facts = probe((tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}.mp4").read_bytes())
+    assert " 0 % [0-79.3] 0/1" in done.output and "gave_up 1" in done.output
+    film = tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}_failure.mp4"
+    facts = probe(film.read_bytes())
     assert (facts.width, facts.height) == (320, 360) and facts.frames > 2
+    again = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options[:-4], "--video", "all",
+                                     *options[-2:]])  # fmt: skip
+    assert "not filmed" not in again.stderr, "the film is there"
+    film.unlink()
+    again = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
+    assert "run without video: 1 episode; evaluate into another" in again.stderr
+    assert not film.exists()
     (official,) = (tmp_path / "eval_result").rglob("_result_clean.txt")
     assert official.read_text().rstrip().endswith("0.0")
 

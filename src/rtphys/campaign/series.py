@@ -34,7 +34,7 @@ class Progress:
     rejections: Counter[str] = field(default_factory=Counter[str])  # of this run, by reason
     fruitless: int = 0  # attempts since the last one that counted
     stopped: str = ""  # why it was given up
-    solved: int | None = None  # of this run; None in studies in which only successes count
+    solved: int | None = None  # of `accepted`; None in studies in which only successes count
     new_accepted: int = field(default=0, init=False)  # of this run
     new_attempts: int = field(default=0, init=False)  # likewise
 

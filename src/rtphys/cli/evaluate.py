@@ -17,6 +17,7 @@ from rtphys.cli.screen import campaign, fitting_table, print_rows, print_table, 
 from rtphys.cli.terminal import Incomplete, say, say_json
 from rtphys.core.errors import counted
 from rtphys.results import read_results
+from rtphys.results.breaks import TOGETHER
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
 from rtphys.results.statistics import Rate
 from rtphys.results.summary import Counts, Summary
@@ -131,6 +132,8 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         say_json(summary.to_json())
     else:
         print_table(rates_table(summary))
+        if summary.stale:
+            say(summary.stale)
         for row in summary.tasks:
             if row.language:
                 say(f"{row.protocol}, {row.task}: {row.language}")
@@ -139,6 +142,8 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
             print_table(pairs_table(summary))
         if any(summary.breaks.values()):
             print_table(attributes_table(summary))
+            for line in [*left_out_of(summary), TOGETHER]:
+                say(line)
     out = run.folder(spec.policy)
     broken, every = errors_of(read_results(out))
     if broken:
@@ -163,7 +168,8 @@ def errors_of(results: Results) -> tuple[str, bool]:
 
 def rates_table(summary: Summary) -> Table:
     """Success rates of each task and protocol."""
-    columns = ("of benchmark instances", "of all seeds tried", "still true after 0.5 s", "failures")
+    first = "of benchmark instances" if summary.certified else "of these seeds"
+    columns = (first, "of all seeds tried", "still true after 0.5 s", "failures")
     table = fitting_table(["protocol", "task"], columns, "success, with 95 % intervals")
     for row in summary.tasks:
         reasons = ", ".join(f"{name} {count}" for name, count in row.reasons.items())
@@ -200,7 +206,7 @@ def _rate(rate: Rate | None, bounds: bool = False) -> str:
     if rate is None or rate.value is None:
         return "-"
     low, high = map(_percent, rate.interval)
-    between = f" [{low}, {high}]" if bounds else ""
+    between = f" [{low}-{high}]" if bounds else ""  # without a space a table does not break it
     return f"{_percent(rate.value)} %{between} {rate.successes}/{rate.trials}"
 
 
@@ -233,6 +239,16 @@ def attributes_table(summary: Summary) -> Table:
             p = f"{curve.p:.2g}", f"{effect.p_holm:.2g}"
             table.add_row(protocol, ", ".join([effect.key, *effect.same]), span, slope, *p)
     return table
+
+
+def left_out_of(summary: Summary) -> list[str]:
+    """A line for each protocol of which `attributes_table` does not show every attribute."""
+    return [
+        f"{protocol}: {counted(len(effects) - SHOWN, 'more attributes')} in summary.json and "
+        f"attributes_{protocol}.png"
+        for protocol, effects in summary.breaks.items()
+        if len(effects) > SHOWN
+    ]
 
 
 def compare(

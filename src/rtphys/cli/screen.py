@@ -5,6 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from operator import gt
 from typing import Self
 
 from rich.cells import cell_len
@@ -35,6 +36,7 @@ from rtphys.core.errors import counted
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
 GAP = 2  # [characters] between two columns
 NARROWEST = 8  # [characters] of a column that wraps, before names wrap too
+UNBROKEN = 16  # [characters] of a word that stays whole, if need be at the cost of the names
 
 
 class Screen(Console):
@@ -102,34 +104,47 @@ def print_rows(table: Table, rows: object, as_json: bool) -> None:
 
 
 def print_within(screen: Screen, table: Table) -> None:
-    """Prints a table in a screen's width. Where the names alone would fill it, they wrap too."""
+    """Prints a table in a screen's width. Where the names leave too little, they wrap too."""
     kept = [column for column in table.columns if column.no_wrap]
     others = [column for column in table.columns if not column.no_wrap]
-    room = screen.width - sum(_widest(column, str.splitlines) + GAP for column in kept)
-    if room < NARROWEST * len(others):
+    words = [_widest(column, str.split) for column in others]
+    needed = sum(
+        min(_widest(column, str.splitlines), max(NARROWEST, min(word, UNBROKEN)))
+        for column, word in zip(others, words, strict=True)
+    )
+    space = screen.width - GAP * (len(table.columns) - 1)
+    room = space - sum(_widest(column, str.splitlines) for column in kept)
+    if room < needed:
         for column in kept:
             column.no_wrap, column.overflow = False, "fold"
-    else:
-        _keep_words(others, room - GAP * len(others))
+        if _shrink(kept, [NARROWEST] * len(kept), space - needed):
+            room = needed
+    _shrink(others, words, room)
     screen.print(table)
 
 
-def _keep_words(columns: Sequence[Column], room: int) -> None:
-    """Sets widths at which no word is broken, if there are any. rich would shrink all alike."""
-    words = [_widest(column, str.split) for column in columns]
+def _shrink(columns: Sequence[Column], least: Sequence[int], room: int) -> bool:
+    """Sets widths of at least so many characters; whether there are any that fit.
+
+    A column's head wraps before its cells do, and the widest column first. Left alone, rich would
+    shrink all alike.
+    """
+    if sum(least) > room:
+        return False
     widths = [_widest(column, str.splitlines) for column in columns]
-    if sum(words) > room:
-        return
-    while sum(widths) > room:
-        spare = [width - word for width, word in zip(widths, words, strict=True)]
-        widths[max(range(len(widths)), key=lambda i: (spare[i] > 0, widths[i]))] -= 1
+    cells = [_widest(column, str.splitlines, head=False) for column in columns]
+    for floor in (map(max, least, cells), least):
+        floors = [*floor]
+        while sum(widths) > room and any(map(gt, widths, floors)):
+            widths[max(range(len(widths)), key=lambda i: (widths[i] > floors[i], widths[i]))] -= 1
     for column, width in zip(columns, widths, strict=True):
         column.width = width
+    return True
 
 
-def _widest(column: Column, parts: Callable[[str], list[str]]) -> int:
-    cells = [str(cell) for cell in (column.header, *column.cells)]
-    return max(cell_len(part) for cell in cells for part in parts(cell) or [""])
+def _widest(column: Column, parts: Callable[[str], list[str]], head: bool = True) -> int:
+    texts = map(str, [*([column.header] if head else []), *column.cells])
+    return max((cell_len(part) for text in texts for part in parts(text)), default=0)
 
 
 @contextmanager
@@ -166,7 +181,7 @@ def campaign(noun: str) -> Iterator[tuple[Pack, Listener]]:
 
 
 class _Counts(Listener):
-    """Counts since the work began; rates leave out what was there before."""
+    """Counts since the work began; rates leave out what was there before, `solved` does not."""
 
     def __init__(self, noun: str) -> None:
         self.noun = noun
@@ -195,6 +210,9 @@ class _Counts(Listener):
         solved = [progress.solved for progress in self.progresses if progress.solved is not None]
         attempts = sum(progress.new_attempts for progress in self.progresses)
         tried = f"{sum(solved)} solved" if solved else counted(attempts, "attempts")
+        if not attempts and done >= wanted > 0:
+            was = f"{tried}, " if solved else ""
+            return f"{done} of {wanted} {self.noun}, {was}all there already"
         minutes = (time.monotonic() - self.began) / 60
         new = sum(progress.new_accepted for progress in self.progresses)
         rate, left = new / minutes if minutes else 0.0, "?"
@@ -283,7 +301,7 @@ def summary_table(progresses: Sequence[Progress], noun: str = "episodes") -> Tab
     columns = (noun, "attempts", "solved" if judged else "accepted", "rejected, by reason")
     table = fitting_table(["task"], columns)
     for progress in progresses:
-        tried = progress.new_attempts
+        tried = progress.accepted if judged else progress.new_attempts
         good = (progress.solved or 0) if judged else progress.new_accepted
         share = f"{100 * good / tried:.0f} %" if tried else "-"
         counts = f"{progress.accepted} / {progress.wanted}"

@@ -22,17 +22,20 @@ SHAPING = ("rtphys", "sapien", "numpy", "scipy", "pin", "coal", "toppra", "rucki
 PACKAGE = Path(__file__).parents[1]
 
 
-def fingerprint_of(task: Task, protocol: str, pack: Pack, embodiment: str = DEFAULT) -> Fingerprint:
+def fingerprint_of(
+    task: Task, protocol: str, pack: Pack | None, embodiment: str = DEFAULT
+) -> Fingerprint:
     """Fingerprint of a task under a protocol: rules, assets, robot and versions.
 
-    Raises `UnknownName`: no such protocol.
+    `pack`: None where there is none yet; `assets` is empty then. Raises `UnknownName`: no such
+    protocol.
     """
     spec = EpisodeSpec(task.name, protocol)
     domain, visual = spec.domain, spec.visual()
     return Fingerprint(
         domain=DomainDigest(name=domain.name, digest=domain.digest),
         look=hashlib.sha256(compact(visual.to_json())).hexdigest() if visual else "",
-        assets=pack.digest,
+        assets=pack.digest if pack else "",
         versions={**versions(task, embodiment), "dataset": DATASET_VERSION},
         embodiment=embodiment,
     )

@@ -7,13 +7,18 @@ from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
 
-import numpy as np
-
 from rtphys.core.errors import counted
 from rtphys.data.files import read, replace_file
+from rtphys.physics.attribute import is_attribute
+from rtphys.results.breaks import TOGETHER, Break
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
 from rtphys.results.statistics import Rate
 from rtphys.results.summary import summarise
+
+ORDER = (
+    "The attributes of each failure are in the order of the table above, the smallest p of the "
+    "protocol first; those that it does not have follow by name."
+)
 
 
 def write_evaluation_report(results: Results) -> Path:
@@ -21,7 +26,8 @@ def write_evaluation_report(results: Results) -> Path:
 
     Raises `BadFile`, `CannotWrite`.
     """
-    summary = summarise(results.records, results.lists)
+    known = {key: header.fingerprint for key, header in results.headers.items()}
+    summary = summarise(results.records, results.lists, known)
     rates = [
         (row.protocol, row.task, _rate(row.counts.of_feasible), _rate(row.counts.of_tried),
          ", ".join(f"{name} {count}" for name, count in row.reasons.items()))
@@ -36,18 +42,21 @@ def write_evaluation_report(results: Results) -> Path:
     ]  # fmt: skip
     parts = [
         f"<h1>{escape(results.policy)}</h1><p class=soft>{escape(results.robot)}</p>",
-        _table(("protocol", "task", "success of benchmark instances", "of all seeds tried",
-                "failures"), rates),
+        _table(("protocol", "task", "success of " + ("benchmark instances" if summary.certified
+                else "these seeds"), "of all seeds tried", "failures"), rates),
+        f"<p>{escape(summary.stale)}</p>" if summary.stale else "",
         "<h2>Which physics breaks the policy</h2>",
         _table(("protocol", "attribute", "range", "log-odds of success from lowest to highest",
                 "p (Holm)"), breaks),
+        f"<p class=soft>{escape(TOGETHER)}</p>",
         *(
             f'<figure><img alt="{escape(path.stem)}" src="data:image/png;base64,'
             f'{base64.b64encode(read(path)).decode()}"></figure>'
             for path in sorted(results.path.glob("attributes_*.png"))
         ),
         "<h2>Failures</h2>",
-        *(_failures(results, key) for key in results.records),
+        f"<p class=soft>{ORDER}</p>",
+        *(_failures(results, key, summary.breaks[key[0]]) for key in results.records),
     ]  # fmt: skip
     style = (files("rtphys.report") / "page.html").read_text(encoding="utf-8")
     style = style.partition("<style>")[2].partition("</style>")[0]
@@ -57,40 +66,40 @@ def write_evaluation_report(results: Results) -> Path:
     return out
 
 
-def _failures(results: Results, key: tuple[str, str]) -> str:
+def _failures(results: Results, key: tuple[str, str], effects: Sequence[Break]) -> str:
     """Every failure of a task under a protocol: what was drawn, why, and its video if there is."""
     records = results.records[key]
-    unusual = _unusual(records)
+    shown = _varied(records, effects)
     boxes: list[str] = []
     for one in (record for record in records if not record.success):
         physics = "".join(
             f"<dt>{escape(name)}</dt><dd>{_number(one.physics[name])}</dd>"
-            for name in sorted(unusual, key=lambda name: -abs(unusual[name].get(one.seed, 0.0)))
+            for name in shown
             if name in one.physics and name not in one.inert
         )
-        video = video_file(results.path, *key, one.seed)
+        video = video_file(results.path, *key, one.seed, success=False)
         where = quote(video.relative_to(results.path).as_posix())
-        shown = f'<video controls preload=none src="{where}"></video>' if video.is_file() else ""
+        film = f'<video controls preload=none src="{where}"></video>' if video.is_file() else ""
         why = escape(f"{one.reason}: {one.detail.strip()[-200:]}".removesuffix(": "))
         what = f"<h3>seed {one.seed}, {counted(one.steps, 'actions')}, {one.time:.1f} s</h3>"
-        boxes.append(f"<div class=box>{what}{shown}<p>{why}</p><dl>{physics}</dl></div>")
+        boxes.append(f"<div class=box>{what}{film}<p>{why}</p><dl>{physics}</dl></div>")
     name = escape(f"{key[1]}, {key[0]}: {len(boxes)} of {len(records)}")
     return f"<h3>{name}</h3><div class=grid>{''.join(boxes)}</div>"
 
 
-def _unusual(records: Sequence[EpisodeRecord]) -> dict[str, dict[int, float]]:
-    """Attribute that varies -> seed -> how many standard deviations it lies from the mean."""
-    found: dict[str, dict[int, float]] = {}
-    for name in sorted({name for one in records for name in one.physics}):
-        values = {one.seed: one.physics.get(name) for one in records}
-        numbers = {s: float(v) for s, v in values.items() if isinstance(v, int | float)}
-        x = np.array([*numbers.values()])
-        if len(x) and np.ptp(x) > 0:
-            found[name] = dict(zip(numbers, (x - x.mean()) / x.std(), strict=True))
-    return found
+def _varied(records: Sequence[EpisodeRecord], effects: Sequence[Break]) -> list[str]:
+    """The attributes that vary: first those with an effect, by increasing p, the others by name."""
+    names = sorted({name for one in records for name in one.physics if is_attribute(name)})
+    values = {name: {_number(one.physics.get(name)) for one in records} for name in names}
+    first = [name for effect in effects for name in (effect.key, *effect.same)]
+    varied = [name for name in names if len(values[name]) > 1]
+    return sorted(varied, key=lambda name: first.index(name) if name in first else len(first))
 
 
 def _number(value: object) -> str:
+    """A number or a vector in few digits."""
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_number, value))
     return f"{value:.4g}" if isinstance(value, int | float) else escape(str(value))
 
 

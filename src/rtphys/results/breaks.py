@@ -21,6 +21,13 @@ SLOPE_SPREAD = 5.0  # of the change in log-odds over the whole range of x
 LEVEL_SPREAD = 10.0  # of a group's log-odds at the smallest x
 
 
+TOGETHER = (
+    "Each effect is seen while the protocol's other attributes vary too; `rtphys sensitivity` "
+    "moves one attribute alone, so the two may disagree."
+)
+"""What has to be said beside the effects."""
+
+
 @dataclass(frozen=True)
 class Curve:
     """Fitted curve: log-odds of success = levels[group] + slope * (x - low) / (high - low)."""

@@ -131,9 +131,10 @@ def ledger_file(out: Path, protocol: str, task: str) -> Path:
     return out / protocol / f"{task}.ledger"
 
 
-def video_file(out: Path, protocol: str, task: str, seed: int) -> Path:
-    """`<out>/video/<protocol>/<task>/<seed>.mp4`."""
-    return out / "video" / protocol / task / f"{seed}.mp4"
+def video_file(out: Path, protocol: str, task: str, seed: int, success: bool) -> Path:
+    """`<out>/video/<protocol>/<task>/<seed>_success.mp4`, or `<seed>_failure.mp4`."""
+    outcome = "success" if success else "failure"
+    return out / "video" / protocol / task / f"{seed}_{outcome}.mp4"
 
 
 def headers(out: Path) -> dict[Path, EvaluationHeader]:

@@ -20,7 +20,7 @@ from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import JSON, read_file
 from rtphys.data import files
 from rtphys.data.json_text import Model
-from rtphys.spec.stored import problems_of
+from rtphys.spec.stored import differences, problems_of
 
 BENCHMARK = "benchmark_v3"
 """The folder below `manifests/` that holds this version's certified lists of tasks of no suite."""
@@ -72,6 +72,17 @@ class Fingerprint(Model):
         """As files hold it; the robot only where it is not the usual one."""
         return self.model_dump(mode="json", exclude_defaults=True)
 
+    def changes(self, now: "Fingerprint") -> list[str]:
+        """Why `evaluate` refuses a list with this fingerprint now: a clause for each difference.
+
+        Versions that are not in `ENFORCED` may differ.
+        """
+        return differences(self._enforced(), now._enforced())
+
+    def _enforced(self) -> dict[str, JSON]:
+        versions = {key: self.versions.get(key) for key in ENFORCED}
+        return {**self.model_dump(), "versions": versions}
+
 
 @dataclass(frozen=True)
 class InstanceList:
@@ -90,6 +101,14 @@ class InstanceList:
     @property
     def feasible(self) -> tuple[BenchmarkInstance, ...]:
         return tuple(one for one in self.instances if one.feasible)
+
+    @property
+    def certified(self) -> bool:
+        """Whether certification made it: then each feasible seed has its demonstration's state.
+
+        The seeds of a dataset have none.
+        """
+        return all(one.state for one in self.feasible)
 
     @property
     def attempts(self) -> int:
@@ -177,6 +196,14 @@ def read_list(path: Path, task: str) -> InstanceList | None:
 def read_lists(path: Path) -> dict[str, InstanceList]:
     """All lists of a file, by task; errors are those of `read_list`."""
     return {part[1].task: _read(*part) for part in _parts(path)}
+
+
+def read_fingerprints(path: Path) -> dict[str, Fingerprint]:
+    """Fingerprints of the lists of a file by task, from their headers alone; fast.
+
+    Raises `BadFile`: missing, or a header is damaged.
+    """
+    return {header.task: header.fingerprint for _, header, _ in _parts(path)}
 
 
 def _parts(path: Path) -> Iterator[tuple[str, _Header, list[bytes]]]:

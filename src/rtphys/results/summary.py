@@ -5,15 +5,18 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
+from types import MappingProxyType
 
 import numpy as np
 
+from rtphys.core.errors import counted
 from rtphys.core.untrusted import JSON
 from rtphys.results.breaks import Break, breaks
 from rtphys.results.evaluation import EpisodeRecord
-from rtphys.results.instances import InstanceList
+from rtphys.results.instances import Fingerprint, InstanceList
 from rtphys.results.statistics import Paired, Rate, paired
 
+CLAUSES = 3  # that a line names
 NUMBER = r"[-+0-9.e]+%?"  # which differs between episodes of one cause
 Key = tuple[str, str]  # protocol, task
 Records = Mapping[Key, Sequence[EpisodeRecord]]
@@ -131,6 +134,21 @@ class Summary:
     overall: tuple[ProtocolSummary, ...]
     pairs: tuple[PairSummary, ...]
     breaks: Mapping[str, Sequence[Break]]  # by protocol; attributes by increasing p-value
+    certified: bool = True  # false: the seeds are those of a dataset, which nobody has certified
+    # Of stale lists alone: why they were stale, see `Fingerprint.changes`.
+    changed: Mapping[Key, Sequence[str]] = field(default_factory=dict[Key, Sequence[str]])
+
+    @property
+    def stale(self) -> str:
+        """That lists were stale when they were run, and why, in one line; empty if none was."""
+        if not self.changed:
+            return ""
+        clauses = [*dict.fromkeys(clause for one in self.changed.values() for clause in one)]
+        more = f"; {len(clauses) - CLAUSES} more in summary.json" if len(clauses) > CLAUSES else ""
+        return (
+            f"{len(self.changed)} of {counted(len(self.tasks), 'lists')} had another certification "
+            f"fingerprint when they were run: {'; '.join(clauses[:CLAUSES])}{more}"
+        )
 
     def to_json(self) -> dict[str, JSON]:
         """Each row flat: its counts, its loads or its outcome beside its names."""
@@ -142,7 +160,13 @@ class Summary:
                 found |= value.to_json() if parts else {name: value}
             return found
 
+        changed = [
+            {"protocol": protocol, "task": task, "clauses": list(clauses)}
+            for (protocol, task), clauses in self.changed.items()
+        ]
         return {
+            "certified": self.certified,
+            **({"changed_since_certified": changed} if changed else {}),
             "tasks": [*map(flat, self.tasks)],
             "overall": [*map(flat, self.overall)],
             "pairs": [*map(flat, self.pairs)],
@@ -153,12 +177,17 @@ class Summary:
         }
 
 
-def summarise(records: Records, lists: Mapping[Key, InstanceList]) -> Summary:
+def summarise(
+    records: Records,
+    lists: Mapping[Key, InstanceList],
+    fingerprints: Mapping[Key, Fingerprint] = MappingProxyType({}),
+) -> Summary:
     """Summarises an evaluation; the order of records within a task does not matter.
 
     Args:
         records: by (protocol, task).
         lists: the certified seeds they were run on, `InstanceList.first(episodes)`, same keys.
+        fingerprints: as they were where the policy was run, so far as they are known.
     """
     tasks = [_task(key, known, lists[key]) for key, known in records.items()]
     under, overall, pairs = dict[str, list[EpisodeRecord]](), [], []
@@ -176,7 +205,10 @@ def summarise(records: Records, lists: Mapping[Key, InstanceList]) -> Summary:
         ]
         pairs.append(PairSummary(first, second, paired(both)))
     effects = {name: breaks(played) for name, played in under.items()}
-    return Summary(tuple(tasks), tuple(overall), tuple(pairs), effects)
+    known = {key: lists[key].fingerprint.changes(now) for key, now in fingerprints.items()}
+    changed = {key: clauses for key, clauses in known.items() if clauses}
+    certified = all(lists[key].certified for key in records)
+    return Summary(tuple(tasks), tuple(overall), tuple(pairs), effects, certified, changed)
 
 
 def _task(key: Key, records: Sequence[EpisodeRecord], instances: InstanceList) -> TaskSummary:

@@ -14,7 +14,6 @@ from rtphys.campaign.pool import WorkerFailure
 from rtphys.campaign.series import QUIET, Listener, Progress, Series
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, Infeasible, RtphysError, counted
-from rtphys.core.untrusted import JSON
 from rtphys.data import files
 from rtphys.data.attempts import Rejected, read_attempts
 from rtphys.data.dataset import Dataset
@@ -43,7 +42,6 @@ from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
 from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec, short_name
 from rtphys.results.instances import (
-    ENFORCED,
     BenchmarkInstance,
     Fingerprint,
     InstanceList,
@@ -115,6 +113,9 @@ def evaluate(
             studies.append(EvaluationSeries(out, cell, one, run.video, writer, joints))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
+        if unfilmed := sum(study.unfilmed for study in studies):
+            text = f"not filmed, since they were run without video: {counted(unfilmed, 'episodes')}"
+            listener.noticed(f"{text}; evaluate into another folder to film them")
         worker = EvaluateWorker(pack, spec.policy, spec.recording)
         saved = dataset.checkpoint_if_due if dataset else lambda: None
         run_here(
@@ -142,6 +143,7 @@ def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeri
     summary = summarise(
         {study.spec.key: study.records for study in studies},
         {study.spec.key: study.instances for study in studies},
+        {study.spec.key: study.fingerprint for study in studies},
     )
     policy, episode = short_name(spec.policy), spec.episode
     what = {"policy": spec.policy, "split": episode.split, "sentences": spec.hears}
@@ -166,7 +168,7 @@ class EvaluationTask(NamedTuple):
 
     recipe: Recipe
     setup: PolicySetup
-    video: Path | None = None
+    films: Path | None = None  # the result folder that takes its video
     of_failure: bool = False  # write it only if the policy fails
     staging: Path | None = None  # folder for the files of a recorded episode
 
@@ -196,6 +198,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         arm_joints: tuple[int, int] = (6, 6),
     ) -> None:
         self.spec, self.instances, self.writer = header.spec, instances, writer
+        self.fingerprint = header.fingerprint
         spec, of = self.spec, self.spec.episode
         self._setup = PolicySetup(
             of.task, of.protocol, spec.hears, spec.seed, spec.options, of.embodiment, arm_joints
@@ -212,23 +215,35 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         if before[: len(seeds)] != seeds[: len(before)]:
             raise BadFile(path, "its seeds are not those of the instance list")
         done = min(len(before), len(seeds))
-        if writer is not None and done and seeds[done - 1] >= writer.next_seed:
-            clause = f"seed {seeds[done - 1]} was evaluated before, without being recorded"
-            raise DatasetMismatch(writer.task_dataset.folder, [clause])
+        missing = sum(seed >= writer.next_seed for seed in seeds[:done]) if writer else 0
+        if missing:
+            text = f"holds {counted(missing, 'episodes')} that were run without recording"
+            raise BadFile(path, f"{text}; evaluate into another folder to record them")
         name = f"{of.task}, {of.protocol}"
-        super().__init__(Progress(name, len(seeds), done, done, solved=0), seeds[done:])
+        solved = sum(one.success for one in self._all[:done])
+        super().__init__(Progress(name, len(seeds), done, done, solved=solved), seeds[done:])
 
     @property
     def records(self) -> Sequence[EpisodeRecord]:
         """Those of the episodes asked for."""
         return self._all[: self.progress.wanted]
 
+    @property
+    def unfilmed(self) -> int:
+        """How many episodes that are there already should have a video, and have none."""
+        played = (one for one in self.records if one.state and one.seed in self._shown)
+        wanted = (one for one in played if not (one.success and self._video == "failures"))
+        paths = (
+            evaluation.video_file(self._out, *self.spec.key, one.seed, one.success)
+            for one in wanted
+        )
+        return sum(not path.is_file() for path in paths)
+
     def job(self, seed: int) -> EvaluationTask:
-        shown = seed in self._shown
-        video = evaluation.video_file(self._out, *self.spec.key, seed) if shown else None
+        films = self._out if seed in self._shown else None
         staging = self.writer.staging(seed) if self.writer else None
         recipe, failures = self.spec.episode.at(seed), self._video == "failures"
-        return EvaluationTask(recipe, self._setup, video, failures, staging)
+        return EvaluationTask(recipe, self._setup, films, failures, staging)
 
     def commit(self, seed: int, result: EvaluationResult) -> str:
         if self.writer is not None and result.outcome is not None:
@@ -294,7 +309,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         recipe, task = job.recipe, self.tasks[job.recipe.task]
         policy = self._session.policy(job.setup)
         try:
-            keep = "hash" if job.video is None and job.staging is None else "rows"
+            keep = "hash" if job.films is None and job.staging is None else "rows"
             episode = begin(recipe, task, self.pack, self.recording, keep, job.setup.split)
         except Infeasible as problem:
             return unplayed(recipe, "infeasible", str(problem))
@@ -313,8 +328,11 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         if keep == "hash":
             return EvaluationResult(record)
         instance, recording = episode.instance, episode.rollout.recorder.recording
-        if job.video is not None and not (record.success and job.of_failure):
-            write_video(instance, recording, self.pack, job.video)
+        if job.films is not None and not (record.success and job.of_failure):
+            path = evaluation.video_file(
+                job.films, recipe.protocol, recipe.task, recipe.seed, record.success
+            )
+            write_video(instance, recording, self.pack, path)
         if job.staging is None:
             return EvaluationResult(record)
         senses = self.recording.senses
@@ -401,18 +419,13 @@ def certified(
     if (feasible := len(found.feasible)) < least:
         problem = f"{task}, {protocol}: holds {feasible} feasible seeds, not {least}"
         raise NotCertified(where, problem, cell, least)
-    clauses = differences(_enforced(found.fingerprint), _enforced(fingerprint))
+    clauses = found.fingerprint.changes(fingerprint)
     if clauses and not run.accept_changes:
         raise ChangedSinceCertified(
             f"{where}: has another certification fingerprint: {'; '.join(clauses)}. What was "
             "feasible may not be so now: certify anew, or set `accept_changes`"
         )
     return found.first(run.episodes or feasible)
-
-
-def _enforced(fingerprint: Fingerprint) -> dict[str, JSON]:
-    versions = {key: fingerprint.versions.get(key) for key in ENFORCED}
-    return {**fingerprint.model_dump(), "versions": versions}
 
 
 def other_versions(fingerprint: Fingerprint) -> list[str]:
