@@ -1,7 +1,7 @@
 """Of two laptops that look alike, open the one whose hinge moves easily; leave the stiff one.
 
-Success: the loose hinge is past 40 % of its range, with a closed hand at its lid, and the stiff one
-has not left its place.
+Success: the loose hinge is past 40 % of its range and at rest, with a closed hand at its lid, and
+the stiff one has not left its place.
 """
 
 from collections.abc import Mapping
@@ -30,6 +30,7 @@ TRIED = 0.24  # to which a hinge is moved on trial
 PUSH, MIN_TIME = 9.0, 1.5  # [N] on the edge that damping may cost; [s] of a swing
 TRIAL_TIME = 1.0  # [s]
 LOOKS = 10  # at the lid after a swing
+RESTS = 0.05  # [m/s] slower than this; a hand that strikes a lid throws it open, and it falls shut
 UP = 0.05  # [m] off the lid
 
 
@@ -45,8 +46,9 @@ def layout(draw: Draw):
 
 def loose_is_open(scene: Scene) -> bool:
     loose, stiff = ranked(scene, "object_joint_damping", list(LAPTOPS))
-    opened = share_open(scene, loose) > OPEN and bool(hands_at(scene, loose))
-    return opened and share_open(scene, stiff) < STILL_SHUT
+    if share_open(scene, loose) <= OPEN or share_open(scene, stiff) >= STILL_SHUT:
+        return False
+    return scene.speed(loose) < RESTS and bool(hands_at(scene, loose))
 
 
 def script(robot: Robot) -> None:
@@ -81,7 +83,7 @@ task = Task(
     layout=layout,
     script=script,
     feel=feel,
-    success=condition("the loose lid is open, the stiff one is not", loose_is_open),
+    success=condition("the loose lid rests open, the stiff one is not", loose_is_open),
     step_limit=900,
     mechanism="hidden joint damping: choose",
 )

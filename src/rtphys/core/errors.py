@@ -105,33 +105,10 @@ class NoRenderer(RtphysError):
 class Infeasible(RtphysError):
     """The expert cannot do this episode: a result of `generate.attempt`, not an error.
 
-    `reason` is one of `REASONS`, so that rejections can be counted.
+    `reason` is one word, so that rejections can be counted: see "Why attempts fail" in
+    docs/dataset.md.
     """
 
     def __init__(self, reason: str, detail: str = "") -> None:
         self.reason, self.detail = reason, detail
         super().__init__(f"{reason}: {detail}" if detail else reason)
-
-
-REASONS: dict[str, str] = {
-    "invalid_physics": "no real object could have this draw",
-    "layout": "no layout of this seed satisfies the task's spacing rules",
-    "unsettled": "objects did not come to rest before the episode (tilt, low friction)",
-    "unreachable": "no inverse-kinematics solution for any allowed pose",
-    "no_path": "no collision-free path between two reachable poses",
-    "retime_failed": "the path could not be time-parameterised",
-    "ungraspable": "no contact point fits the gripper",
-    "grasp_missed": "the fingers closed on nothing",
-    "slipped": "the object left the hand",
-    "collision": "a link that is no finger was pressed with over 30 N for over 0.1 s",
-    "overloaded": "a motor gave its largest torque for over 0.1 s",
-    "too_slow": "the motion cannot finish within the task's step limit",
-    "stalled": "an articulated part did not follow the hand",
-    "failed_check": "the script ran to its end and the success condition did not hold",
-    "not_held": "success held for an instant, but not 0.5 s later",
-    "recovered": "a load was lost and would have to be taken again, which was not allowed",
-    "disturbed": "another object was knocked over or off the table",
-    "untwinned": "it was accepted, its twin under another protocol was not",
-    "worker_crash": "the attempt crashed its worker process, twice",
-    "worker_hang": "the attempt used more CPU time than the limit, twice",
-}

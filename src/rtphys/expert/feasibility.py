@@ -15,8 +15,8 @@ from rtphys.expert.hands import Hands
 from rtphys.expert.planner import DualArmPlanner
 from rtphys.plan.collision import Obstacle
 from rtphys.sim.rollout import Rollout
-from rtphys.sim.room import TOP, TOP_HALF
-from rtphys.task.props import Ball
+from rtphys.sim.room import TOP_HALF, WALL_AT, WALL_HALF
+from rtphys.task.props import TABLE_TOP, Ball
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Path:
 
 
 CLOSING = (0.67, 0.33)  # of the stroke: fingers are thicker than a third of it
-_WALL = Obstacle("wall", np.array([3.0, 0.6, 1.5]), Pose((0, 1.0, 1.5)))
+_WALL = Obstacle("wall", np.array(WALL_HALF), Pose(WALL_AT))
 
 
 class Feasibility:
@@ -59,7 +59,7 @@ class Feasibility:
             return
         x, y = self.world.plan.table.shift
         half = np.array(TOP_HALF)
-        table = Obstacle("table", half, self.world.X_WT @ Pose((x, y, TOP - half[2])))
+        table = Obstacle("table", half, self.world.X_WT @ Pose((x, y, TABLE_TOP - half[2])))
         obstacles = [table, _WALL]
         for name, scene_object in self.world.scene_objects.items():
             if name in loads or isinstance(scene_object.prop, Ball):

@@ -15,14 +15,15 @@ from rtphys.physics.handles import Blueprint
 from rtphys.sim.body import SimSurface
 from rtphys.sim.engine import from_sapien, renders, to_sapien
 from rtphys.sim.feet import feel_feet
+from rtphys.task.props import TABLE_TOP
 
-TOP = 0.74  # [m] nominal height of the table's surface
 TOP_HALF = (0.6, 0.35, 0.025)  # [m] half size of the slab, 5 cm thick
 LEG_HALF = 0.025  # [m] square legs, inset 5 cm from the edges
 MIPMAPS = 2  # of a drawn surface: the second has the pixels of the cameras; more cost a tenth
 Colour = tuple[float, float, float]
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]  # centre, half size [m]
-WALL_Y = 1.0  # [m] centre of the 1.2 m deep wall block: its front face is at y = 0.4
+WALL_AT, WALL_HALF = (0.0, 1.0, 1.5), (3.0, 0.6, 1.5)  # [m] its front face is at y = 0.4
+TABLE_COLOUR, WALL_COLOUR = (0.93, 0.92, 0.90), (1.0, 0.9, 0.9)  # without textures
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +32,7 @@ class TablePlan:
 
     shift: tuple[float, float] = (0.0, 0.0)  # [m] of its centre, xy
     drop: float = 0.0  # [m] below the usual height
-    colour: Colour = (0.93, 0.92, 0.90)
-    wall_colour: Colour = (1.0, 0.9, 0.9)
-    # Instead of the colours: files, stretched over a box's faces, or drawn surfaces at their size.
+    # Instead of a colour: files, stretched over a box's faces, or drawn surfaces at their size.
     texture: Path | Picture | None = None
     wall_texture: Path | Picture | None = None
 
@@ -45,7 +44,7 @@ class Room:
         self.plan = plan
         # Turn about the table's centre so that its normal leans towards +y, then lower it. A
         # right-handed turn about +x leans the normal towards -y, hence the minus.
-        centre = np.array([*plan.shift, TOP])
+        centre = np.array([*plan.shift, TABLE_TOP])
         turn = Pose((0, 0, 0), axis_angle((1, 0, 0), -blueprint.table_tilt))
         drop = np.array([0, 0, blueprint.table_height - plan.drop])
         self.X_WT = Pose(centre - turn.R @ centre + drop, turn.q)
@@ -61,16 +60,16 @@ class Room:
 
         half_x, half_y, half_z = TOP_HALF
         boxes: list[Box] = [((0, 0, -half_z), TOP_HALF)]
-        leg_half = (TOP - 2 * half_z - 0.12) / 2  # 12 cm off the ground: a lowered table fits
+        leg_half = (TABLE_TOP - 2 * half_z - 0.12) / 2  # 12 cm off the ground: a lowered table fits
         for sx in (-1, 1):
             for sy in (-1, 1):
                 at = (sx * (half_x - 0.075), sy * (half_y - 0.075), -2 * half_z - leg_half)
                 boxes.append((at, (LEG_HALF, LEG_HALF, leg_half)))
-        pose = to_sapien(self.X_WT @ Pose((*plan.shift, TOP)))
-        self.table = _build(scene, "table", pose, boxes, plan.colour, plan.texture)
-        block: list[Box] = [((0, 0, 0), (3, 0.6, 1.5))]
-        pose = sapien.Pose([0, WALL_Y, 1.5])
-        wall = _build(scene, "wall", pose, block, plan.wall_colour, plan.wall_texture)
+        pose = to_sapien(self.X_WT @ Pose((*plan.shift, TABLE_TOP)))
+        self.table = _build(scene, "table", pose, boxes, TABLE_COLOUR, plan.texture)
+        block: list[Box] = [((0, 0, 0), WALL_HALF)]
+        pose = sapien.Pose([*WALL_AT])
+        wall = _build(scene, "wall", pose, block, WALL_COLOUR, plan.wall_texture)
 
         self._backdrop = (self.table, wall, ground)  # from front to back
         surfaces = []
@@ -83,10 +82,11 @@ class Room:
 
     def measured(self) -> tuple[float, float]:
         """Tilt [rad] and height above nominal [m] of the simulator's table."""
-        X_WT = from_sapien(self.table.pose) @ Pose((*self.plan.shift, TOP)).inverse()
-        centre = X_WT @ np.array([*self.plan.shift, TOP])
+        X_WT = from_sapien(self.table.pose) @ Pose((*self.plan.shift, TABLE_TOP)).inverse()
+        centre = X_WT @ np.array([*self.plan.shift, TABLE_TOP])
         normal = X_WT.R[:, 2]
-        return float(np.arctan2(normal[1], normal[2])), float(centre[2] - TOP + self.plan.drop)
+        height = centre[2] - TABLE_TOP + self.plan.drop
+        return float(np.arctan2(normal[1], normal[2])), float(height)
 
     def draw_last(self) -> None:
         """From now on pictures draw table, wall and ground after all that is in the scene.

@@ -18,8 +18,8 @@ from rtphys.sim.engine import RATE, PackedRows, new_scene
 from rtphys.sim.motion import STRIDE, Past, Row, rows_of, speeds
 from rtphys.sim.objects import ObjectFactory, SceneObject
 from rtphys.sim.robot import SimRobot
-from rtphys.sim.room import TOP, Room, TablePlan
-from rtphys.task.props import Ball, Prop
+from rtphys.sim.room import Room, TablePlan
+from rtphys.task.props import TABLE_TOP, Ball, Prop
 
 
 class HeadCamera:
@@ -43,7 +43,7 @@ class HeadCamera:
     def range_to_table(self) -> float:
         """[m] along the optical axis from the nominal pose to the nominal table top."""
         down = -self.nominal_pose.R[2, 0]
-        return float((self.nominal_pose.p[2] - TOP) / down)
+        return float((self.nominal_pose.p[2] - TABLE_TOP) / down)
 
 
 REST_SPEED = 0.01  # [m/s] and

@@ -9,7 +9,7 @@ from rtphys.core.poses import Pose
 from rtphys.laws.audit.specimen import Finding, Measurement, Specimen
 from rtphys.laws.lab import time_constants
 from rtphys.sim.engine import TIME_STEP
-from rtphys.sim.room import TOP
+from rtphys.task.props import TABLE_TOP
 
 STEP = 0.03  # [rad] of every arm joint, towards the middle of its range
 CLOSE = 0.8  # gripper command, from fully open
@@ -59,7 +59,7 @@ def locate(specimen: Specimen, stored: Mapping[str, Pose]) -> list[Finding]:
     left /= np.linalg.norm(left)
     axes = np.column_stack([forward, left, np.cross(forward, left)])
     # An orbit still looks at the point where the nominal line of sight meets the nominal table.
-    gaze = p + forward * (p[2] - TOP) / -forward[2]
+    gaze = p + forward * (p[2] - TABLE_TOP) / -forward[2]
     orbits = specimen.values.get("camera_mode") == "orbit"
     findings: list[Finding] = []
     for place, X in {"world": specimen.world.head_camera.pose, **stored}.items():

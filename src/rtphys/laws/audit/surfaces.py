@@ -11,8 +11,9 @@ from rtphys.core.poses import Array, Pose
 from rtphys.laws.audit.specimen import Finding, Measurement, Specimen, Unmeasured
 from rtphys.sim.body import AnyBody
 from rtphys.sim.engine import to_sapien
-from rtphys.sim.room import TOP, TOP_HALF
+from rtphys.sim.room import TOP_HALF
 from rtphys.sim.world import World
+from rtphys.task.props import TABLE_TOP
 
 RADIUS, MASS = 0.002, 1e-8  # [m], [kg]: nothing that it hits yields
 GAP = 1e-5  # [m] before the first step, in which it hits
@@ -146,7 +147,7 @@ def survey(specimen: Specimen) -> list[Finding]:
     world = specimen.world
     plan, table = world.plan.table, world.room.table.components[0]
     shift = np.array([*plan.shift, 0.0])
-    high = np.array([0.0, 0.0, TOP + ABOVE])
+    high = np.array([0.0, 0.0, TABLE_TOP + ABOVE])
     starts = [shift + np.array([x, y, 0.0]) * TOP_HALF + high for x, y in PLACES]
     hits = [cast(world, start, DOWN) for start in starts]
     spots = [spot for spot in hits if spot is not None and spot.body is table]
@@ -166,7 +167,7 @@ def survey(specimen: Specimen) -> list[Finding]:
     normal = np.array([-b, -c, 1.0]) / np.linalg.norm([b, c, 1.0])
     # The plane of the centres lies a radius above the table, along the normal.
     top = a + b * shift[0] + c * shift[1] - RADIUS / normal[2]
-    height = float(top - TOP + plan.drop)
+    height = float(top - TABLE_TOP + plan.drop)
     lean = (float(np.degrees(np.arctan2(n, normal[2]))) for n in (normal[1], normal[0]))
     tilt = specimen.number("table_tilt")
     return [
