@@ -146,6 +146,15 @@ def test_every_command_explains_itself_with_command_lines_that_fit(name: str) ->
                 parse(shlex.split(line)[1:])
 
 
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_no_option_has_two_defaults(name: str) -> None:
+    command = lazy.load(name)
+    for one in (command, *getattr(command, "commands", {}).values()):
+        for option in one.params:
+            said = "default" in (getattr(option, "help", None) or "").lower()
+            assert not (said and option.default), f"{option.opts}: {option.help} {option.default}"
+
+
 def test_no_help_loads_the_simulator() -> None:
     code = (
         "import sys\nfrom rtphys.cli import lazy\n"
