@@ -14,16 +14,15 @@ Values = dict[str, list[Value]]  # key -> the values at which specs hold it
 
 
 def what_varies(specs: Sequence[CollectionSpec]) -> list[str]:
-    """A line for each protocol of a collection, its twin's too; for some tasks alone, they are named.
+    """A line for each protocol of a collection and of its twins; tasks that differ are named.
 
     What varies is what the labels will say: drawn from the domain, held, or moved by the look. An
-    attribute that the domain gives one value alone does not vary.
+    attribute to which the domain gives one value alone does not vary.
 
     Args:
-        specs: of one run of `collect`: the same protocols, and one spec for each task and each value
-            of a sweep.
+        specs: of one run of `collect`: one for each task and each value of a sweep.
 
-    Raises `RtphysError`: the physics cannot be drawn, as where a protocol's attribute has no range.
+    Raises `RtphysError`: the physics cannot be drawn, as where an attribute has no range.
     """
     held, tasks = _held(specs), dict[str, dict[str, None]]()
     for spec in specs:
@@ -32,7 +31,7 @@ def what_varies(specs: Sequence[CollectionSpec]) -> list[str]:
     every = {spec.episode.task for spec in specs}
 
     def where(of: Mapping[str, None]) -> str:
-        if of.keys() == every:
+        if set(of) == every:
             return ""
         return f" ({'all other tasks' if 2 * len(of) > len(every) else ', '.join(of)})"
 
