@@ -88,6 +88,7 @@ def test_an_attribute_of_ones_own_that_global_lacks_leads_to_a_file_without_exte
     )
     said = RUN.invoke(app, ["--library", OWN, "domains", "check", str(file)]).stderr
     assert f"{file}: linear_drag = " in said and CURE in said
+    monkeypatch.setenv("RTPHYS_LIBRARY", "")
     only = ["collect", "click_bell", "--only", "linear_drag", "--dry-run"]
     said = RUN.invoke(app, ["--library", OWN, *only, "--out", str(tmp_path / "data")]).stderr
     assert said.startswith("rtphys: domain global has no range for linear_drag; --domain")

@@ -180,6 +180,7 @@ def verify(checks: Checks) -> None:
     memory = None if checks.fresh else checking.default_path()
     with progress_bar("verifying") as bar:
         report = checking.verify(out, effort, memory=memory, progress=bar)
+    whole = report.sound  # what follows asks whose dataset it is
     wrong, made = list[str](), ""
     if report.sound and not (report.episodes or report.failures):
         wrong.append("it holds no episode: the run was aborted, or no attempt was accepted")
@@ -206,8 +207,13 @@ def verify(checks: Checks) -> None:
         say(printable(str(problem), one_line=True))
     for note in report.notes:
         say(printable(f"note: {note}", one_line=True), err=True)
-    if report.digest:
+    if report.digest and whole:
         say(f"digest {report.digest}")
+    elif report.digest:
+        say(f"its manifest is that of {report.digest}, but the dataset is not sound")
+    if report.damaged:
+        cure = command_line("collect", "--repair", "--out", out)
+        say(f"to make damaged and missing files again: {cure}", err=True)
     counts = [counted(report.episodes, "episodes")]
     counts += [counted(report.failures, "kept failures")] if report.failures else []
     counts += [counted(report.files, "files"), f"{report.bytes / 1e6:.1f} MB{made}"]
