@@ -20,7 +20,7 @@ from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
 from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
-from rtphys.data.selection import Selection, seed_set
+from rtphys.data.selection import CONFIG, Selection, seed_set
 from rtphys.spec.option import Option, Seed, Workers, checked_dataclass
 from rtphys.studies.requests import RenderSpec
 
@@ -75,7 +75,9 @@ def subset(
     dataset: Folder,
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")],
     task: Annotated[list[str] | None, typer.Option(help="Only these tasks.")] = None,
-    config: Annotated[list[str] | None, typer.Option(help="Only these configurations.")] = None,
+    config: Annotated[
+        list[str] | None, typer.Option(help=f"Only these configurations, {CONFIG}.")
+    ] = None,
     seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
     drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
@@ -235,8 +237,10 @@ def lerobot(
     out: Annotated[Path, typer.Option(help="New folder to write.")],
     version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
-    protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
-    config: Annotated[str | None, typer.Option(help="Only this configuration.")] = None,
+    protocol: Annotated[
+        str | None, typer.Option(help="Only this protocol, with its sweeps and held values.")
+    ] = None,
+    config: Annotated[str | None, typer.Option(help=f"Only this configuration, {CONFIG}.")] = None,
     seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
     episode: Annotated[
         str | None, typer.Option(help="Only these numbers in its task dataset: 3,7 or 0:50.")
