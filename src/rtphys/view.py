@@ -149,7 +149,6 @@ def label_text(episode: Episode) -> str:
     lines += ["| attribute | value | unit |", "|---|---|---|"]
     for key, label in episode.meta.attributes.items():
         value = "asset's own" if label.value is None else np.round(label.value, 4)
-        note = ", acts on nothing" if not label.could_act else ""
-        note = ", did not act" if label.could_act and label.acted is False else note
+        note = label.note and f", {label.note}"
         lines.append(f"| {key} | {value}{note} | {label.unit} |")
     return "\n".join(lines)

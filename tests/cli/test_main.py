@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -144,6 +145,23 @@ def test_every_command_explains_itself_with_command_lines_that_fit(name: str) ->
             if line.startswith("    rtphys "):
                 assert len(line) < 80
                 parse(shlex.split(line)[1:])
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_no_option_has_two_defaults(name: str) -> None:
+    command = lazy.load(name)
+    for one in (command, *getattr(command, "commands", {}).values()):
+        for option in one.params:
+            said = re.search("default[: ]", (getattr(option, "help", None) or "").lower())
+            assert not (said and option.default), f"{option.opts}: {option.help} {option.default}"
+
+
+@pytest.mark.parametrize("line", ["show", "view", "render", "subset", "export lerobot"])
+def test_who_chooses_a_configuration_is_told_which_is_plain_clean(line: str) -> None:
+    shown = RUN.invoke(app, [*line.split(), "--help"], env={"COLUMNS": "200"}).output
+    assert "plain clean" in next(
+        row for row in shown.splitlines() if re.match(r"│ +--config ", row)
+    )
 
 
 def test_no_help_loads_the_simulator() -> None:

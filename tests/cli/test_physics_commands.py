@@ -1,12 +1,15 @@
 """`rtphys physics` and `rtphys domains` from the command line."""
 
 import json
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from rtphys.cli.authoring import domains
+from rtphys.cli.main import app
 from rtphys.cli.physics import physics
+from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.laws.lab import Lab
 from rtphys.physics import Domain, Physics, load_domain
@@ -51,6 +54,45 @@ def test_sample_as_a_table_shows_nominal_values_in_brackets():
 def test_sample_of_a_task_is_what_its_episode_has():
     (row,) = sampled("open_laptop", "--first-seed", "3")
     assert row["values"]["center_of_mass_redraws"] > 0
+
+
+@pytest.mark.parametrize("name", sorted(library.names("domains")))
+def test_a_domain_as_yaml_reads_back_as_the_same(name, tmp_path):
+    domain = load_domain(name)
+    path = tmp_path / f"{name}.yaml"
+    path.write_text(output_of(domains, "show", name, "--yaml"))
+    copied = load_domain(path)
+    assert copied.rules == domain.rules and copied.digest == domain.digest
+    assert (copied.name, copied.why) == (domain.name, domain.why)
+    assert len(path.read_text().splitlines()) == 2 + len(domain.rules), "a rule is a line"
+
+
+def test_as_yaml_numbers_stay_numbers(tmp_path):
+    path, copy = tmp_path / "tiny.yaml", tmp_path / "copy.yaml"
+    path.write_text("why: 'a: \"b\"'\nphysics: {friction: {log_uniform: [1.0e-05, 1.0]}}\n")
+    copy.write_text(output_of(domains, "show", str(path), "--yaml"))
+    assert load_domain(copy).rules == load_domain(path).rules
+    assert load_domain(copy).why == 'a: "b"'
+
+
+OWN = str(Path(__file__).parents[2] / "examples" / "own_attributes")
+CURE = f"`rtphys --library {OWN} domains show global --yaml` prints a file without `extends`"
+
+
+def test_an_attribute_of_ones_own_that_global_lacks_leads_to_a_file_without_extends(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("RTPHYS_LIBRARY", "")  # set, so that it is put back: the command sets it too
+    (file := tmp_path / "air.yaml").write_text(
+        "extends: global\nphysics: {linear_drag: {uniform: [0, 3]}}\n"
+    )
+    said = RUN.invoke(app, ["--library", OWN, "domains", "check", str(file)]).stderr
+    assert f"{file}: linear_drag = " in said and CURE in said
+    monkeypatch.setenv("RTPHYS_LIBRARY", "")
+    only = ["collect", "click_bell", "--only", "linear_drag", "--dry-run"]
+    said = RUN.invoke(app, ["--library", OWN, *only, "--out", str(tmp_path / "data")]).stderr
+    assert said.startswith("rtphys: domain global has no range for linear_drag; --domain")
+    assert CURE in said and "did you mean" not in said
 
 
 def test_ranges_and_their_sources_are_shown_and_read_back():

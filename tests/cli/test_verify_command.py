@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import synthetic
-from collected import collect
+from collected import FOLDER, collect
 from typer.testing import CliRunner, Result
 
 from rtphys.cli.main import app
@@ -38,6 +38,31 @@ def test_a_digest_is_refused_that_can_be_none(dataset: Path) -> None:
     result = verify(dataset, "--expect", "abc")
     assert result.exit_code == 2
     assert "64 hexadecimal digits" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["video/episode_0000000.mp4", "seeds.txt", "manifest.json"])
+@pytest.mark.parametrize("how", ["damaged", "missing"])
+def test_a_damaged_dataset_has_no_digest_and_its_cure_is_named(
+    dataset: Path, name: str, how: str
+) -> None:
+    folder = dataset if name == "manifest.json" else dataset / FOLDER
+    if how == "missing":
+        (folder / name).unlink()
+    else:
+        (folder / name).write_bytes((folder / name).read_bytes()[:-4])
+    result = verify(dataset)
+    assert result.exit_code == 1
+    assert not re.search(r"^digest", result.output, re.MULTILINE)
+    cure = f"to make damaged and missing files again: rtphys collect --repair --out {dataset}"
+    assert (cure in result.stderr) is ((name, how) != ("manifest.json", "damaged"))
+    if name != "manifest.json":
+        assert "but the dataset is not sound" in result.stdout
+
+
+def test_the_digest_of_a_sound_dataset_is_told_though_another_is_expected(dataset: Path) -> None:
+    assert re.search(
+        r"^digest sha256", verify(dataset, "--expect", f"sha256:{'0' * 64}").stdout, re.MULTILINE
+    )
 
 
 def test_what_is_newer_than_the_manifest_is_covered_by_no_digest(dataset: Path) -> None:

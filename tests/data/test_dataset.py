@@ -1,16 +1,19 @@
 """The loader: lazy, RGB, typed, and usable without a simulator."""
 
+import copy
+import math
 import pickle
 import shutil
 import subprocess
 import sys
 import types
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import synthetic
-from collected import FRAMES, collect, keep
+from collected import FRAMES, collect, keep, wanting
 
 import rtphys
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName
@@ -19,6 +22,9 @@ from rtphys.data.dataset import Dataset, find_episode
 from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.rewrite import convert
 from rtphys.data.selection import One, Selection, seed_set
+from rtphys.data.staging import stage_episode
+from rtphys.data.writer import DatasetWriter
+from rtphys.physics import attributes
 from rtphys.physics.values import REDRAWS
 
 
@@ -53,6 +59,36 @@ def test_a_part_by_physics_and_by_seeds(dataset: Dataset) -> None:
         dataset.where(physics={"frictoin": (0, 1)})
 
 
+@pytest.mark.parametrize(
+    ("wanted", "said"),
+    [
+        ({"physics": {"friction": 0.2}}, r"lowest and the highest value, such as \(0.2, 0.2\)"),
+        ({"physics": {"friction": (0.3, 0.1)}}, r"physics\['friction'\] = \(0.3, 0.1\) is not"),
+        ({"physics": {"friction": (0.3,)}}, "lowest and the highest"),
+        ({"physics": {"friction": ("a", "b")}}, "lowest and the highest"),
+        ({"seeds": 3}, r"seeds = 3 is not allowed; whole numbers, such as \[3\] or range"),
+        ({"seeds": "3"}, "whole numbers"),
+        ({"numbers": 0}, r"numbers = 0 is not allowed; whole numbers, such as \[0\]"),
+        ({"task": ("click_bell",)}, "task = .* is not allowed; one name: click_bell"),
+    ],
+    ids=str,
+)
+def test_a_part_that_cannot_be_says_what_can(
+    dataset: Dataset, wanted: dict[str, object], said: str
+) -> None:
+    with pytest.raises(BadValue, match=said):
+        dataset.where(**wanted)  # type: ignore[arg-type]
+
+
+def test_a_protocol_is_all_its_configurations_and_a_configuration_is_one(tmp_path: Path) -> None:
+    collect(tmp_path, 2)
+    collect(tmp_path, 1, synthetic.header(overrides={"friction": 0.1}))
+    data = Dataset(tmp_path)
+    assert len(data.where(protocol="phys_random")) == 3
+    assert len(data.where(config="phys_random")) == 2
+    assert len(data.where(config="phys_random.friction=0.1")) == 1
+
+
 def test_a_sum_has_the_episodes_of_both_and_no_folder(tmp_path: Path) -> None:
     collect(tmp_path / "a", 2)
     collect(tmp_path / "b", 1)
@@ -66,11 +102,25 @@ def test_a_sum_has_the_episodes_of_both_and_no_folder(tmp_path: Path) -> None:
         _ = both.path
 
 
-def test_a_table_has_a_row_an_attempt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+class Table(list):
+    """In the place of pandas' own, which nothing here needs."""
+
+    def __init__(self, rows: list[dict[str, object]], columns: list[str]) -> None:
+        super().__init__({name: row.get(name, math.nan) for name in columns} for row in rows)
+        self.columns = columns
+
+
+@pytest.fixture
+def pandas(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = types.ModuleType("pandas")
+    module.DataFrame = Table  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pandas", module)
+
+
+def test_a_table_has_a_row_an_attempt(
+    tmp_path: Path, pandas: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     keep(tmp_path, attempts=3)
-    pandas = types.ModuleType("pandas")
-    pandas.DataFrame = list  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "pandas", pandas)
     rows = Dataset(tmp_path).to_pandas()
     assert [(row["seed"], row["outcome"]) for row in rows] == [
         (0, "accepted"),
@@ -85,6 +135,54 @@ def test_a_table_has_a_row_an_attempt(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(RtphysError, match="pip install pandas"):
         Dataset(tmp_path).to_pandas()
+
+
+def test_a_table_has_every_attribute_and_a_number_only_where_it_acted(
+    tmp_path: Path, pandas: None
+) -> None:
+    """In one order, whatever the first row lacks; `raw` has the values that were in force."""
+
+    def put(meta: dict[str, dict[str, dict[str, object]]], key: str, **changes: object) -> None:
+        meta["attributes"][key].update(changes)
+
+    with DatasetWriter(tmp_path) as writer:
+        task = writer.task(wanting(2))
+        for seed in range(2):
+            episode = synthetic.episode(seed, FRAMES)
+            meta = copy.deepcopy(episode.phys_meta)
+            put(meta, "restitution", acted=bool(seed), value=0.25)  # type: ignore[arg-type]
+            put(meta, "object_mass", could_act=False, acted=False, value=3.0)  # type: ignore[arg-type]
+            put(meta, "center_of_mass", could_act=bool(seed), acted=None)  # type: ignore[arg-type]
+            put(meta, "object_joint_damping", acted=True, value=None)  # type: ignore[arg-type]
+            made = replace(episode, phys_meta=meta)
+            task.record(stage_episode(task.staging(seed), made, task.header.spec.recording.layout))
+    table = Dataset(tmp_path).to_pandas()
+    names = [name for key in attributes() for name in (
+        [f"{key}.{part}" for part in "xyz"] if key == "center_of_mass" else [key]
+    )]  # fmt: skip
+    assert table.columns[:7] == [
+        "task", "config", "embodiment", "seed", "number", "frames", "outcome"
+    ]  # fmt: skip
+    assert table.columns[7:] == sorted(names)
+    first, second = table
+    unknown = {name for name in names if math.isnan(first[name])}
+    camera = {"camera_distance", "camera_angle"}
+    mean = {"restitution", "object_mass", "object_joint_damping"}
+    assert unknown - camera == mean | {f"center_of_mass.{part}" for part in "xyz"}
+    assert second["restitution"] == 0.25 and not math.isnan(second["center_of_mass.z"])
+    raw = Dataset(tmp_path).to_pandas(raw=True)
+    assert raw.columns == table.columns
+    assert raw[0]["restitution"] == 0.25 and raw[0]["object_mass"] == 3.0
+    assert math.isnan(raw[0]["object_joint_damping"]), "the asset's own is no number"
+
+
+def test_a_table_of_attempts_has_what_the_ledger_has_of_those_without_files(
+    tmp_path: Path, pandas: None
+) -> None:
+    collect(tmp_path, 3)
+    *_, last = Dataset(tmp_path).where(seeds=range(3)).to_pandas(attempts=True)
+    assert (last["seed"], last["outcome"], last["number"]) == (2, "slipped", None)
+    assert last["friction"] == 0.1 and math.isnan(last["restitution"])
 
 
 def test_pictures_are_rgb_and_complete(dataset: Dataset) -> None:

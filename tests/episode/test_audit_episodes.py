@@ -100,13 +100,13 @@ def test_a_recipe_that_is_not_whole_is_told() -> None:
     assert not audit.sound
 
 
-def test_what_acts_on_nothing_is_told_and_not_measured() -> None:
+def test_what_could_not_act_is_told_and_not_measured() -> None:
     (instance,) = instances("click_bell", "phys_random", 1)
     audit = audited(instance, PACK)
     idle = {f.key for f in audit.findings if isinstance(f, Unmeasured) and not f.place}
     assert {"object_mass", "center_of_mass", "external_force", "object_joint_damping"} <= idle
     assert {f.why for f in audit.findings if f.key == "object_mass"} == {
-        "acts on nothing in this episode"
+        "it could not act in this episode"
     }
 
 
@@ -128,4 +128,4 @@ def test_totals_name_the_largest_deviation_of_each_attribute() -> None:
     tilts = [m.deviation for m in every if m.key == "table_tilt"]
     assert totals.worst["table_tilt"].deviation == max(tilts)
     assert totals.measured["arm_joint_damping"] == 24
-    assert totals.unmeasured["object_mass", "acts on nothing in this episode"] == 2
+    assert totals.unmeasured["object_mass", "it could not act in this episode"] == 2

@@ -1,8 +1,10 @@
 """The report page: its data, and its behaviour in a real browser."""
 
+import copy
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ import synthetic
 from collected import collect, outcome
 
 from rtphys.data.dataset import Dataset
+from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter
 from rtphys.report.page import axes, write_report
 
@@ -77,6 +80,24 @@ def test_cards_of_a_sweep_and_of_two_robots_have_names_of_their_own(tmp_path: Pa
     leaves = [facts["leaves"][one["leaf"]] for one in facts["episodes"]]
     names = {(leaf["protocol"], leaf["robot"]) for leaf in leaves}
     assert len(names) == 3 and {robot for _, robot in names} == {"aloha-agilex", "franka-panda"}
+
+
+def test_an_attribute_that_did_not_act_is_marked(tmp_path: Path) -> None:
+    with DatasetWriter(tmp_path / "data") as writer:
+        task = writer.task(synthetic.header())
+        episode = synthetic.episode(0)
+        labels = copy.deepcopy(episode.phys_meta["attributes"])
+        labels["restitution"].update(acted=False)  # type: ignore[index]
+        labels["object_mass"].update(could_act=False, acted=False)  # type: ignore[index]
+        made = replace(episode, phys_meta={**episode.phys_meta, "attributes": labels})
+        task.record(stage_episode(task.staging(0), made, task.header.spec.recording.layout))
+    path = write_report(Dataset(tmp_path / "data"), tmp_path / "report.html")
+    (row,), keys = data(path)["episodes"], [axis.key for axis in axes()]
+    known = {key: (row["could_act"][n], row["acted"][n]) for n, key in enumerate(keys)}
+    assert known["restitution"] == (True, False) and known["object_mass"] == (False, False)
+    assert known["friction"] == (True, None), "nobody measured it"
+    page = path.read_text()
+    assert "(did not act)" in page and '"could not act"' in page
 
 
 def test_page_needs_nothing_else(page: Path) -> None:

@@ -1,17 +1,22 @@
 """`rtphys show`: what it says of an episode, and the pictures it writes."""
 
+import copy
 import re
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import synthetic
 from collected import FRAMES, collect, keep
 from typer import Typer
 from typer.testing import CliRunner
 
 from rtphys.cli.show import show
 from rtphys.data.dataset import Dataset
+from rtphys.data.staging import stage_episode
+from rtphys.data.writer import DatasetWriter
 from rtphys.report.pictures import CAPTION, GAP, contact_sheet, joint_plot, panels
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -49,6 +54,24 @@ def test_says_what_is_in_the_episode(dataset: Dataset, tmp_path: Path) -> None:
     stem = "click_bell_phys_random_aloha_agilex_episode_1"
     assert (tmp_path / f"{stem}.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / f"{stem}_joints.svg").stat().st_size > 3000
+
+
+def test_marks_what_could_not_act_what_did_not_and_what_nobody_measured(tmp_path: Path) -> None:
+    with DatasetWriter(tmp_path) as writer:
+        task = writer.task(synthetic.header())
+        episode = synthetic.episode(0)
+        labels = copy.deepcopy(episode.phys_meta["attributes"])
+        labels["restitution"].update(acted=False, value=0.25)  # type: ignore[index]
+        labels["object_mass"].update(could_act=False, acted=False, value=2.0)  # type: ignore[index]
+        labels["arm_joint_damping"].update(acted=True)  # type: ignore[index]
+        made = replace(episode, phys_meta={**episode.phys_meta, "attributes": labels})
+        task.record(stage_episode(task.staging(0), made, task.header.spec.recording.layout))
+    said = " ".join(run(str(tmp_path)).output.split())
+    assert "restitution 0.25, did not act" in said
+    assert "object_mass 2, could not act" in said
+    *_, unmeasured = re.findall("not measured whether they acted: ([a-z_, ]+)", said)
+    assert "friction" in unmeasured
+    assert not re.search("restitution|object_mass|arm_joint_damping", unmeasured)
 
 
 def test_says_how_a_kept_failure_failed(dataset: Dataset, tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ class SearchSpec:
     only: Annotated[
         tuple[str, ...] | None,
         one_of("attribute", attributes),
-        Option("These attributes alone (comma-separated); default: all that act."),
+        Option("These attributes alone (comma-separated); default: all that could act."),
     ] = None
     policy: Annotated[
         str,

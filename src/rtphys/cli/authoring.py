@@ -1,12 +1,13 @@
 """Commands for authors: what there is, new tasks, and what tries them."""
 
+import json
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from math import degrees
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 from rich.table import Table
@@ -25,6 +26,7 @@ from rtphys.cli.screen import (
 from rtphys.cli.terminal import say
 from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, UnknownName, counted
+from rtphys.core.untrusted import dump_yaml
 from rtphys.data.files import make_folder, replace_file
 from rtphys.data.jpeg import encode_png
 from rtphys.physics import Domain, Value, attributes, domain_for_task, load_domain
@@ -200,10 +202,26 @@ def protocols(as_json: Json = False) -> None:
 def show(
     task: Annotated[str, typer.Argument(help="A task, a domain, or a domain file.")],
     as_json: Json = False,
+    as_yaml: Annotated[
+        bool, typer.Option("--yaml", help="A domain file to copy and change, without `extends`.")
+    ] = False,
 ) -> None:
-    """The resolved ranges of a task, by attribute, and the file that each comes from."""
+    """The resolved ranges of a task, by attribute, and the file that each comes from.
+
+    Examples:
+
+        rtphys domains show grab_roller
+        rtphys domains show global --yaml
+    """
     domain = domain_named(task)
-    print_rows(_ranges(domain), domain.to_json(), as_json)
+    if not as_yaml:
+        print_rows(_ranges(domain), domain.to_json(), as_json)
+        return
+    if as_json:
+        raise BadValue("yaml", as_yaml, "`json` is given too; choose one of them")
+    say(f"why: {json.dumps(domain.why, ensure_ascii=False)}\nphysics:")
+    for key, rule in domain.rules.items():
+        say(f"  {key}: {_flow(rule.to_json())}")
 
 
 @domains.command("check")
@@ -223,6 +241,18 @@ def list_() -> None:
     """Names of all domains."""
     for name in library.names("domains"):
         say(name)
+
+
+def _flow(rule: object) -> str:
+    """A rule as YAML in one line."""
+    if isinstance(rule, Mapping):
+        pairs = cast(Mapping[str, object], rule).items()
+        return f"{{{', '.join(f'{key}: {_flow(value)}' for key, value in pairs)}}}"
+    if isinstance(rule, list):
+        return f"[{', '.join(map(_flow, cast(list[object], rule)))}]"
+    if isinstance(rule, str):
+        return rule if re.fullmatch(r"[a-z_]+", rule) else json.dumps(rule)
+    return dump_yaml(rule).splitlines()[0]  # JSON's 1e-05 is a name in YAML
 
 
 def domain_named(name: str) -> Domain:

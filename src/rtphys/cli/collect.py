@@ -31,9 +31,8 @@ from rtphys.core.errors import BadValue, RtphysError, counted
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.layout import TaskDataset
 from rtphys.spec.collection import CollectionSpec
-from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import Option
-from rtphys.spec.protocol import load_protocol
+from rtphys.spec.varies import what_varies
 from rtphys.studies.requests import (
     Run,
     find_collection,
@@ -102,7 +101,8 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
         specs = read_specs(find_collection(request.manifest))
     elif request.task:
         specs = specs_for(template, library.matching("tasks", request.task), request.sweep)
-        say(_what_varies(template.episode), err=request.as_json)
+        for line in what_varies(specs):
+            say(line, err=request.as_json)
     else:
         allowed = "name at least one task, or a `manifest`; `rtphys tasks` lists them"
         raise BadValue("task", None, allowed)
@@ -155,19 +155,6 @@ def _repair(run: Run) -> None:
         raise Incomplete(f"{counted(len(done.problems), 'files')} could not be made again")
 
 
-def _what_varies(spec: EpisodeSpec) -> str:
-    chosen, own = load_protocol(spec.protocol), spec.ranges
-    if own is not None and chosen.physics:
-        what = f"domain {own.name} varies {', '.join(own.keys) or 'nothing'}"
-    else:
-        what = f"{chosen.what} (rtphys protocols lists others)"
-    if spec.only is not None:
-        looks = "textures, lights and clutter vary too" if chosen.visual else "looks are nominal"
-        what = f"of the attributes {', '.join(spec.only) or 'none'} alone; {looks}"
-    held = ", ".join(f"{key} is held" for key in spec.overrides)
-    return f"protocol {spec.variation}: {what}{'; ' + held if held else ''}"
-
-
 def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> None:
     """Prints each task dataset, what is there already, and what this machine would refuse."""
     from rtphys.studies.collect import check, check_machine
@@ -198,12 +185,22 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
     except RtphysError as problem:
         workers = ""
         say(f"here and now it would be refused: {problem}", err=True)
-    cpu, megabytes, unknown = expected(missing)
+    (cpu, megabytes, unknown), room = expected(missing), room_needed(specs)
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
     say(
         f"{counted(wanted, 'episodes')} in {run.out}, at most "
-        f"{room_needed(specs) / 1e9:.1f} GB{workers}; what is "
-        f"missing takes about {cpu / 3600:.1f} h of CPU and {megabytes / 1e3:.1f} GB by the table "
-        f"in docs/scale.md{apart}; nothing was collected",
+        f"{_bytes(room)}{workers}; what is missing takes about {_seconds(cpu)} of CPU and "
+        f"{_bytes(min(megabytes * 1e6, room))} by the table in docs/scale.md{apart}; nothing was "
+        "collected",  # the table is of varied looks, which take more room than nominal ones
         err=as_json,
     )
+
+
+def _seconds(number: float) -> str:
+    if number < 60:
+        return f"{number:.0f} s"
+    return f"{number / 3600:.1f} h" if number >= 3600 else f"{number / 60:.1f} min"
+
+
+def _bytes(number: float) -> str:
+    return f"{number / 1e9:.1f} GB" if number >= 1e9 else f"{number / 1e6:.0f} MB"

@@ -20,7 +20,7 @@ from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
 from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
-from rtphys.data.selection import Selection, seed_set
+from rtphys.data.selection import CONFIG, Selection, seed_set
 from rtphys.spec.option import Option, Seed, Workers, checked_dataclass
 from rtphys.studies.requests import RenderSpec
 
@@ -75,7 +75,9 @@ def subset(
     dataset: Folder,
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")],
     task: Annotated[list[str] | None, typer.Option(help="Only these tasks.")] = None,
-    config: Annotated[list[str] | None, typer.Option(help="Only these configurations.")] = None,
+    config: Annotated[
+        list[str] | None, typer.Option(help=f"Only these configurations, {CONFIG}.")
+    ] = None,
     seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
     drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
@@ -180,6 +182,7 @@ def verify(checks: Checks) -> None:
     memory = None if checks.fresh else checking.default_path()
     with progress_bar("verifying") as bar:
         report = checking.verify(out, effort, memory=memory, progress=bar)
+    whole = report.sound  # what follows asks whose dataset it is
     wrong, made = list[str](), ""
     if report.sound and not (report.episodes or report.failures):
         wrong.append("it holds no episode: the run was aborted, or no attempt was accepted")
@@ -206,8 +209,13 @@ def verify(checks: Checks) -> None:
         say(printable(str(problem), one_line=True))
     for note in report.notes:
         say(printable(f"note: {note}", one_line=True), err=True)
-    if report.digest:
+    if report.digest and whole:
         say(f"digest {report.digest}")
+    elif report.digest:
+        say(f"its manifest is that of {report.digest}, but the dataset is not sound")
+    if report.damaged:
+        cure = command_line("collect", "--repair", "--out", out)
+        say(f"to make damaged and missing files again: {cure}", err=True)
     counts = [counted(report.episodes, "episodes")]
     counts += [counted(report.failures, "kept failures")] if report.failures else []
     counts += [counted(report.files, "files"), f"{report.bytes / 1e6:.1f} MB{made}"]
@@ -229,8 +237,10 @@ def lerobot(
     out: Annotated[Path, typer.Option(help="New folder to write.")],
     version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
-    protocol: Annotated[str | None, typer.Option(help="Only this protocol.")] = None,
-    config: Annotated[str | None, typer.Option(help="Only this configuration.")] = None,
+    protocol: Annotated[
+        str | None, typer.Option(help="Only this protocol, with its sweeps and held values.")
+    ] = None,
+    config: Annotated[str | None, typer.Option(help=f"Only this configuration, {CONFIG}.")] = None,
     seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
     episode: Annotated[
         str | None, typer.Option(help="Only these numbers in its task dataset: 3,7 or 0:50.")

@@ -183,14 +183,16 @@ def _parameters(part: _Part, common: Sequence[str]) -> Iterator[inspect.Paramete
         elif default is MISSING:
             default = inspect.Parameter.empty
         flag, panel = "--" + called.replace("_", "-"), PANELS.get(part.kind.__name__)
+        # What a field does without a value is no default where the command brings one.
+        text = found.help.partition(" Default:")[0] if default else found.help
         option = typer.Option(
             f"{flag}/--no-{flag[2:]}" if default is True else flag,
-            help=found.help,
+            help=text,
             metavar=_METAVARS.get(spelled, "TEXT"),
             rich_help_panel=panel if common and name not in common else None,
             hidden=tasks,  # the words say it
         )
-        note = typer.Argument(help=found.help) if found.positional else option
+        note = typer.Argument(help=text) if found.positional else option
         annotation = Annotated[spelled | None if optional else spelled, note]
         yield inspect.Parameter(name, keyword, default=default, annotation=annotation)
 

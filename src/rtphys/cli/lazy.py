@@ -143,8 +143,12 @@ class LazyGroup(TyperGroup):
             text = with_flags(error, _flags([*self.params, *running]))
             kind = getattr(error, "kind", "")
             if kind.startswith("attribute of domain "):
+                text = _said_of_the_range(kind, error) or text
                 text += "; --domain or a protocol chooses a domain that varies it "
-                text += "(`rtphys domains list`)"
+                text += f"(`rtphys domains list`); {_own_domain()}"
+            elif isinstance(error, BadValue) and re.match(r"domain \S+ holds it at", error.allowed):
+                parent = error.allowed.split()[1]
+                text += f", so a file that extends it cannot vary it; {_own_domain(parent)}"
             elif isinstance(error, BadValue) and "it is a number in" in error.allowed:
                 if isinstance(error.value, tuple) and any("--sweep" in p.opts for p in running):
                     each = ",".join(f"{value:g}" for value in error.value)
@@ -165,6 +169,19 @@ class LazyGroup(TyperGroup):
                 force = "--force-reinstall " if broken else ""
                 cure = f"`pip install {force}'rtphys[{EXTRAS[package]}]'`"
             _stop(f"{error}; {cure}", 3)
+
+
+def _said_of_the_range(kind: str, error: RtphysError) -> str:
+    """That an attribute is known and a domain lacks a range for it; empty where it is unknown."""
+    from rtphys.physics.attribute import is_attribute
+
+    name = getattr(error, "name", "")
+    return f"{kind.removeprefix('attribute of ')} has no range for {name}" * is_attribute(name)
+
+
+def _own_domain(parent: str = "global") -> str:
+    copied = command_line("domains", "show", parent, "--yaml")
+    return f"`{copied}` prints a file without `extends` to copy, which may name any attribute"
 
 
 def _as_called_now(args: list[str]) -> list[str]:

@@ -155,13 +155,15 @@ def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Sta
         table.add_row(Text(key, style="bold"), text)
     print_table(table)
     table = fitting_table(["attribute"], ["value", "unit"], "\nPhysics")
-    for key, label in episode.meta.attributes.items():
+    labels = episode.meta.attributes
+    for key, label in labels.items():
         numbers = [] if label.value is None else [f"{v:.4g}" for v in np.ravel(label.value)]
-        note = "" if label.could_act else ", acts on nothing"
-        note = ", did not act" if label.could_act and label.acted is False else note
-        value = (", ".join(numbers) or "asset's own") + note
+        note = label.note and f", {label.note}"
         style = "" if label.varied and not note else "dim"
-        table.add_row(key, value, label.unit, style=style)
+        table.add_row(key, (", ".join(numbers) or "asset's own") + note, label.unit, style=style)
+    if unmeasured := [k for k, one in labels.items() if one.could_act and one.acted is None]:
+        table.caption = f"not measured whether they acted: {', '.join(unmeasured)}"
+        table.caption_justify = "left"
     print_table(table)
     table = fitting_table(["stage"], ["from", "to", "touched"], "\nStages")
     for name, start, end, touched in stages:

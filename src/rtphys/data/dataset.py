@@ -5,12 +5,14 @@ for episode in Dataset("data").where(task="click_bell"):
 """
 
 import math
+import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import chain, islice
+from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple, cast, overload
+from typing import TYPE_CHECKING, Literal, NamedTuple, SupportsIndex, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +28,15 @@ from rtphys.data.hdf5_senses import SenseFile
 from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset, embodiment_folder
 from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
 from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
-from rtphys.physics import Physics
+from rtphys.physics import Physics, attributes
 from rtphys.physics.values import plain_value
 
 if TYPE_CHECKING:
     from pandas import DataFrame  # type: ignore[import-untyped]
+
+
+FACTS = ("task", "config", "embodiment", "seed", "number", "frames", "outcome")
+"""First columns of a table of episodes; those of the attributes follow."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +180,21 @@ class _Part:
         rows = islice(read_attempts(place.ledger), self.entry.attempts)
         return (row for row in rows if all(test(row) for test in self.tests))
 
+    def physics(self, row: Row, raw: bool) -> Mapping[str, object]:
+        """Attribute -> value of those that acted, as far as that was measured; `raw`: of all.
+
+        Of an attempt without files all that could act. Raises `BadFile`.
+        """
+        if (held := row.on_disk) is None:
+            return row.physics
+        kind = FailureMeta if isinstance(row, Rejected) else PhysMeta
+        meta = schema.read(kind, held.paths(self.entry.below(self.path)).phys_meta)
+        return {
+            key: label.value
+            for key, label in meta.attributes.items()
+            if raw or (label.could_act and label.acted is not False)
+        }
+
     def episodes(self, failed: bool = False) -> Iterator[Episode]:
         """Its episodes, or the failures that were kept. Raises `BadFile`."""
         spec, place = self.entry.spec, self.entry.below(self.path)
@@ -199,9 +220,36 @@ def _lies_within(key: str, low: float, high: float, row: Row) -> bool:
 
 
 def _numbers(value: object) -> tuple[float, ...]:
-    """Numbers of an attribute in a ledger: one, those of a vector, or none."""
-    parts = cast(Sequence[object], value) if isinstance(value, list) else (value,)
+    """Numbers of an attribute in a ledger or label: one, those of a vector, or none."""
+    parts = cast(Sequence[object], value) if isinstance(value, list | tuple) else (value,)
     return tuple(float(part) for part in parts if isinstance(part, int | float))
+
+
+def _range(key: str, ends: object) -> tuple[float, float]:
+    """Lowest and highest value. Raises `BadValue`."""
+    parts = cast(Sequence[object], ends) if isinstance(ends, list | tuple) else ()
+    numbers = [float(part) for part in parts if isinstance(part, Real)]
+    if len(parts) != 2 or len(numbers) != 2 or not numbers[0] <= numbers[1]:
+        example = f"({ends}, {ends})" if isinstance(ends, Real) else "(0.1, 0.3)"
+        allowed = f"it needs the lowest and the highest value, such as {example}"
+        raise BadValue(f"physics[{key!r}]", ends, allowed)
+    return numbers[0], numbers[1]
+
+
+def _numbers_of(name: str, given: object) -> frozenset[int]:
+    """Seeds or episode numbers. Raises `BadValue`: one alone, or something else."""
+    try:
+        return frozenset(
+            operator.index(cast(SupportsIndex, one)) for one in cast(Iterable[object], given)
+        )
+    except TypeError as error:
+        example = f"[{given}]" if isinstance(given, int) else "[3, 7]"
+        raise BadValue(name, given, f"whole numbers, such as {example} or range(50)") from error
+
+
+def _columns(key: str, size: int) -> list[str]:
+    """Names of an attribute's columns in a table, vectors by component."""
+    return [key] if size == 1 else [f"{key}.{part}" for part in "xyz"[:size]]
 
 
 class Dataset(Sequence[Episode]):
@@ -280,11 +328,15 @@ class Dataset(Sequence[Episode]):
         """The episodes of one task, protocol, robot or configuration, of some physics or seeds.
 
         Args:
+            protocol: all its configurations, those too in which an attribute is swept, held or
+                picked. `protocol="clean"` so returns episodes of `clean.friction=0.05`.
+            config: one of them, a name among `configs`. `config="clean"` is plain clean.
             physics: attribute -> lowest and highest value, such as {"friction": (0.1, 0.3)}, for
-                each component of a vector. Episodes where it cannot act are left out.
+                each component of a vector. Episodes where it could not act are left out.
+            seeds: such as [3, 7] or range(50).
             numbers: of episodes in their task datasets.
 
-        Raises `UnknownName`.
+        Raises `UnknownName`, `BadValue`.
         """
         robot = None if embodiment is None else embodiment_folder(embodiment)
         for kind, name, known in (
@@ -293,20 +345,22 @@ class Dataset(Sequence[Episode]):
             ("embodiment", robot, tuple(map(embodiment_folder, self.embodiments))),
             ("configuration", config, self.configs),
         ):
+            if name is not None and not isinstance(cast(object, name), str):
+                raise BadValue(kind, name, f"one name: {', '.join(known)}")
             if name is not None and name not in known:
                 raise UnknownName(
                     f"recorded {kind}", name, known, "+".join(map(str, self._folders))
                 )
         acting = {key for part in self._parts for key in part.entry.could_act}
         tests: list[Callable[[Row], bool]] = []
-        for key, (low, high) in (physics or {}).items():
+        for key, ends in (physics or {}).items():
             if key not in acting:
-                raise UnknownName("attribute that can act here", key, acting)
-            tests.append(partial(_lies_within, key, low, high))
+                raise UnknownName("attribute that could act here", key, acting)
+            tests.append(partial(_lies_within, key, *_range(key, ends)))
         if seeds is not None:
-            tests.append(partial(_has_seed, frozenset(seeds)))
+            tests.append(partial(_has_seed, _numbers_of("seeds", seeds)))
         if numbers is not None:
-            tests.append(partial(_has_number, frozenset(numbers)))
+            tests.append(partial(_has_number, _numbers_of("numbers", numbers)))
         chosen = (
             replace(part, tests=(*part.tests, *tests))
             for part in self._parts
@@ -345,22 +399,27 @@ class Dataset(Sequence[Episode]):
                 found.setdefault((one.task, one.seed), []).append(one)
         return {key: tuple(found[key]) for key in sorted(found)}
 
-    def to_pandas(self, attempts: bool = False) -> "DataFrame":
-        """One row an episode or kept failure: what it is, its physics, length and outcome.
+    def to_pandas(self, attempts: bool = False, raw: bool = False) -> "DataFrame":
+        """One row an episode or kept failure: what it is, its length and outcome, its physics.
 
         Columns: task, config, embodiment, seed, number, frames, outcome ("accepted", or the reason
-        of the failure), and the attributes, vectors by component; NaN where one cannot act.
+        of the failure), and every attribute by name, vectors by component. NaN where an attribute
+        could not act or did not act, so that no correlation counts it; and where the value is the
+        asset's own. Each episode's label is read.
 
         Args:
-            attempts: also those attempts of which no file was kept; with no number and frames.
+            attempts: also those attempts of which no file was kept; with no number and frames, and
+                nobody measured what acted in them.
+            raw: the values in force, whether they acted or not.
 
-        Raises `RtphysError`: pandas, which rtphys does not bring, is not installed.
+        Raises `BadFile`; `RtphysError`: pandas, which rtphys does not bring, is not installed.
         """
         try:
             from pandas import DataFrame  # type: ignore[import-untyped]
         except ImportError as error:
             raise RtphysError(f"{error}; `pip install pandas`") from error
         rows: list[dict[str, object]] = []
+        names = {name for key, one in attributes().items() for name in _columns(key, one.size)}
         for part in self._parts:
             of = part.entry.spec
             for row in part.rows():
@@ -375,13 +434,12 @@ class Dataset(Sequence[Episode]):
                     "frames": held and held.frames,
                     "outcome": row.reason if isinstance(row, Rejected) else row.verdict,
                 }
-                for key, value in row.physics.items():
-                    if len(numbers := _numbers(value)) > 1:
-                        values |= {f"{key}.{i}": v for i, v in zip("xyz", numbers, strict=False)}
-                    else:
-                        values[key] = value
+                for key, value in part.physics(row, raw).items():
+                    numbers = _numbers(value) or (math.nan,)
+                    values |= zip(_columns(key, len(numbers)), numbers, strict=True)
+                names |= values.keys() - {*FACTS}
                 rows.append(values)
-        return DataFrame(rows)
+        return DataFrame(rows, columns=[*FACTS, *sorted(names)])
 
     def failures(self) -> tuple[Episode, ...]:
         """Attempts that failed and were kept, never among the episodes; works after `where` too.

@@ -43,6 +43,13 @@ class AttributeLabel(Model):
     )
     scope: str = Field(default="", description="what the tolerance is true of; empty: everything")
 
+    @property
+    def note(self) -> str:
+        """That the value says nothing about the episode, in words; empty where it may."""
+        if not self.could_act:
+            return "could not act"
+        return "did not act" if self.acted is False else ""
+
 
 class Readback(Model):
     """What the simulator said after everything was applied. Keys are names of the scene."""

@@ -10,13 +10,15 @@ from rtphys.data.dataset import Dataset, Episode, find_episode
 from rtphys.data.layout import MANIFEST
 from rtphys.spec.option import Option, Seed, checked_dataclass
 
+CONFIG = "such as clean (plain clean) or clean.friction=0.2"  # in the help of those who choose one
+
 
 @checked_dataclass(frozen=True)
 class Selection:
     """A part of a dataset; all of it by default."""
 
     task: Annotated[str | None, Option("Only of this task.")] = None
-    config: Annotated[str | None, Option("Only of this configuration.")] = None
+    config: Annotated[str | None, Option(f"Only of this configuration, {CONFIG}.")] = None
     seed: Annotated[str, Option("Only of these seeds: 3,7 or 0:50.")] = ""
     episode: Annotated[
         str | None, Option("Only of these numbers in its task dataset: 3,7 or 0:50.")

@@ -12,6 +12,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 from typing import IO
 
@@ -25,7 +26,7 @@ from rtphys.data.check_draws import DrawCheck
 from rtphys.data.check_episode import Effort, Problem, check_episode
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import compact, pretty
-from rtphys.data.layout import HELD, LOCK, MANIFEST, STAGING, TaskDataset, episode_number
+from rtphys.data.layout import HELD, LEDGER, LOCK, MANIFEST, STAGING, TaskDataset, episode_number
 from rtphys.data.ledger import read_header, read_lines
 from rtphys.data.manifest import (
     LedgerState,
@@ -58,6 +59,7 @@ class Report:
     episodes: int = 0
     failures: int = 0  # attempts that failed and were kept
     digest: str = ""  # of the dataset: that of its manifest, which covers every ledger and file
+    damaged: int = 0  # files that are not those which the ledgers list, or are missing
     newer: int = 0  # attempts that are in the folder, and not in the manifest nor the digest
 
     @property
@@ -98,7 +100,9 @@ def verify(
         data = read_bytes(out)
         manifest = parse_manifest(data, out / MANIFEST)
     except BadFile as error:
-        return Report(problems=[Problem(error.path, error.problem)])
+        ledgers = chain(out.glob(f"*/*/*/{LEDGER}"), out.glob(f"*/*/{LEDGER}"))
+        lost = not (out / MANIFEST).exists() and any(ledgers)
+        return Report(problems=[Problem(error.path, error.problem)], damaged=int(lost))
     report.digest = dataset_digest(data)
     entries = manifest.task_datasets
     total = sum(entry.episodes + entry.failures for entry in entries.values())
@@ -237,8 +241,9 @@ class _TaskCheck:
         }
         report.files += len(wanted)
         report.bytes += sum(facts.size for facts in listed.values())
-        if any(reasons.values()):  # what a damaged file holds is worth no second sentence
-            report.problems += [Problem(path, text) for path, text in reasons.items() if text]
+        if wrong := [Problem(path, text) for path, text in reasons.items() if text]:
+            report.problems += wrong  # what a damaged file holds is worth no second sentence
+            report.damaged += len(wrong)
             return
         digests: list[JSON] = [listed[name].sha256 for name in wanted]
         about: list[JSON] = [*self.basis, digests, held.number, row.seed, row.verdict]
@@ -263,10 +268,12 @@ class _TaskCheck:
         except BadFile as error:
             if not (ends and not path.exists()):
                 self.report.problem(path, error.problem)
+                self.report.damaged += 1
             return
         self.report.bytes += path.stat().st_size
         if not same:
             self.report.problem(path, "is not what the ledger says")
+            self.report.damaged += 1
 
     def _check_unlisted(self) -> None:
         """What lies in the folder that nothing lists."""

@@ -199,6 +199,7 @@ def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
         "torque": meta.verdict.strain.torque,
         "values": [axis.of(labels) for axis in shown],
         "could_act": [a.key in acting for a in shown],
+        "acted": [acting[a.key].acted if a.key in acting else False for a in shown],
         "varied": [a.key in acting and acting[a.key].varied for a in shown],
         "low": rounded[0].tolist(),
         "high": rounded[1].tolist(),

@@ -20,11 +20,13 @@ from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
 from rtphys.physics.attribute import Part, attribute, is_attribute
 from rtphys.physics.reach import reach
+from rtphys.physics.values import Value
 from rtphys.plan.kinematics import check_robot
 from rtphys.senses import drawn
 from rtphys.sim import renderer
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import check_varies
+from rtphys.spec.protocol import load_protocol
 from rtphys.spec.recording import HEAD
 from rtphys.studies.collect_worker import (
     CollectionTask,
@@ -232,23 +234,34 @@ def check_assets(specs: Sequence[CollectionSpec], tasks: Sequence[Task], pack: P
 
 
 def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
-    """One sentence for each attribute that is picked or held where it acts on nothing."""
+    """One sentence for each attribute that is asked for by name where it could not act.
+
+    By `only`, by a value that is held or swept, or by a protocol that varies it alone.
+    """
     asked, idle = defaultdict[str, set[str]](set), defaultdict[str, list[str]](list)
     lacking = {"bodies": "object that can move", "joints": "object with joints"}
     for spec in specs:
-        episode, has = spec.episode, dict[str, frozenset[Part]]()
+        task, has = spec.episode.task, dict[str, frozenset[Part]]()
         with suppress(Infeasible):
-            has = parts(load_task(episode.task).props(spec.first_seed))
-        for key in sorted(filter(is_attribute, {*(episode.only or ()), *episode.overrides})):
-            asked[key].add(episode.task)
-            part = reach(key).parts(has)
-            able = attribute(key).could_act(part, episode.overrides.get(key))
-            if not able and episode.task not in idle[key]:
-                idle[key].append(episode.task)
+            has = parts(load_task(task).props(spec.first_seed))
+        for key, value in sorted(_asked(spec).items()):
+            asked[key].add(task)
+            able = attribute(key).could_act(reach(key).parts(has), value)
+            if not able and task not in idle[key]:
+                idle[key].append(task)
     sentences: list[str] = []
     for key, tasks in idle.items():
         many = f"{len(tasks)} of {counted(len(asked[key]), 'tasks')}, among them {tasks[0]}"
         place = tasks[0] if len(tasks) == 1 else many
         what = lacking.get(str(attribute(key).acts_on), "effect")
-        sentences.append(f"{key} acts on nothing in {place}: there is no {what}")
+        sentences.append(f"{key} could not act in {place}: there is no {what}")
     return sentences
+
+
+def _asked(spec: CollectionSpec) -> dict[str, Value]:
+    """Attributes that are named, and the values at which they are held; None: drawn."""
+    found: dict[str, Value] = {}
+    for episode in (side.episode for side in spec.sides):
+        named = (*(episode.only or ()), *load_protocol(episode.protocol).only)
+        found |= dict.fromkeys(named) | dict(episode.overrides)
+    return {key: value for key, value in found.items() if is_attribute(key)}

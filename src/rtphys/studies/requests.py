@@ -93,7 +93,7 @@ class CertificationRun:
                 yield replace(template, episode=episode)
 
     def left_out(self) -> list[str]:
-        """Names of the lists that are left out: the protocol's one attribute acts on nothing."""
+        """Names of the lists that are left out: the protocol's one attribute could not act."""
         lists = product(self.protocols, self.tasks)
         return [f"{task}, {name}" for name, task in lists if not _acts(task, name)]
 

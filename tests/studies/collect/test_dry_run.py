@@ -1,4 +1,4 @@
-"""`collect --dry-run`: what would be collected and where, what acts on nothing; nothing is done."""
+"""`collect --dry-run`: what would be collected and where, what could not act; nothing is done."""
 
 import re
 from pathlib import Path
@@ -16,6 +16,7 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
 from rtphys.studies.collect import without_effect
+from rtphys.studies.requests import swept
 
 
 @pytest.fixture(autouse=True)
@@ -51,8 +52,8 @@ def test_it_names_every_folder_and_writes_nothing(
     own, twin = list(found.values())[:2]
     assert (own[-1], twin[-1]) != ("nominal", "nominal")
     assert twin[-1] == "nominal"
-    assert last.startswith(f"28 episodes in {out}, at most 0.2 GB")
-    assert "nothing was collected" in last and "of CPU and 0.2 GB by the table" in last
+    assert last.startswith(f"28 episodes in {out}, at most 168 MB")
+    assert "nothing was collected" in last and "of CPU and 168 MB by the table" in last
     assert not list(tmp_path.iterdir())
 
 
@@ -89,15 +90,26 @@ def test_a_sweep_and_a_manifest(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-VARIATIONS = {  # options -> folder, and what the first line says
-    "--only friction": ("only_friction", "friction alone"),
-    "--protocol only_friction": ("only_friction", "friction alone"),
-    "--only friction,table_tilt": ("clean.only=friction,table_tilt", "looks are nominal"),
-    "--protocol clean --only friction": ("clean.only=friction", "friction alone"),
-    "--protocol clean --set friction=0.2": ("clean.friction=0.2", "friction is held"),
+VARIATIONS = {  # options -> folder, and the first line
+    "--only friction": (
+        "only_friction",
+        "protocol only_friction: friction varies; looks are nominal",
+    ),
+    "--protocol clean --only friction": (
+        "clean.only=friction",
+        "protocol clean: friction varies; looks are nominal",
+    ),
+    "--protocol clean --set friction=0.2": (
+        "clean.friction=0.2",
+        "protocol clean: friction is held at 0.2; nothing else varies but the layout",
+    ),
     "--protocol phys_random_all --only friction": (
         "phys_random_all.only=friction",
-        "textures, lights and clutter vary too",
+        "protocol phys_random_all: friction varies; textures, lights and clutter vary",
+    ),
+    "--protocol clean --sweep friction=0.05,0.3,0.8": (
+        "clean.friction=0.05",
+        "protocol clean: friction is swept: 0.05, 0.3, 0.8; nothing else varies but the layout",
     ),
 }
 
@@ -109,8 +121,15 @@ def test_folder_and_first_line_say_what_varies(options: str, tmp_path: Path) -> 
     done = CliRunner().invoke(app, [*line, "--out", str(tmp_path / "data")], env={"COLUMNS": "200"})
     assert done.exit_code == 0, done.output
     assert f"{folder}/click_bell/aloha_agilex " in done.stdout
-    first = done.stdout.splitlines()[0]
-    assert first.startswith(f"protocol {folder}: ") and said in first
+    assert done.stdout.splitlines()[0] == said
+
+
+def test_few_episodes_are_told_in_minutes_and_megabytes(tmp_path: Path) -> None:
+    out = ["--out", str(tmp_path / "data")]
+    _, few = rows("click_bell", "--episodes", "3", *out)
+    assert re.search(r"at most [1-9]\d* MB.* about \d+ s of CPU and [1-9]\d* MB by", few), few
+    _, many = rows("click_bell", "--episodes", "5000", *out)
+    assert re.search(r"at most \d+\.\d GB.* about \d\.\d h of CPU and \d+\.\d GB by", many), many
 
 
 def specs(*tasks: str, **changes: object) -> list[CollectionSpec]:
@@ -121,20 +140,37 @@ def test_one_line_for_each_attribute() -> None:
     asked = {"overrides": {"object_joint_damping": 3.0}, "only": ("friction", "object_mass")}
     assert without_effect(specs("open_laptop", **asked)) == []
     assert without_effect(specs("click_bell", "stack_blocks_two", "open_laptop", **asked)) == [
-        "object_joint_damping acts on nothing in 2 of 3 tasks, among them click_bell: "
+        "object_joint_damping could not act in 2 of 3 tasks, among them click_bell: "
         "there is no object with joints",
-        "object_mass acts on nothing in click_bell: there is no object that can move",
+        "object_mass could not act in click_bell: there is no object that can move",
     ]
     (line,) = without_effect(specs("click_bell", only=("center_of_mass",)))
-    assert line == "center_of_mass acts on nothing in click_bell: there is no object that can move"
+    assert line == "center_of_mass could not act in click_bell: there is no object that can move"
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        CollectionSpec(EpisodeSpec(only=("object_mass",))),
+        CollectionSpec(EpisodeSpec(protocol="only_object_mass")),
+        CollectionSpec(EpisodeSpec(protocol="clean"), twin="only_object_mass"),
+        *swept(CollectionSpec(EpisodeSpec(protocol="clean")), "object_mass=1,2"),
+    ],
+    ids=lambda spec: f"{spec.name} {spec.twin}",
+)
+def test_it_is_one_line_by_whatever_way_one_asks(spec: CollectionSpec) -> None:
+    (line,) = without_effect([spec.of_task("click_bell")])
+    assert line == "object_mass could not act in click_bell: there is no object that can move"
+    assert without_effect([spec.of_task("lift_pot")]) == []
 
 
 def test_what_nobody_asked_for_is_not_told() -> None:
     assert without_effect(specs("click_bell")) == []
 
 
-def test_the_command_says_it_and_goes_on(tmp_path: Path) -> None:
-    words = ["click_bell", "--set", "object_mass=2", "--dry-run", "--out", str(tmp_path / "data")]
+@pytest.mark.parametrize("option", ["--set=object_mass=2", "--only=object_mass"])
+def test_the_command_says_it_and_goes_on(option: str, tmp_path: Path) -> None:
+    words = ["click_bell", option, "--dry-run", "--out", str(tmp_path / "data")]
     done = CliRunner().invoke(app, ["collect", *words])
     assert done.exit_code == 0 and "click_bell" in done.stdout
-    assert "object_mass acts on nothing in click_bell" in done.stderr
+    assert "object_mass could not act in click_bell" in done.stderr

@@ -40,6 +40,6 @@ def measure(
     found += [*survey(specimen), *hit_surfaces(specimen), *drag(specimen)]
     for key in sorted(set(filter(is_attribute, specimen.values)) - {f.key for f in found}):
         why = "no experiment knows it" if split(key)[0] not in TOLERANCES else "nothing here has it"
-        why = why if key in acting else "acts on nothing in this episode"
+        why = why if key in acting else "it could not act in this episode"
         found.append(Unmeasured(key, "", why))
     return found
