@@ -7,9 +7,10 @@ Head camera, `clean`, seeds that no list and no training set has. The question i
 has the larger value, the left or the right one; of three, whether the leftmost has the largest; of
 one, whether its value is above the middle of its range. Ridge regression on all features of
 `pretrained` is fitted on nine tenths and judged on the tenth that it has not seen, ten times. The
-area under the ROC curve (AUC) is 0.5 for a guess; its interval is Hanley and McNeil's. As a
-control the same is asked of something that the picture does show: whether a prop lies in the right
-half of where it may lie.
+area under the ROC curve (AUC) is 0.5 for a guess; given are the mean of the ten and its interval by
+Student's t. (Scores of different tenths must not be pooled: they come from different fits, each
+without its own tenth, so that a guess would get less than 0.5.) As a control the same is asked of
+something that the picture does show: whether a prop lies in the right half of where it may lie.
 """
 
 import argparse
@@ -19,10 +20,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from pretrained import Eye
+from scipy.stats import sem, t
 from sight import shrunk
 from sklearn.linear_model import RidgeCV
 from sklearn.metrics import roc_auc_score
-from sklearn.model_selection import StratifiedKFold, cross_val_predict
+from sklearn.model_selection import StratifiedKFold
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
@@ -85,18 +87,16 @@ def first_frames(
 
 
 def judged(features: NDArray[np.float32], answers: NDArray[np.bool_]) -> dict[str, float | int]:
-    """AUC on what was not fitted, and its 95 % interval."""
+    """Mean AUC on what was not fitted, and its 95 % interval."""
     model = make_pipeline(StandardScaler(), RidgeCV(RIDGES))
-    folds = StratifiedKFold(10, shuffle=True, random_state=0)
-    scores = cross_val_predict(
-        model, features, answers.astype(float), cv=folds.split(features, answers)
-    )
-    auc, yes = float(roc_auc_score(answers, scores)), int(answers.sum())
-    no = len(answers) - yes
-    q1, q2 = auc / (2 - auc), 2 * auc**2 / (1 + auc)
-    variance = auc * (1 - auc) + (yes - 1) * (q1 - auc**2) + (no - 1) * (q2 - auc**2)
-    half = 1.96 * (variance / (yes * no)) ** 0.5
-    return {"episodes": len(answers), "auc": auc, "low": auc - half, "high": auc + half}
+    folds = StratifiedKFold(10, shuffle=True, random_state=0).split(features, answers)
+    aucs = [
+        roc_auc_score(answers[test], model.fit(features[fit], answers[fit]).predict(features[test]))
+        for fit, test in folds
+    ]
+    auc = float(np.mean(aucs))
+    low, high = t.interval(0.95, len(aucs) - 1, auc, sem(aucs))
+    return {"episodes": len(answers), "auc": auc, "low": float(low), "high": float(high)}
 
 
 def main() -> None:

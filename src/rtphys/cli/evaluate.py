@@ -51,7 +51,7 @@ def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> N
         _reprove(spec, run)
         return
     if left_out := run.left_out():
-        text = f"left out, since the attribute acts on nothing there: {'; '.join(left_out)}"
+        text = f"left out, since the attribute could not act there: {'; '.join(left_out)}"
         say(text, err=True)
     with campaign("feasible seeds") as (pack, listener):
         made = run_certification(spec, run, pack, listener)

@@ -105,7 +105,7 @@ class NoRenderer(RtphysError):
 class Infeasible(RtphysError):
     """The expert cannot do this episode: a result of `generate.attempt`, not an error.
 
-    `reason` is one word, so that rejections can be counted: see "Why attempts fail" in
+    `reason` is one word, so that rejections can be counted: see "Failures" in
     docs/dataset.md.
     """
 

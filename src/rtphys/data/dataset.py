@@ -181,18 +181,18 @@ class _Part:
         return (row for row in rows if all(test(row) for test in self.tests))
 
     def physics(self, row: Row, raw: bool) -> Mapping[str, object]:
-        """Attribute -> value of those that acted, as far as that was measured; `raw`: of all.
+        """Attribute -> value of those that acted, as far as that was measured.
 
-        Of an attempt without files all that could act. Raises `BadFile`.
+        With `raw`, and of an attempt without files: of all that could act. Raises `BadFile`.
         """
-        if (held := row.on_disk) is None:
+        if raw or (held := row.on_disk) is None:
             return row.physics
         kind = FailureMeta if isinstance(row, Rejected) else PhysMeta
         meta = schema.read(kind, held.paths(self.entry.below(self.path)).phys_meta)
         return {
             key: label.value
             for key, label in meta.attributes.items()
-            if raw or (label.could_act and label.acted is not False)
+            if label.could_act and label.acted is not False
         }
 
     def episodes(self, failed: bool = False) -> Iterator[Episode]:
@@ -405,12 +405,12 @@ class Dataset(Sequence[Episode]):
         Columns: task, config, embodiment, seed, number, frames, outcome ("accepted", or the reason
         of the failure), and every attribute by name, vectors by component. NaN where an attribute
         could not act or did not act, so that no correlation counts it; and where the value is the
-        asset's own. Each episode's label is read.
+        asset's own.
 
         Args:
             attempts: also those attempts of which no file was kept; with no number and frames, and
                 nobody measured what acted in them.
-            raw: the values in force, whether they acted or not.
+            raw: all values that could act. The ledgers have them; without it every label is read.
 
         Raises `BadFile`; `RtphysError`: pandas, which rtphys does not bring, is not installed.
         """
