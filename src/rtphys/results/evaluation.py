@@ -26,16 +26,6 @@ SUMMARY = "summary.json"
 INSTANCES = "instances"  # folder of the certified lists that were run
 DIGITS = 8  # of a digest that is shown
 
-REASONS: dict[str, str] = {
-    "step_limit": "the task's number of actions was used up",
-    "gave_up": "the policy stopped by itself",
-    "policy_error": "the policy raised; `detail` holds the traceback",
-    "infeasible": "the world could not be set up: the certification fingerprint differs",
-    "worker_crash": "the episode crashed its worker process, twice",
-    "worker_hang": "the episode exceeded its time limit, then again with nothing beside it",
-}
-"""Reasons of failure -> what they mean."""
-
 
 @checked_dataclass(frozen=True, config=CLOSED)
 class EpisodeRecord:
@@ -49,7 +39,9 @@ class EpisodeRecord:
     seed: int
     success: bool  # the success condition was true at some instant, as RoboTwin counts
     held: bool = False  # and was still true 0.5 s after the policy had stopped
-    reason: str = ""  # one of `REASONS`; empty for a success
+    # Of a failure: step_limit, gave_up, policy_error, infeasible (the world could not be set up: the
+    # certification fingerprint differs), worker_crash or worker_hang (of two tries).
+    reason: str = ""
     first_touch: FiniteFloat | None = None  # [s] simulated, when the condition first was true
     steps: int = 0  # number of actions
     time: FiniteFloat = 0.0  # [s] simulated, until the policy stopped

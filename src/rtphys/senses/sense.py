@@ -86,7 +86,6 @@ class Sense(ABC):
 
     Attributes:
         name: what users call it.
-        adds: what it is.
         scope: what it is computed of. "pixel": of what each camera sees, for each of its pixels;
             "head": of what the head camera sees; "bodies": of the poses of all bodies, which are
             known wherever pictures can be drawn; "world": of what the fingers feel, which is
@@ -97,7 +96,6 @@ class Sense(ABC):
     """
 
     name: ClassVar[str]
-    adds: ClassVar[str]
     scope: ClassVar[Scope]
     size: ClassVar[int]
     fields: ClassVar[tuple[Field, ...]]

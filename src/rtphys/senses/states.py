@@ -34,7 +34,6 @@ class States(Sense):
     """`BodyPoses`, from which `render` draws again."""
 
     name = "states"
-    adds = "the pose of every body to the last bit, from which `render` draws again"
     scope = "bodies"
     size = 80 * 7 * 4  # a scene has 24 bodies or more, with clutter up to about 80
     fields = (

@@ -60,7 +60,7 @@ def collect(
     """
     own = shard_of(specs, run.shard)
     tasks = check(own, run)
-    check_machine(own, run)
+    size = check_machine(own, run)
     with DatasetWriter(run.out) as dataset:
         pack = default_pack(listener.building)
         check_assets(own, tasks, pack)
@@ -71,7 +71,7 @@ def collect(
             for spec, task in zip(own, tasks, strict=True)
         ]
         worker = CollectWorker(pack, own[0].recording.shader)
-        with pool_of(run, worker, own, listener) as workers:
+        with pool_of(run, worker, own, size, listener) as workers:
             run_all(series, workers, listener, run.out, dataset.checkpoint_if_due)
     return [one.progress for one in series]
 
@@ -80,10 +80,10 @@ def pool_of(
     run: Run,
     worker: CollectWorker,
     specs: Sequence[CollectionSpec],
+    size: int,
     listener: Listener = QUIET,
 ) -> WorkerPool[CollectionTask, Results]:
     """Workers that do all, or, on a machine with a GPU, many that simulate and few that draw."""
-    size = run.size()
     if run.runner == "ray":
         from rtphys.campaign.ray import RayPool  # imported here: Ray is optional
 
@@ -177,8 +177,6 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
 
     Raises `RtphysError`: names the nearest match, the place, or the cure.
     """
-    if not specs:
-        raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")
     folders = [TaskDataset.of(run.out, spec).name for spec in specs]
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")
