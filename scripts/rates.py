@@ -1,8 +1,8 @@
 """Update measured success rates in manifests/rates.yaml: `scripts/rates.py SOURCE...`.
 
-A source is a folder of `rtphys certify`, or a file of `rtphys check --json`. Several sources of one
-task and protocol are added up, so they must be of different seeds. What a list says replaces what
-the file has; a check does so if it is of at least as many seeds.
+A source is a folder of `rtphys certify`, or a file of what `rtphys check --json` prints. Several
+sources of one task and protocol are added up, so they must be of different seeds. What a list says
+replaces what the file has; a check does so if it is of at least as many seeds.
 """
 
 import json

@@ -32,10 +32,8 @@ MAX_NAMED = 3  # evaluations whose names fit above their columns
     common=("protocols", "feasible", "out", "workers"),
 )
 def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> None:
-    """Find the seeds on which policies are evaluated: those that the expert solves.
-
-    No pictures are drawn. One list a task and protocol, with every seed that was tried. It may be
-    interrupted: the same command goes on where it stopped.
+    """No pictures are drawn. One list a task and protocol, with every seed that was tried. It may
+    be interrupted: the same command goes on where it stopped.
 
     --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
     moves no state, the lists so get the present fingerprint in minutes. Exit code 1: one differs.
@@ -91,12 +89,12 @@ def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
     with campaign("instances") as (pack, listener):
         studies = reprove(spec, run, pack, listener)
     for line in (line for study in studies for line in study.differences):
-        typer.echo(line)
+        say(line)
     renewed = sum(study.renewed for study in studies)
     stale = sum(study.stale and not study.renewed for study in studies)
     solved = sum(study.solved for study in studies)
     held = sum(not study.differences for study in studies)
-    typer.echo(
+    say(
         f"{held} of {counted(len(studies), 'lists')} hold "
         f"({counted(solved, 'instances')} solved again); {renewed} have a new header, "
         f"{stale} stay stale"
@@ -110,10 +108,8 @@ def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
     common=("policy", "protocols", "episodes", "out", "workers", "video", "record"),
 )
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
-    """Run a policy on certified instances and say how often it succeeds.
-
-    Nothing is searched for: the instances are those of a list that `rtphys certify` has made. The
-    same policy gives the same records, with any number of workers. It may be interrupted: the
+    """Nothing is searched for: the instances are those of a list that `rtphys certify` has made.
+    The same policy gives the same records, with any number of workers. It may be interrupted: the
     same command goes on where it stopped. The exit code is 1 if the policy raised an error in
     every episode.
 
@@ -386,9 +382,7 @@ def _show_identified(results: Sequence[Result]) -> None:
 def robotwin_root(
     folder: Annotated[Path, typer.Argument(help="New folder, or one that this command wrote.")],
 ) -> None:
-    """Write a folder that looks like RoboTwin to its launch scripts.
-
-    Link policies into its policy/ folder, then run inside it, for example:
+    """Link policies into its policy/ folder, then run inside it, for example:
     python script/eval_policy.py --config policy/NAME/deploy_policy.yml --overrides
     --task_name click_bell --task_config phys_random --policy_name NAME
     """

@@ -32,7 +32,7 @@ LINE_EVERY = 10.0  # [s] between lines of progress
 SEEDS = 4  # in one table: more numbers than that do not fit in 80 columns
 Facts = dict[str, object]
 
-physics = typer.Typer(add_completion=False, no_args_is_help=True, help="The physical attributes.")
+physics = typer.Typer(add_completion=False, no_args_is_help=True)
 
 
 def facts_of(key: str, one: object, *names: str) -> Facts:
@@ -143,7 +143,7 @@ def law_test(
     lab, failed, total, rows = Lab(pack, embodiment=embodiment), 0, 0, list[Facts]()
     names = ("setting", "what", "expected", "measured", "unit", "error", "tolerance", "passed")
     for law in laws:
-        trials = list(trials_of(lab, law.key))
+        trials = list(trials_of(lab, law))
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
         shown = trials if every else worst(trials)
         rows += [facts_of(law.key, trial, *names) for trial in shown]

@@ -194,9 +194,7 @@ def _stages(episode: Episode) -> list[Stage]:
 
 @takes(ShownInRerun, One)
 def view(shown: ShownInRerun, which: One) -> None:
-    """Look at an episode in Rerun: cameras, the scene in 3D, forces, joints, physics, stages.
-
-    Of a failure that was kept, the instant at which it went wrong is marked.
+    """Of a failure that was kept, the instant at which it went wrong is marked.
 
     Examples:
 
@@ -260,9 +258,7 @@ def report(
     ] = None,
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
 ) -> None:
-    """Write one HTML page of a dataset, or of a policy's evaluation.
-
-    Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
+    """Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
     evaluation: success rates, which physics breaks the policy, and each failure, with the video
     that `rtphys evaluate --video failures` has written.
 

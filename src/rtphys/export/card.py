@@ -6,6 +6,7 @@ Croissant lists every file with its SHA-256, and every episode with its physics.
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST
 from rtphys.export.lerobot_plan import physics_of
 from rtphys.physics.attribute import attribute, is_attribute
+from rtphys.spec.option import Option
 
 CARD, CROISSANT = "README.md", "croissant.json"
 SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (10**6, "100K<n<1M"))
@@ -54,11 +56,10 @@ CONTEXT = {
 class CardText:
     """Facts about a publication that the manifest does not hold."""
 
-    name: str
-    license: str = "apache-2.0"  # SPDX identifier
-    url: str = ""  # address where the dataset will be published
-    published: str = ""  # YYYY-MM-DD
-    version: str = "1.0.0"
+    name: Annotated[str, Option("Name of the dataset.")] = "rtphys demonstrations"
+    license: Annotated[str, Option("SPDX identifier.")] = "apache-2.0"
+    url: Annotated[str, Option("Address where it will be published.")] = ""
+    published: Annotated[str, Option("Date of publication, YYYY-MM-DD.")] = ""
 
 
 def write_card(dataset: Dataset, text: CardText) -> list[Path]:
@@ -183,7 +184,7 @@ def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
         "with 13 physical attributes each, as they were in force in the contact solver.",
         "license": f"https://spdx.org/licenses/{text.license}",
         "url": text.url or "https://example.org/not-published-yet",
-        "version": text.version,
+        "version": "1.0.0",
         **({"datePublished": text.published} if text.published else {}),
         "citeAs": text.name,
         "distribution": _files(dataset),

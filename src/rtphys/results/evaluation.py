@@ -39,8 +39,8 @@ class EpisodeRecord:
     seed: int
     success: bool  # the success condition was true at some instant, as RoboTwin counts
     held: bool = False  # and was still true 0.5 s after the policy had stopped
-    # Of a failure: step_limit, gave_up, policy_error, infeasible (the world could not be set up: the
-    # certification fingerprint differs), worker_crash or worker_hang (of two tries).
+    # Of a failure: step_limit, gave_up, policy_error, worker_crash, worker_hang (both: twice), or
+    # infeasible: the world could not be set up, as the certification fingerprint differs.
     reason: str = ""
     first_touch: FiniteFloat | None = None  # [s] simulated, when the condition first was true
     steps: int = 0  # number of actions

@@ -11,7 +11,7 @@ from rtphys.campaign.machine import cores
 from rtphys.core import library
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data.selection import Selection
+from rtphys.data.selection import DataFolder, Selection
 from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY, check_key
 from rtphys.physics.load import parse_overrides
@@ -145,10 +145,6 @@ class TryPlan:
     picture: Annotated[Path | None, Option("Draw the end of each stage into this PNG.")] = None
     video: Annotated[Path | None, Option("Draw the attempt into this MP4.")] = None
 
-    @property
-    def drawn(self) -> bool:
-        return self.picture is not None or self.video is not None
-
 
 @checked_dataclass(frozen=True)
 class BenchPlan:
@@ -166,7 +162,7 @@ class BenchPlan:
 class RenderSpec:
     """What is drawn again of a dataset, and how. What is left out stays as it is stored."""
 
-    data: Annotated[Path, Option("Folder that holds manifest.json.", positional=True)]
+    data: DataFolder
     out: Annotated[Path, Option("Folder for the new dataset.")]
     add: Annotated[
         tuple[str, ...], one_of("sense", SENSES), Option(f"Also any of {', '.join(REDRAWN)}.")
