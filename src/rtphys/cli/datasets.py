@@ -21,7 +21,7 @@ from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
 from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
-from rtphys.data.selection import HOLDS, ONLY_SEEDS, DataFolder, Selection, seed_set
+from rtphys.data.selection import CONFIG, HOLDS, ONLY_SEEDS, DataFolder, Selection, seed_set
 from rtphys.export.card import CardText, write_card
 from rtphys.export.lerobot_plan import READERS, ExportSpec
 from rtphys.spec.option import Option, Seed, Workers, checked_dataclass
@@ -76,7 +76,9 @@ def subset(
     dataset: Folder,
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")],
     task: Annotated[list[str] | None, typer.Option(help="Only these tasks.")] = None,
-    config: Annotated[list[str] | None, typer.Option(help="Only these configurations.")] = None,
+    config: Annotated[
+        list[str] | None, typer.Option(help=f"Only these configurations, {CONFIG}.")
+    ] = None,
     seed: Annotated[str, typer.Option(help=ONLY_SEEDS)] = "",
     drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
@@ -218,7 +220,9 @@ class Exported:
 
     dataset: DataFolder
     out: Annotated[Path, Option("New folder to write.")]
-    protocol: Annotated[str | None, Option("Only this protocol.")] = None
+    protocol: Annotated[
+        str | None, Option("Only this protocol, with its sweeps and held values.")
+    ] = None
     part: Selection = field(default_factory=Selection)
 
 

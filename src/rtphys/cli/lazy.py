@@ -14,7 +14,7 @@ from pathlib import Path
 import typer
 from typer.core import TyperGroup
 
-from rtphys.cli.terminal import GIVEN, command_line, say
+from rtphys.cli.terminal import GIVEN, Interrupted, command_line, say
 from rtphys.core.cache import NoCache, reading_cache, user_cache
 from rtphys.core.errors import BadValue, RtphysError
 
@@ -122,7 +122,6 @@ GONE = {
 OF_LIBRARIES = ("task", "task or domain", "domain", "protocol", "embodiment", "attribute")
 FIRST = {"--library", "--assets", "--fallback", "--debug"}  # stand before the command's name
 RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
-INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
 
 class LazyGroup(TyperGroup):
@@ -177,7 +176,7 @@ class LazyGroup(TyperGroup):
                 text += "; --library DIR, before the command's name, adds yours"
             _stop(text, error.exit_code)
         except KeyboardInterrupt:
-            _stop("stopped", INTERRUPTED)
+            _stop("stopped", Interrupted.exit_code)
         except ImportError as error:
             package, _, part = (error.name or "").partition(".")
             if package == "rtphys":

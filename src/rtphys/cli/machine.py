@@ -30,6 +30,7 @@ from rtphys.core.cache import reading_cache, writing_cache
 from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName, counted
 from rtphys.data.files import replace_file
 from rtphys.studies.requests import BenchPlan
+from rtphys.studies.resources import props_of
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import load_task, task_names
 
@@ -121,7 +122,6 @@ def doctor(
 
 assets = typer.Typer(add_completion=False, no_args_is_help=True)
 
-LAYOUTS = 30  # layouts of a task that are searched for models it may use
 Fallback = Annotated[str, typer.Option(help="`builtin`: let it stand in for what the pack lacks.")]
 
 
@@ -131,7 +131,9 @@ def build(
         Path | None, typer.Option(help="Write the pack here instead of the user's cache.")
     ] = None,
     force: Annotated[bool, typer.Option(help="Build even if it is there already.")] = False,
-    workers: Annotated[int | None, typer.Option(help="Processes; default one a core.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes; default one a core, at most 8.")
+    ] = None,
 ) -> None:
     """Generate the builtin pack, unless this version's is already there."""
     root = out or cache_folder() / source_digest()[:16]
@@ -293,16 +295,11 @@ def _show_robot(pack: Pack, name: str, as_json: bool) -> None:
 
 def lacking(pack: Pack, task: str) -> list[str]:
     """Models that the task uses and the pack cannot load, as far as its first layouts tell."""
-    spec = load_task(task)
-    wanted: set[tuple[str, int, bool]] = set()
-    for seed in range(LAYOUTS):
-        try:
-            props = spec.props(seed)
-        except RtphysError:
-            continue  # a layout that its own rules refuse says nothing about the pack
-        for prop in props:
-            if isinstance(prop, Mesh | Articulated):
-                wanted.add((prop.category, prop.model, isinstance(prop, Articulated)))
+    wanted = {
+        (prop.category, prop.model, isinstance(prop, Articulated))
+        for prop in props_of(load_task(task))
+        if isinstance(prop, Mesh | Articulated)
+    }
     missing = []
     for category, model, articulated in sorted(wanted):
         try:

@@ -9,23 +9,25 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.assets.action_layout import ActionLayout
+from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, shortened
 from rtphys.senses import SENSES, Arrays
 from rtphys.senses.sense import Array
+from rtphys.spec import recording
 
 Floats: TypeAlias = NDArray[np.floating]
 Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
 Track: TypeAlias = Sequence[Array] | Array  # T frames of a field of a sense
 
-ARMS = ("left", "right")
-CAMERA_KEYS = {  # official name, and in the native layout -> its name there
-    "head_camera": "cam_head",
-    "left_camera": "cam_left_wrist",
-    "right_camera": "cam_right_wrist",
-    "front_camera": "cam_third_view",
+ARMS = SIDES
+NATIVE = ("cam_head", "cam_left_wrist", "cam_right_wrist", "cam_third_view")
+CAMERAS = tuple(recording.CAMERAS.values())  # official names
+CAMERA_KEYS = dict(zip(CAMERAS, NATIVE, strict=True))  # official name -> that in the native layout
+ALOHA = ("cam_high", "cam_left_wrist", "cam_right_wrist", "cam_low")
+CAMERA_NAMES = {  # naming of an export and of those who learn from it -> official name -> its name
+    "aloha": dict(zip(CAMERAS, ALOHA, strict=True)),
+    "robotwin": dict(zip(CAMERAS, CAMERAS, strict=True)),
 }
-CAMERAS = tuple(CAMERA_KEYS)
 OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
 FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
 

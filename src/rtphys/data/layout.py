@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.errors import BadValue
 from rtphys.core.untrusted import check_inside, plain_name
 from rtphys.spec.collection import CollectionSpec
@@ -14,14 +15,16 @@ LOCK = ".rtphys.lock"
 HELD = ".rtphys.lock.held"  # where the file system has no locks
 LEDGER = "ledger.jsonl"
 STAGING = ".staging"
-EMBODIMENT = "aloha_agilex"
 EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
 FAILURES = "failures"  # beside the episodes of a task dataset: attempts that failed, if kept
 
 
 def embodiment_folder(name: str) -> str:
-    """`aloha-agilex` -> `aloha_agilex`, the official rule; idempotent."""
+    """`aloha-agilex` -> `aloha_agilex`, the official rule."""
     return re.sub(r"[^A-Za-z0-9_]+", "_", name).lower()
+
+
+EMBODIMENT = embodiment_folder(DEFAULT)
 
 
 @dataclass(frozen=True)
@@ -63,8 +66,8 @@ class TaskDataset:
     out: Path
     config: str
     task: str
-    embodiment: str = EMBODIMENT
-    layout: str = "native"
+    embodiment: str  # as `embodiment_folder` spells it
+    layout: str
     failed: bool = False  # the folder in it that holds the failures that were kept
 
     def __post_init__(self) -> None:
@@ -87,7 +90,7 @@ class TaskDataset:
         inner = f"/{FAILURES}" if self.failed else ""
         if self.layout == "legacy":
             return f"{self.task}/{self.config}{inner}"
-        return f"{self.config}/{self.task}/{embodiment_folder(self.embodiment)}{inner}"
+        return f"{self.config}/{self.task}/{self.embodiment}{inner}"
 
     @property
     def failures(self) -> "TaskDataset":

@@ -28,8 +28,9 @@ from rtphys.sim.engine import RATE, TIME_STEP, packed_of, unpacked
 from rtphys.sim.recorder import FRAME_STEPS, Recording
 from rtphys.sim.scene_renderer import SceneRenderer, body_names, matrices
 from rtphys.sim.turns import turn
+from rtphys.spec import recording
 from rtphys.spec.episode import Recipe
-from rtphys.spec.recording import RecordingSpec
+from rtphys.spec.recording import USUAL, RecordingSpec
 from rtphys.task.spec import Task
 from rtphys.visual.look import Backdrop, Look
 
@@ -85,6 +86,13 @@ class RenderedFrames:
     images: Pictures
     look: Look
     sensed: Sensed | None = None  # complete once `images` is consumed; None: nothing asked for
+
+    def poses_json(self) -> dict[str, dict[str, list[float]]]:
+        """`first_poses` as a label has them."""
+        return {
+            name: {"position": X.p.tolist(), "quaternion_wxyz": X.q.tolist()}
+            for name, X in self.first_poses.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -178,7 +186,7 @@ def draw_together(
 # ---- the video of an evaluated episode -----------------------------------------------------------
 
 
-CAMERAS = ("head_camera", "left_camera", "right_camera")
+CAMERAS = tuple(recording.CAMERAS[name] for name in USUAL)
 KEYFRAMES = 50  # at least every three seconds, so that a player can jump
 
 

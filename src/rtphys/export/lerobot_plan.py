@@ -8,10 +8,9 @@ from typing import Annotated, NamedTuple
 from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset, Episode
-from rtphys.data.episode import official_camera
+from rtphys.data.episode import CAMERA_NAMES, official_camera
 from rtphys.senses import SENSES
 from rtphys.spec.option import Option, checked_dataclass, one_of
-from rtphys.spec.recording import CAMERAS
 
 READERS = {
     "v3.0": "lerobot 0.4 and later",
@@ -22,12 +21,6 @@ READERS = {
 
 VERSIONS = tuple(READERS)
 SENTENCES = ("first", "all", "task")
-ALOHA = ("cam_high", "cam_left_wrist", "cam_right_wrist", "cam_low")
-OFFICIAL = tuple(CAMERAS.values())
-CAMERA_NAMES = {
-    "aloha": dict(zip(OFFICIAL, ALOHA, strict=True)),
-    "robotwin": dict(zip(OFFICIAL, OFFICIAL, strict=True)),
-}
 # [Hz] Frames are 15 control steps of 1/250 s apart. LeRobot's tools for v3.0 cut videos at a whole
 # number of frames a second: with 50/3 they show the pictures of other frames, and say nothing.
 RATES = {"v3.0": Fraction(17), "v2.1": Fraction(250, 15)}

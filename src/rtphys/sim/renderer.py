@@ -111,6 +111,12 @@ def configure(shader: str = "slim") -> None:
     _configured.append(shader)
 
 
+def ready(shader: str = "slim", senses: bool = False) -> None:
+    """`configure`, and `hold_anchor`."""
+    configure(shader)
+    hold_anchor(senses)
+
+
 def pictures_ready() -> bool:
     """Whether `configure` has run in this process."""
     return bool(_configured)

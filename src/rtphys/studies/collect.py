@@ -37,7 +37,13 @@ from rtphys.studies.collect_worker import (
     without_drawing,
 )
 from rtphys.studies.requests import Run, room_needed, shard_of
-from rtphys.studies.resources import check_drawable, check_fits, check_space, drawn_at_once
+from rtphys.studies.resources import (
+    check_drawable,
+    check_fits,
+    check_space,
+    drawn_at_once,
+    props_of,
+)
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import check_props, parts
 from rtphys.task.spec import Task, load_task
@@ -45,7 +51,6 @@ from rtphys.task.spec import Task, load_task
 LIMITS = Limits()
 DRAWERS = 3  # drawing workers of a GPU: while one reads pictures, it draws those of the others
 MAX_SEEDS = 10**9  # of a series whose attempts nobody limits
-LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
 
 
 def collect(
@@ -219,14 +224,11 @@ def check_assets(specs: Sequence[CollectionSpec], tasks: Sequence[Task], pack: P
     """Reads every model of each task's first layouts. Raises `MissingAsset`, `BadFile`."""
     read = describer(pack)
     for spec, task in zip(specs, tasks, strict=True):
-        for seed in range(spec.first_seed, spec.first_seed + LAYOUTS_SEARCHED):
-            try:
-                for prop in task.props(seed):
-                    read(prop)
-            except Infeasible:
-                continue
-            except MissingAsset as error:
-                raise MissingAsset(error.what, error.where, task.name) from error
+        try:
+            for prop in props_of(task, spec.first_seed):
+                read(prop)
+        except MissingAsset as error:
+            raise MissingAsset(error.what, error.where, task.name) from error
 
 
 def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
