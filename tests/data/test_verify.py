@@ -433,7 +433,7 @@ def twins(out: Path, seeds: tuple[int, int] = (4, 4)) -> None:
     with DatasetWriter(out) as dataset:
         for side, attempts in zip(both, seeds, strict=True):
             task = dataset.task(replace(synthetic.header(), spec=side))
-            while task.attempts < attempts:
+            while task.totals.attempts < attempts:
                 task.record(outcome(task, task.next_seed))
 
 

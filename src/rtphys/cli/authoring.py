@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from rtphys.studies.check import Score
 
 
+DOMAIN = "A task, a domain, or a domain file."  # what `domain_named` takes
 PROTOCOLS = ("clean", "phys_random")
 MAX_FAILURES = 10  # of a task that `check` lists
 WIDE = 120  # [characters] a row with all columns fits
@@ -191,7 +192,7 @@ def protocols(as_json: Json = False) -> None:
 
 @domains.command()
 def show(
-    task: Annotated[str, typer.Argument(help="A task, a domain, or a domain file.")],
+    task: Annotated[str, typer.Argument(help=DOMAIN)],
     as_json: Json = False,
 ) -> None:
     """The resolved ranges of a task, by attribute, and the file that each comes from."""

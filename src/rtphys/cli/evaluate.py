@@ -19,7 +19,7 @@ from rtphys.core.errors import counted
 from rtphys.results import read_results
 from rtphys.results.breaks import TOGETHER
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
-from rtphys.results.statistics import Rate
+from rtphys.results.statistics import Rate, percent, rate_text
 from rtphys.results.summary import Counts, Summary
 from rtphys.studies.requests import CertificationRun, CertificationSpec, EvaluationRun
 
@@ -174,7 +174,7 @@ def rates_table(summary: Summary) -> Table:
     for total in summary.overall:
         if total.tasks > 1:
             mean = total.mean_of_tasks
-            name = "all" if mean is None else f"all, mean {_percent(mean)} %"
+            name = "all" if mean is None else f"all, mean {percent(mean)} %"
             table.add_row(total.protocol, name, *_rates(total.counts))
     return table
 
@@ -195,19 +195,7 @@ def loads_table(summary: Summary) -> Table:
 def _rates(counts: Counts) -> tuple[str, str, str]:
     held = Rate(counts.held, counts.rollouts)
     # One interval a row fits into 80 columns; summary.json holds the others.
-    return _rate(counts.of_feasible, bounds=True), _rate(counts.of_tried), _rate(held)
-
-
-def _rate(rate: Rate | None, bounds: bool = False) -> str:
-    if rate is None or rate.value is None:
-        return "-"
-    low, high = map(_percent, rate.interval)
-    between = f" [{low}-{high}]" if bounds else ""  # without a space a table does not break it
-    return f"{_percent(rate.value)} %{between} {rate.successes}/{rate.trials}"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f}".removesuffix(".0")
+    return rate_text(counts.of_feasible, bounds=True), rate_text(counts.of_tried), rate_text(held)
 
 
 def pairs_table(summary: Summary) -> Table:
@@ -230,10 +218,9 @@ def attributes_table(summary: Summary) -> Table:
     for protocol, effects in summary.breaks.items():
         for effect in effects[:SHOWN]:
             curve = effect.curve
-            span = f"{curve.low:.3g} to {curve.high:.3g} {effect.unit}"
             slope = f"{curve.slope:+.2f} ± {curve.error:.2f}"
             p = f"{curve.p:.2g}", f"{effect.p_holm:.2g}"
-            table.add_row(protocol, ", ".join([effect.key, *effect.same]), span, slope, *p)
+            table.add_row(protocol, effect.names, effect.span, slope, *p)
     return table
 
 

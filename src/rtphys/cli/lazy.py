@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 from rtphys.cli.terminal import GIVEN, Interrupted, command_line, say
 from rtphys.core.cache import NoCache, reading_cache, user_cache
 from rtphys.core.errors import BadValue, RtphysError
+from rtphys.core.extras import cure_of
 
 GROUPS = {
     "Make a dataset": {
@@ -88,16 +89,6 @@ GROUPS = {
 }
 """Group in the help -> its commands -> the module in this package, first sentence of the help."""
 COMMANDS = {name: facts for group in GROUPS.values() for name, facts in group.items()}
-# Package -> the optional part of rtphys that brings it.
-EXTRAS = {
-    "pyarrow": "lerobot",
-    "websockets": "serve",
-    "msgpack": "serve",
-    "gymnasium": "gym",
-    "ray": "ray",
-    "sklearn": "identify",
-    "rerun": "view",
-}
 # What a command, or a word after it, was called in 1.0; it works until 1.2.
 ALIASES = {"verify-manifest": "verify"}
 FORMER = {
@@ -178,15 +169,9 @@ class LazyGroup(TyperGroup):
         except KeyboardInterrupt:
             _stop("stopped", Interrupted.exit_code)
         except ImportError as error:
-            package, _, part = (error.name or "").partition(".")
-            if package == "rtphys":
+            if (error.name or "").partition(".")[0] == "rtphys":
                 raise
-            cure = "`rtphys doctor` names what is missing or cannot be loaded"
-            if package in EXTRAS:
-                # A part that is missing, or a library that cannot be loaded: it is there, broken.
-                broken = part or not isinstance(error, ModuleNotFoundError)
-                force = "--force-reinstall " if broken else ""
-                cure = f"`pip install {force}'rtphys[{EXTRAS[package]}]'`"
+            cure = cure_of(error) or "`rtphys doctor` names what is missing or cannot be loaded"
             _stop(f"{error}; {cure}", 3)
 
 

@@ -11,7 +11,7 @@ import typer
 
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import default_pack
-from rtphys.cli.authoring import domain_named, value_text
+from rtphys.cli.authoring import DOMAIN, domain_named, value_text
 from rtphys.cli.derived import Json, names_in
 from rtphys.cli.screen import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
@@ -44,7 +44,7 @@ def facts_of(key: str, one: object, *names: str) -> Facts:
 
 @physics.command()
 def sample(
-    name: Annotated[str, typer.Argument(help="A task, a domain, or a domain file.")] = "",
+    name: Annotated[str, typer.Argument(help=DOMAIN)] = "",
     task: Annotated[str, typer.Option(help="The same, as an option.")] = "",
     first_seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
     episodes: Annotated[int, typer.Option(min=1, help="How many seeds, upward.")] = 1,

@@ -105,7 +105,7 @@ class NoRenderer(RtphysError):
 class Infeasible(RtphysError):
     """The expert cannot do this episode: a result of `generate.attempt`, not an error.
 
-    `reason` is one of `REASONS`, so that rejections can be counted.
+    `reason` is one word, such as those of `REASONS`, so that rejections can be counted.
     """
 
     def __init__(self, reason: str, detail: str = "") -> None:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias
 
@@ -29,7 +30,8 @@ CAMERA_NAMES = {  # naming of an export and of those who learn from it -> offici
     "robotwin": dict(zip(CAMERAS, CAMERAS, strict=True)),
 }
 OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
-FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
+FRAME_STEPS = 15  # control steps between two frames
+FRAME_RATE = Fraction(250, FRAME_STEPS)  # [Hz] of frames, 0.06 s apart
 
 
 def official_camera(name: str) -> str:
@@ -55,7 +57,7 @@ class Frames:
     right_arm: Floats  # (T, k) [rad]
     left_gripper: Floats  # (T,) commanded opening, 0 closed .. 1 open
     right_gripper: Floats  # (T,)
-    left_endpose: Floats  # (T, 7) measured pose of the ee frame (link6)
+    left_endpose: Floats  # (T, 7) measured pose of the ee frame
     right_endpose: Floats  # (T, 7)
     qpos: Floats  # (T, n) measured [rad or m]
     qvel: Floats  # (T, n) measured [rad/s or m/s]

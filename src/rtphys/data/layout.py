@@ -1,4 +1,4 @@
-"""Paths of the files of a dataset; no other module spells them."""
+"""Paths of the files of a dataset, which no other module spells."""
 
 import re
 from dataclasses import dataclass, replace
@@ -12,7 +12,8 @@ from rtphys.spec.collection import CollectionSpec
 
 MANIFEST = "manifest.json"
 LOCK = ".rtphys.lock"
-HELD = ".rtphys.lock.held"  # where the file system has no locks
+HELD = ".held"  # ends the name of a lock where the file system has none
+REPORT = "report.html"  # of a dataset, or of an evaluation
 LEDGER = "ledger.jsonl"
 STAGING = ".staging"
 EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")

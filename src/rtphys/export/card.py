@@ -17,6 +17,7 @@ from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST
 from rtphys.export.lerobot_plan import physics_of
 from rtphys.physics.attribute import attribute, is_attribute
+from rtphys.physics.reach import split
 from rtphys.spec.option import Option
 
 CARD, CROISSANT = "README.md", "croissant.json"
@@ -100,7 +101,7 @@ def card(dataset: Dataset, text: CardText) -> str:
         f"# {text.name}",
         f"{counted(len(dataset), 'bimanual demonstrations')} ({frames} frames at 16.67 Hz) of "
         f"{counted(len(dataset.tasks), 'simulated tasks')}. Physics differs from episode to "
-        "episode; the 13 physical attributes in force in the contact solver are stored with each.",
+        f"episode; the {_count(dataset)} in force in the contact solver are stored with each.",
         "## Episodes",
         _task_table(dataset),
         f"Attempts without an episode, by reason: {counts}." if counts else "",
@@ -153,10 +154,19 @@ def _task_table(dataset: Dataset) -> str:
     return "\n".join(rows)
 
 
+def _keys(dataset: Dataset) -> list[str]:
+    """Every attribute that an episode has, those of single props too."""
+    return sorted({key for one in dataset for key in filter(is_attribute, one.meta.attributes)})
+
+
+def _count(dataset: Dataset) -> str:
+    return counted(len({split(key)[0] for key in _keys(dataset)}), "physical attributes")
+
+
 def _physics_table(dataset: Dataset) -> str:
     rows = ["| attribute | unit | varied in | smallest | largest |", "|---|---|---:|---:|---:|"]
     labels = [episode.meta.attributes for episode in dataset]
-    for key in sorted({key for label in labels for key in filter(is_attribute, label)}):
+    for key in _keys(dataset):
         given = [label[key] for label in labels if key in label and label[key].could_act]
         numbers = [np.ravel(label.value) for label in given if label.value is not None]
         values = np.concatenate(numbers) if numbers else np.array([])
@@ -181,7 +191,7 @@ def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
         "conformsTo": "http://mlcommons.org/croissant/1.1",
         "name": text.name,
         "description": f"{counted(len(dataset), 'simulated bimanual manipulation episodes')} "
-        "with 13 physical attributes each, as they were in force in the contact solver.",
+        f"with {_count(dataset)} each, as they were in force in the contact solver.",
         "license": f"https://spdx.org/licenses/{text.license}",
         "url": text.url or "https://example.org/not-published-yet",
         "version": "1.0.0",

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset, Episode
-from rtphys.data.episode import CAMERA_NAMES, official_camera
+from rtphys.data.episode import CAMERA_NAMES, FRAME_RATE, official_camera
 from rtphys.senses import SENSES
 from rtphys.spec.option import Option, checked_dataclass, one_of
 
@@ -21,9 +21,9 @@ READERS = {
 
 VERSIONS = tuple(READERS)
 SENTENCES = ("first", "all", "task")
-# [Hz] Frames are 15 control steps of 1/250 s apart. LeRobot's tools for v3.0 cut videos at a whole
+# [Hz] LeRobot's tools for v3.0 cut videos at a whole
 # number of frames a second: with 50/3 they show the pictures of other frames, and say nothing.
-RATES = {"v3.0": Fraction(17), "v2.1": Fraction(250, 15)}
+RATES = {"v3.0": Fraction(17), "v2.1": FRAME_RATE}
 
 POSE = [f"{side}_{part}" for side in SIDES for part in ("x", "y", "z", "qw", "qx", "qy", "qz")]
 # Features on request. Numbers of an episode repeat in each of its frames, because lerobot's tools

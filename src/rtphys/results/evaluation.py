@@ -23,6 +23,7 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import CLOSED
 
 SUMMARY = "summary.json"
+LEDGERS = "*/*.ledger"
 INSTANCES = "instances"  # folder of the certified lists that were run
 DIGITS = 8  # of a digest that is shown
 
@@ -129,11 +130,16 @@ def video_file(out: Path, protocol: str, task: str, seed: int, success: bool) ->
     return out / "video" / protocol / task / f"{seed}_{outcome}.mp4"
 
 
+def is_evaluation(folder: Path) -> bool:
+    """Whether an evaluation has written into a folder."""
+    return any(folder.glob(LEDGERS))
+
+
 def headers(out: Path) -> dict[Path, EvaluationHeader]:
     """First line of each ledger of a result folder that has one. Raises `BadFile`."""
     if (out / "run.json").exists():
         raise BadFile(out, "holds results of an earlier version, which are not read")
-    paths = [path for path in sorted(out.glob("*/*.ledger")) if path.stat().st_size]
+    paths = [path for path in sorted(out.glob(LEDGERS)) if path.stat().st_size]
     return {path: read_header(EvaluationHeader, path) for path in paths}
 
 

@@ -1,7 +1,8 @@
 """What a sense is: something that an episode can record beyond colour pictures, on request.
 
 A sense is one class in a file of its own. Its fields say what it stores: from them follow how it is
-written, read and verified. Everything else that is peculiar to it is a method here.
+written, read and verified. What else is peculiar to it is a method here; but one of scope "world"
+also needs a recorder in the simulation, and the one there is (`sim.touch`) records for touch alone.
 """
 
 from abc import ABC, abstractmethod

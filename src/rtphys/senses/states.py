@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rtphys.senses.sense import Array, Arrays, Field, Names, Sense
 
+POSE = "x y z [m], qw qx qy qz; world frame"  # unit of a pose, in a file
 NORMAL = 1e-3  # how far a quaternion's length may be from 1
 
 
@@ -43,7 +44,7 @@ class States(Sense):
             np.float32,
             ("body", 7),
             packed=False,
-            notes=(("unit", "x y z [m], qw qx qy qz; world frame"),),
+            notes=(("unit", POSE),),
         ),
     )
 

@@ -128,10 +128,10 @@ class CollectionSeries(Series[CollectionTask, Results]):
 
     def __init__(self, spec: CollectionSpec, writers: Sequence[TaskWriter]) -> None:
         self.spec, self.writers = spec, writers
-        behind = min(writers, key=lambda writer: writer.attempts)
+        behind = min(writers, key=lambda writer: writer.totals.attempts)
         name = spec.episode.task
         name += f", {spec.name}" if spec.name != spec.episode.protocol else ""
-        progress = Progress(name, behind.wanted, behind.episodes, behind.attempts)
+        progress = Progress(name, behind.wanted, behind.totals.episodes, behind.totals.attempts)
         progress.fruitless = behind.totals.since_accepted
         step = spec.seed(1) - spec.seed(0)
         end = spec.first_seed + (spec.max_attempts or MAX_SEEDS)

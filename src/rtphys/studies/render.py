@@ -181,7 +181,7 @@ class RenderSeries(Series[RenderTask, Redrawn]):
         self.writer = writer = dataset.task(_header(wanted, entry), accepted)
         left = [seed for seed in seeds if seed > writer.totals.last_seed]
         task = entry.spec.episode.task
-        progress = Progress(task, accepted, writer.episodes, writer.attempts)
+        progress = Progress(task, accepted, writer.totals.episodes, writer.totals.attempts)
         super().__init__(progress, left, owed=len(left))
 
     def job(self, seed: int) -> RenderTask:

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from rtphys.data.manifest import TaskEntry
 
 
+FirstSeed = Annotated[Seed, Option("The first seed to try.")]
 BASELINES = ("replay", "twin")
 """Measured on feasible seeds. replay: the recorded actions alone; twin: those of the clean demo."""
 
@@ -53,7 +54,7 @@ class CertificationSpec:
     """One certified list."""
 
     episode: Annotated[EpisodeSpec, Offers("embodiment")] = EpisodeSpec()
-    first_seed: Annotated[Seed, Option("The first seed to try.")] = FIRST_SEED
+    first_seed: FirstSeed = FIRST_SEED
     feasible: Annotated[Positive, Extent, Option("Number of feasible seeds of each list.")] = 100
     max_attempts: Annotated[Positive, Extent, Option("Number of seeds to try for one list.")] = 1000
     baselines: Annotated[
@@ -114,7 +115,7 @@ class CheckPlan:
     tasks: Tasks
     protocols: Protocols = ("clean",)
     seeds: Annotated[Positive, Option("Number of seeds of each task and protocol.")] = 20
-    first_seed: Annotated[Seed, Option("The first seed.")] = 0
+    first_seed: FirstSeed = 0
     baselines: Annotated[
         Seed | None,
         Option(
@@ -153,7 +154,7 @@ class BenchPlan:
     tasks: Tasks = ("*",)
     protocols: Protocols = ("clean", "phys_random_all")
     episodes: Annotated[Positive, Option("Number of attempts of each task and protocol.")] = 2
-    first_seed: Annotated[Seed, Option("The first seed.")] = 0
+    first_seed: FirstSeed = 0
     pictures: Annotated[bool, Option("Draw and write what is accepted.")] = True
     episode: Annotated[EpisodeSpec, Offers("embodiment")] = EpisodeSpec()
 
