@@ -64,7 +64,7 @@ ci:               ## what continuous integration runs: check, wheel, smoke, repr
 
 bench: setup      ## CPU cost by phase of every task, and of an export, in build/bench.json
 	@mkdir -p build
-	$(BIN)/rtphys bench --json build/bench.json
+	$(BIN)/rtphys bench --json > build/bench.json
 	$(BIN)/python benchmarks/export.py
 
 tables: setup     ## write the generated tables into the documents

@@ -53,8 +53,7 @@ class StartMeter(StudyWorker[int, float]):
     """Its job is the CPU time that its worker has spent until then."""
 
     def start(self) -> None:
-        renderer.configure()
-        renderer.hold_anchor()
+        renderer.ready()
 
     def do(self, job: int) -> float:
         time.sleep(0.5)  # so that another worker takes the next

@@ -15,12 +15,13 @@ from lerobot.utils.constants import ACTION, OBS_IMAGES, OBS_STATE
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.core import library
 from rtphys.core.errors import UnknownName
+from rtphys.data.episode import CAMERA_NAMES
 from rtphys.gym.env import TaskEnv
+from rtphys.spec.recording import CAMERAS, USUAL
 from rtphys.task.spec import load_task
 
 NAMES = {  # of our cameras, as in `rtphys export lerobot --camera-names`
-    "aloha": {"head": "cam_high", "left": "cam_left_wrist", "right": "cam_right_wrist"},
-    "robotwin": {"head": "head_camera", "left": "left_camera", "right": "right_camera"},
+    style: {name: naming[CAMERAS[name]] for name in USUAL} for style, naming in CAMERA_NAMES.items()
 }
 LISTED = 1000  # seeds of LeRobot that count certified instances from 0; a list has 100
 

@@ -1,7 +1,7 @@
 """Update what an episode costs in manifests/costs.yaml: `scripts/costs.py BENCH.json`.
 
-The file is one of `rtphys bench --protocol phys_random_all --json`. `collect --dry-run` and the
-table in docs/scale.md are made from it.
+The file is what `rtphys bench --protocol phys_random_all --json` prints. `collect --dry-run` and
+the table in docs/scale.md are made from it.
 """
 
 import json

@@ -62,8 +62,7 @@ def in_view(task: Task, pack: Pack, episodes: int) -> dict[str, int]:
 
 def main(out: str, episodes: str = "2", *names: str) -> None:
     """Count all tasks, or those named."""
-    renderer.configure("default")
-    renderer.hold_anchor(True)
+    renderer.ready("default", senses=True)
     pack, number = default_pack(), int(episodes)
     counts: dict[str, dict[str, int]] = {}
     for name in names or task_names():

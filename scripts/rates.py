@@ -1,8 +1,8 @@
 """Update measured success rates in manifests/rates.yaml: `scripts/rates.py SOURCE...`.
 
-A source is a folder of `rtphys certify`, or a file of `rtphys check --json`. Several sources of one
-task and protocol are added up, so they must be of different seeds. What a list says replaces what
-the file has; a check does so if it is of at least as many seeds.
+A source is a folder of `rtphys certify`, or a file of what `rtphys check --json` prints. Several
+sources of one task and protocol are added up, so they must be of different seeds. What a list says
+replaces what the file has; a check does so if it is of at least as many seeds.
 """
 
 import json
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import astuple
 from pathlib import Path
 
-from rtphys.results.instances import InstanceList, read_lists
+from rtphys.results.instances import read_lists
 from rtphys.task.rates import Rate, rates
 
 SHOWN = ("clean", "official_random", "phys_random", "phys_random_all")  # by `rtphys tasks`
@@ -23,27 +23,17 @@ def measured(source: Path) -> Iterator[tuple[str, str, Rate]]:
     if source.is_dir():
         for path in sorted(source.glob("*.jsonl")):
             for task, listed in read_lists(path).items() if path.stem in SHOWN else ():
-                yield task, path.stem, certified(listed)
+                yield task, path.stem, Rate(listed.attempts, len(listed.feasible))
         return
     for row in json.loads(source.read_text()):
         if "domain" in row:  # another domain than the task's own
             continue
-        accepted, share = row["accepted"], row["replay_success"]
-        replays = (0, 0) if share is None else (accepted, round(share * accepted))
-        yield row["task"], row["protocol"], Rate(row["seeds"], accepted, *replays)
-
-
-def certified(listed: InstanceList) -> Rate:
-    """Rate of a certified list: seeds, feasible ones, and of these the replays that succeed."""
-    replays = [one.replay for one in listed.feasible if one.replay is not None]
-    return Rate(listed.attempts, len(listed.feasible), len(replays), sum(replays))
+        yield row["task"], row["protocol"], Rate(row["seeds"], row["accepted"])
 
 
 def text(known: dict[str, dict[str, Rate]]) -> str:
     """Text of the file: one line per task and protocol."""
-    lines = [
-        "# seeds, accepted; accepted episodes that were replayed, whose actions alone succeeded"
-    ]
+    lines = ["# seeds, accepted"]
     for task, protocols in sorted(known.items()):
         lines.append(f"{task}:")
         for protocol, rate in sorted(protocols.items()):

@@ -25,9 +25,7 @@ JPEG = 90
 
 def record(episode: Episode, scene: Sequence[Solid3D], path: Path | None = None) -> None:
     """Writes an `.rrd` file, or opens the viewer. Raises `BadFile`: the episode is damaged."""
-    kind = "failure" if episode.failed else "episode"
-    name = f"{episode.task}_{episode.protocol}_{kind}_{episode.number}_seed_{episode.seed}"
-    stream = rr.RecordingStream(APPLICATION, recording_id=name)
+    stream = rr.RecordingStream(APPLICATION, recording_id=episode.name)
     if path is None:
         stream.spawn(default_blueprint=blueprint(episode))
     else:

@@ -59,7 +59,7 @@ def collect(
     """Until there are so many episodes, or attempts."""
     with DatasetWriter(out) as dataset:
         task = dataset.task(wanting(max(episodes, 1), what))
-        while task.episodes < episodes and task.attempts != attempts:
+        while task.totals.episodes < episodes and task.totals.attempts != attempts:
             task.record(outcome(task, task.next_seed))
 
 

@@ -18,7 +18,7 @@ from rtphys.data.files import facts_of
 from rtphys.data.hdf5_episode import episode_bytes, read_episode, read_sentences
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.json_text import compact, pretty
-from rtphys.data.layout import MANIFEST, TaskDataset
+from rtphys.data.layout import EMBODIMENT, MANIFEST, TaskDataset
 from rtphys.data.ledger import START, chained, read_header
 from rtphys.data.manifest import manifest_bytes, read_entry
 from rtphys.data.writer import write_side_files
@@ -148,6 +148,6 @@ def forge(out: Path, change: Forge) -> None:
     """Applies a forgery to the dataset of one task, and makes all checksums anew."""
     (ledger,) = out.glob("*/*/*/ledger.jsonl")
     config, task, _ = ledger.parent.relative_to(out).parts
-    forger = Forger(TaskDataset(out, config, task))
+    forger = Forger(TaskDataset(out, config, task, EMBODIMENT, "native"))
     change(forger)
     forger.finish()

@@ -91,7 +91,7 @@ def test_an_outcome_out_of_turn_is_refused(tmp_path: Path, seed: int) -> None:
         staged = outcome(task, seed)
         with pytest.raises(ValueError, match=f"seed {seed} is not that of 1"):
             task.record(staged)
-        assert (task.next_seed, task.attempts, task.episodes) == (1, 1, 1)
+        assert (task.next_seed, task.totals.attempts, task.totals.episodes) == (1, 1, 1)
     assert verify(tmp_path).problems == []
 
 

@@ -138,7 +138,7 @@ def test_a_run_that_goes_on_reads_each_line_once(
     counter = Counter(monkeypatch)
     with DatasetWriter(out) as writer:
         task = writer.task(wanting(attempts))
-        assert task.attempts == attempts
+        assert task.totals.attempts == attempts
         writer.checkpoint()
         assert attempts < counter.lines <= attempts + SLACK
         monkeypatch.undo()

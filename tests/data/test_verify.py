@@ -22,7 +22,7 @@ from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.jpeg import MARK
 from rtphys.data.json_text import pretty
-from rtphys.data.layout import TaskDataset
+from rtphys.data.layout import EMBODIMENT, TaskDataset
 from rtphys.data.manifest import manifest_bytes
 from rtphys.data.rewrite import subset
 from rtphys.data.staging import stage_episode
@@ -404,7 +404,7 @@ def test_side_files_of_no_moment_since(ahead: Path, name: str) -> None:
 def test_a_torn_line_and_files_of_a_commit_that_was_cut_off(ahead: Path) -> None:
     """Of the next episode alone; they are notes, and gone with the next run."""
     lines(ahead, lambda found: found.append(found[-1][:-9]))
-    place = TaskDataset(ahead, "phys_random", "click_bell")
+    place = TaskDataset(ahead, "phys_random", "click_bell", EMBODIMENT, "native")
     for path in (place.episode(3).hdf5, place.folder / ".seed.txt.part"):
         path.write_bytes(b"torn")
     report = verify(ahead)
@@ -433,7 +433,7 @@ def twins(out: Path, seeds: tuple[int, int] = (4, 4)) -> None:
     with DatasetWriter(out) as dataset:
         for side, attempts in zip(both, seeds, strict=True):
             task = dataset.task(replace(synthetic.header(), spec=side))
-            while task.attempts < attempts:
+            while task.totals.attempts < attempts:
                 task.record(outcome(task, task.next_seed))
 
 

@@ -47,7 +47,7 @@ def test_speed_falls_exponentially_under_drag(lab: Lab, others: dict[str, float]
 def test_its_own_proof_holds_and_fails_without_the_effect(
     lab: Lab, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    trials = list(trials_of(lab, "linear_drag"))
+    trials = list(trials_of(lab, law_test("linear_drag")))
     assert len(trials) == 6 and all(trial.passed for trial in trials)
     monkeypatch.setattr(attributes()["linear_drag"], "apply", lambda target, value: None)
     monkeypatch.setattr(attributes()["linear_drag"], "read", lambda world: {})

@@ -285,14 +285,16 @@ def test_what_task_datasets_share_is_exported(
     spec = entry.spec
     fewer = replace(spec, recording=replace(spec.recording, cameras=("head", "right")))
     holds(entry, replace(entry, spec=fewer))
-    shared = {one.camera for one in plan_for(mixed, "v3.0", "robotwin").videos.values()}
+    shared = {
+        one.camera for one in plan_for(mixed, ExportSpec(camera_names="robotwin")).videos.values()
+    }
     assert shared == {"head_camera", "right_camera"}
     with pytest.raises(UnknownName, match="left_camera"):
-        plan_for(mixed, "v3.0", "left_camera=wrist")
+        plan_for(mixed, ExportSpec(camera_names="left_camera=wrist"))
     other = replace(spec, episode=replace(spec.episode, embodiment=MIXED))
     holds(entry, replace(entry, spec=other))
     with pytest.raises(BadValue, match=rf"aloha-agilex, {MIXED}.* one robot"):
-        plan_for(mixed, "v3.0", "robotwin")
+        plan_for(mixed, ExportSpec(camera_names="robotwin"))
 
 
 @pytest.mark.parametrize(

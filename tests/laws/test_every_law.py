@@ -80,7 +80,7 @@ def test_law_on_every_robot(key: str, robot: str) -> None:
 @pytest.mark.parametrize("robot", ["franka-panda", "piper", "piper,franka-panda,0.7"])
 @pytest.mark.parametrize("key", [law.key for law in LAWS])
 def test_all_trials_on_every_robot(key: str, robot: str) -> None:
-    assert_passed(list(trials_of(Lab(builtin_pack(), embodiment=robot), key)))
+    assert_passed(list(trials_of(Lab(builtin_pack(), embodiment=robot), law_test(key))))
 
 
 def test_company_varies_every_attribute() -> None:

@@ -41,7 +41,7 @@ def test_no_option_is_taken_and_ignored() -> None:
 
 
 def test_a_missing_module_names_the_extra_that_brings_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module, cure in (("websockets", r"; pip install 'rtphys\[serve\]'"), ("torch", "")):
+    for module, cure in (("websockets", r"; `pip install 'rtphys\[serve\]'`"), ("torch", "")):
 
         def missing(_: str, name: str = module) -> None:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)

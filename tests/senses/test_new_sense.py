@@ -20,7 +20,6 @@ class Brightness(Sense):
     """How bright each pixel is."""
 
     name = "brightness"
-    adds = "mean of a pixel's colours, 0..255"
     scope = "pixel"
     size = 4
     fields = (
@@ -75,7 +74,6 @@ class Grip(Sense):
     """How hard each finger presses: of what the fingers feel."""
 
     name = "grip"
-    adds = "normal force of each finger"
     scope = "world"
     size = 16
     fields = (Field("grip", ("rtphys/grip", "rtphys/grip"), np.float32, ("finger",), packed=False),)

@@ -23,7 +23,7 @@ os.fsync = fsync
 COLLECT = "collect --out OUT --cameras head --size 32x32 --protocol phys_random"
 COMMANDS = {
     "certify": "certify --task click_bell --protocol clean --feasible 4 --out OUT",
-    "check": "check click_bell --seeds 4 --baselines 0 --json OUT/check.json",
+    "check": "check click_bell --seeds 4 --baselines 0 --json",
     "sensitivity": "sensitivity --task click_bell --only friction --seeds 2 --steps 1 --out OUT",
     "shard": f"{COLLECT} --task click_bell,lift_pot --episodes 3 --shard 1/4",
 }
@@ -39,6 +39,8 @@ def run(line: str, out: Path, workers: int, more: Sequence[str] = ()) -> dict[st
     command = [sys.executable, "-m", "rtphys.cli.main", *words, "--workers", str(workers)]
     done = subprocess.run(command, env={**os.environ, **slow}, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-2000:]
+    if "--json" in words:
+        return {"stdout": json.loads(done.stdout, object_hook=_without_times)}
     return {
         path.relative_to(out).as_posix(): content(path)
         for path in sorted(out.rglob("*"))
@@ -47,8 +49,6 @@ def run(line: str, out: Path, workers: int, more: Sequence[str] = ()) -> dict[st
 
 
 def content(path: Path) -> object:
-    if path.name == "check.json":
-        return json.loads(path.read_text(), object_hook=_without_times)
     if path.name.startswith("_result"):  # its first line says when
         lines = path.read_text().splitlines()
         return [line for line in lines if not line.startswith("Timestamp")]

@@ -1,7 +1,6 @@
 """`rtphys bench`: what is counted, and that nothing is counted twice."""
 
 import json
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -35,12 +34,11 @@ def test_what_is_outside_counts_building_and_writing_alone() -> None:
 
 
 @pytest.mark.sim
-def test_attempts_are_measured_in_full(tmp_path: Path) -> None:
-    out = tmp_path / "bench.json"
+def test_attempts_are_measured_in_full() -> None:
     options = ["bench", "--task", "click_bell", "--protocol", "clean", "--episodes", "1"]
-    done = CliRunner().invoke(app, [*options, "--no-pictures", "--json", str(out)])
+    done = CliRunner().invoke(app, [*options, "--no-pictures", "--json"])
     assert done.exit_code == 0, done.output
-    content = json.loads(out.read_text())
+    content = json.loads(done.stdout)
     (row,) = content["rows"]
     assert (row["task"], row["protocol"], row["attempts"]) == ("click_bell", "clean", 1)
     assert row["images"] == 0 and row["image_cpu_ms"] is None

@@ -27,9 +27,10 @@ from rtphys.physics import Domain, attributes
 from rtphys.physics.distribution import SameAs, extremes
 from rtphys.spec import option
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.spec.option import Option, Positive, Seed, Tasks, Workers, at_least, one_of
+from rtphys.spec.option import Option, Positive, Tasks, Workers, at_least, one_of
 from rtphys.spec.protocol import load_protocol, protocol_names
 from rtphys.spec.stored import load
+from rtphys.studies.requests import FirstSeed
 
 FORMAT = 1  # of a result file
 DECIMALS = 4  # in it; no score is known better
@@ -55,7 +56,7 @@ class IdentifyPlan:
         str,
         Option("trees (gradient-boosted), column (one feature), or python:FILE:NAME, your own."),
     ] = BASELINE
-    first_seed: Annotated[Seed, Option("The first seed to try.")] = 0
+    first_seed: FirstSeed = 0
     max_attempts: Annotated[
         Positive, Option("Number of seeds to try for one task.", "max_attempts")
     ] = 2000

@@ -6,7 +6,8 @@ from typing import Annotated
 from rtphys.core.errors import BadValue
 from rtphys.physics.attribute import attributes
 from rtphys.spec import option
-from rtphys.spec.option import Option, Positive, Seed, Tasks, Workers, at_least, one_of
+from rtphys.spec.option import Option, Positive, Tasks, Workers, at_least, one_of
+from rtphys.studies.requests import FirstSeed
 from rtphys.task.spec import load_task
 
 DEMONSTRATION = "replay"
@@ -29,7 +30,7 @@ class SearchSpec:
     steps: Annotated[
         int, at_least(0, most=10), Option("Halvings of the part of the range that is open.")
     ] = 4
-    first_seed: Annotated[Seed, Option("The first seed to try.")] = 0
+    first_seed: FirstSeed = 0
 
 
 @option.checked_dataclass(frozen=True)

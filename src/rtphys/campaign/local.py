@@ -70,8 +70,8 @@ class _Worker(Generic[J, R]):
     used: Usage = field(default_factory=Usage)  # before its job
     ready: bool = False
     done: int = 0
-    killed: str = ""  # why we killed it
-    reason: str = ""  # likewise, as in `WorkerFailure`; empty: it is not the job's doing
+    killed: str = ""  # why we killed it, for people; empty: we did not
+    reason: str = ""  # the same as in `WorkerFailure`; empty: it is not the job's doing
 
     def last_words(self) -> str:
         # `seek` would move the worker's own place in the files.

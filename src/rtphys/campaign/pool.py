@@ -4,6 +4,7 @@ Our own: neither `pebble` nor `loky` limits a job's CPU time, tells a crash from
 else, forks workers from a warmed process, or knows Ray.
 """
 
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,6 +17,17 @@ R = TypeVar("R")
 
 CRASH, HANG = LOSSES = "worker_crash", "worker_hang"
 START_TRIES = 3  # workers in a row that may die before they are ready
+
+
+class Setup:
+    """What makes a worker may be more than a function: something to do before, and after."""
+
+    def warm(self) -> None:
+        """Loads what all workers need into the process that they are forked from: no threads, no
+        devices."""
+
+    def finish(self) -> None:
+        """Closes what the jobs have left open; the process ends after it."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +49,14 @@ class WorkerFailure:
     reason: str
     detail: str
 
+    def __str__(self) -> str:
+        return f"its worker was lost ({self.reason}: {self.detail})"
+
 
 class WorkerError(RtphysError):
     """An exception in a worker. `trace` is empty for an error that a user can cause."""
 
-    def __init__(self, text: str, exit_code: int = 70, trace: str = "") -> None:
+    def __init__(self, text: str, exit_code: int = os.EX_SOFTWARE, trace: str = "") -> None:
         self.exit_code, self.trace = exit_code, trace
         super().__init__(text)
 

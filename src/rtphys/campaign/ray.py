@@ -19,7 +19,7 @@ from typing import Any
 import ray
 from ray import ObjectRef, exceptions
 
-from rtphys.campaign.local import LocalPool
+from rtphys.campaign.local import LocalPool, OutsideTrouble
 from rtphys.campaign.pool import CannotStart, J, Job, R, WorkerError, WorkerPool
 from rtphys.core.errors import RtphysError
 
@@ -140,7 +140,9 @@ class RayPool(WorkerPool[J, R]):
         except exceptions.RayError as error:
             ray.kill(actor)
             if isinstance(error, exceptions.RayTaskError):  # its own code: another rtphys, or a bug
-                raise WorkerError(f"a Ray worker failed: {error.cause}", 70, str(error)) from error
+                raise WorkerError(
+                    f"a Ray worker failed: {error.cause}", trace=str(error)
+                ) from error
             # It died, or its answer was lost with its node, which is no verdict on the job.
             where = f"on {node} with {job.name}" if job else "that was starting"
             self.notice(f"lost a worker {where}: {_first_line(error)}")
@@ -149,8 +151,8 @@ class RayPool(WorkerPool[J, R]):
                 return
             job.foreign_deaths += 1
             if job.foreign_deaths > MAX_LOSSES:
-                count = f"{job.foreign_deaths} Ray workers were lost over it"
-                raise WorkerError(f"{job.name}: {count}; the last: {error}") from error
+                job.end(OutsideTrouble(job.name, job.foreign_deaths, f"by {_first_line(error)}"))
+                return
             self._queue.appendleft(job)
             return
         if job is None:

@@ -5,6 +5,7 @@ it was killed and resumed.
 """
 
 import math
+import os
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -232,7 +233,7 @@ class Batch(Series[J, R]):
 class Bug(RtphysError):
     """An exception that no one expected; the traceback lies in a file."""
 
-    exit_code = 70  # EX_SOFTWARE
+    exit_code = os.EX_SOFTWARE
 
 
 class Listener:

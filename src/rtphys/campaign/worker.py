@@ -17,7 +17,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import recv_handle
 
-from rtphys.campaign.pool import WorkerError
+from rtphys.campaign.pool import Setup, WorkerError
 from rtphys.core import arithmetic
 from rtphys.core.errors import RtphysError
 
@@ -44,7 +44,8 @@ def serve(line: Connection) -> tuple[Connection, bytes]:
     setup = line.recv_bytes()
     gc.disable()  # it would look through all that is imported, again and again
     with suppress(BaseException):  # each worker meets it again, and says so
-        getattr(pickle.loads(setup), "warm", int)()
+        if isinstance(made := pickle.loads(setup), Setup):
+            made.warm()
     gc.freeze()  # else the first collection in each worker copies all that was imported
     gc.enable()
     workers = dict[int, int]()  # by the handle that tells of its end
@@ -86,7 +87,7 @@ def serve(line: Connection) -> tuple[Connection, bytes]:
 def work(line: Connection, pickled: bytes) -> None:
     """The worker: does jobs until nobody sends any more.
 
-    A setup that has `finish` closes with it what its jobs have left open.
+    A `Setup` closes what its jobs have left open.
     """
     _name(WORKER)
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # somebody else's: no exception of the job
@@ -110,7 +111,8 @@ def work(line: Connection, pickled: bytes) -> None:
             _send(line, result)
     except _Gone:
         with suppress(Exception):  # nobody listens any more
-            getattr(setup, "finish", int)()
+            if isinstance(setup, Setup):
+                setup.finish()
     except MemoryError:  # the machine's trouble, as where the kernel is faster
         os.kill(os.getpid(), signal.SIGKILL)
     except RtphysError as error:

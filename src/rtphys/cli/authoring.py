@@ -12,18 +12,17 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 from rich.table import Table
 
-from rtphys.assets.pack import default_pack
-from rtphys.cli.derived import Json, JsonFile, names_in, takes
+from rtphys.cli.derived import AsJson, Json, names_in, takes
 from rtphys.cli.screen import (
     Screen,
     campaign,
     fitting_table,
+    pack_in_use,
     print_rows,
     print_table,
-    progress_bar,
     reasons,
 )
-from rtphys.cli.terminal import say
+from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, UnknownName, counted
 from rtphys.core.untrusted import dump_yaml
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from rtphys.studies.check import Score
 
 
+DOMAIN = "A task, a domain, or a domain file."  # what `domain_named` takes
 PROTOCOLS = ("clean", "phys_random")
 MAX_FAILURES = 10  # of a task that `check` lists
 WIDE = 120  # [characters] a row with all columns fits
@@ -105,18 +105,14 @@ task = Task(
 '''
 
 
-domains = typer.Typer(
-    add_completion=False, no_args_is_help=True, help="Ranges of the physical attributes."
-)
+domains = typer.Typer(add_completion=False, no_args_is_help=True)
 
 
 def tasks(
     pattern: Annotated[str, typer.Argument(help="Only names that match, such as 'stack_*'.")] = "*",
     as_json: Json = False,
 ) -> None:
-    """List the tasks: arms, mechanism, objects, step limit, domain, measured rates.
-
-    The rates are those of the expert in the certified lists.
+    """The rates are those of the expert in the certified lists.
 
     Examples:
 
@@ -166,9 +162,7 @@ def new_task(
         Path, typer.Option("--in", help="The library that gets tasks/NAME.py.")
     ] = Path(),
 ) -> None:
-    """Write a task file to start from; it runs as it is.
-
-    Its place, a library, is a folder of yours; the second command tries the task there.
+    """Its place, a library, is a folder of yours; the second command tries the task there.
 
     Examples:
 
@@ -186,7 +180,7 @@ def new_task(
 
 
 def protocols(as_json: Json = False) -> None:
-    """What may differ between episodes, beside the layout. Libraries may add rows of their own.
+    """The layout always differs. Libraries may add rows of their own.
 
     The JSON also holds the attributes that vary, the width of their ranges, and each look's rules.
     """
@@ -200,7 +194,7 @@ def protocols(as_json: Json = False) -> None:
 
 @domains.command()
 def show(
-    task: Annotated[str, typer.Argument(help="A task, a domain, or a domain file.")],
+    task: Annotated[str, typer.Argument(help=DOMAIN)],
     as_json: Json = False,
     as_yaml: Annotated[
         bool, typer.Option("--yaml", help="A domain file to copy and change, without `extends`.")
@@ -293,7 +287,7 @@ def value_text(value: Value, form: str = "g") -> str:
 
 
 @dataclass(frozen=True)
-class Output(JsonFile):
+class Output(AsJson):
     """Where the results go beside the screen."""
 
     sheet: Annotated[
@@ -304,9 +298,7 @@ class Output(JsonFile):
 
 @takes(CheckPlan, Output)
 def check(plan: CheckPlan, output: Output) -> None:
-    """Try a task's expert over many seeds, without pictures.
-
-    The expert's actions are replayed open loop; two seeds are tried a second time and must give
+    """The expert's actions are replayed open loop; two seeds are tried a second time and must give
     the same states; the baselines idle, random and jitter, which see nothing, must fail, and try
     only where the expert solves a seed. CPU-s is the mean time of an attempt. `rtphys try` shows
     one attempt.
@@ -319,7 +311,6 @@ def check(plan: CheckPlan, output: Output) -> None:
         rtphys check click_bell --seeds 20
         rtphys check 'stack_*' --protocol clean,phys_random --sheet sheets
     """
-    output.check()
     if (sheet := output.sheet) is not None:
         check_drawable()
     from rtphys.report.pictures import captioned
@@ -328,8 +319,10 @@ def check(plan: CheckPlan, output: Output) -> None:
 
     with campaign("trials") as (pack, listener):
         scores = run_check(plan, pack, listener)
-    _show_scores(scores)
-    output.write([score.to_json() for score in scores])
+    if output.as_json:
+        say_json([score.to_json() for score in scores])
+    else:
+        _show_scores(scores)
     if sheet is not None:
         single = len(scores) == 1 and sheet.suffix == ".png"
         make_folder(sheet.parent if single else sheet)
@@ -337,7 +330,7 @@ def check(plan: CheckPlan, output: Output) -> None:
             path = sheet if single else sheet / f"{score.spec.task}_{score.spec.protocol}.png"
             seed, stages, pictures = ends(pack, score)
             replace_file(path, encode_png(captioned(pictures, stages)))
-            say(f"{path}: seed {seed}")
+            say(f"{path}: seed {seed}", err=output.as_json)
     if wrong := complaints(scores):
         say("\n".join(wrong), err=True)
         raise typer.Exit(1)
@@ -345,9 +338,7 @@ def check(plan: CheckPlan, output: Output) -> None:
 
 @takes(TryPlan)
 def try_(plan: TryPlan) -> None:
-    """Try a task's expert once: its stages, and where it stuck.
-
-    Exit code 1: the attempt failed. The same episode is attempted by `rtphys collect`.
+    """Exit code 1: the attempt failed. The same episode is attempted by `rtphys collect`.
 
     Examples:
 
@@ -361,11 +352,10 @@ def try_(plan: TryPlan) -> None:
     from rtphys.studies.check import stage_ends, watch
 
     task = load_task(plan.task)
-    if plan.drawn:
+    if plan.picture or plan.video:
         check_drawable()
         renderer.configure()
-    with progress_bar("building assets") as bar:
-        pack = default_pack(bar)
+    pack = pack_in_use()
     check_robot(pack, plan.episode.embodiment)
     spec = replace(plan.episode, task=plan.task)
     watched = watch(spec.at(plan.seed), task, pack)

@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Sequence, Set
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Annotated
 
 import typer
@@ -26,12 +26,11 @@ from rtphys.cli.terminal import (
     say,
     say_json,
 )
-from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, counted
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.layout import TaskDataset
 from rtphys.spec.collection import CollectionSpec
-from rtphys.spec.option import Option
+from rtphys.spec.option import Option, Tasks, checked_dataclass
 from rtphys.spec.varies import what_varies
 from rtphys.studies.requests import (
     Run,
@@ -44,13 +43,11 @@ from rtphys.studies.requests import (
 from rtphys.task.rates import expected
 
 
-@dataclass(frozen=True)
+@checked_dataclass(frozen=True)
 class Request(AsJson):
     """What is collected, and whether it is."""
 
-    task: Annotated[
-        tuple[str, ...], Option("Tasks or patterns; several with commas, or repeated.")
-    ] = ()
+    tasks: Tasks = ()
     manifest: Annotated[
         str, Option("A file that says what to collect, or its name in a library.")
     ] = ""
@@ -66,16 +63,14 @@ class Request(AsJson):
 
 
 COMMON = (
-    "task", "protocol", "episodes", "only", "overrides", "senses", "out", "workers",
+    "tasks", "protocol", "episodes", "only", "overrides", "senses", "out", "workers",
     "keep_failures", "sweep", "manifest", "dry_run", "repair",
 )  # fmt: skip
 
 
 @takes(Request, CollectionSpec, Run, typer.Context, common=COMMON)
 def collect(request: Request, template: CollectionSpec, run: Run, context: typer.Context) -> None:
-    """Collect verified episodes of one or more tasks.
-
-    Attempts are simulated without pictures, and only successes are drawn. What comes out depends
+    """Attempts are simulated without pictures, and only successes are drawn. What comes out depends
     on the options alone, not on the number of workers or on interruptions.
 
     Examples:
@@ -99,8 +94,8 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
         allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
         _refuse_others(context, beside, allowed)
         specs = read_specs(find_collection(request.manifest))
-    elif request.task:
-        specs = specs_for(template, library.matching("tasks", request.task), request.sweep)
+    elif request.tasks:
+        specs = specs_for(template, request.tasks, request.sweep)
         for line in what_varies(specs):
             say(line, err=request.as_json)
     else:

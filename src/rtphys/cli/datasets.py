@@ -1,6 +1,7 @@
 """Commands that make datasets of others, check them, and write what other tools read."""
 
 import re
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
@@ -20,20 +21,21 @@ from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
 from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
-from rtphys.data.selection import CONFIG, Selection, seed_set
+from rtphys.data.selection import CONFIG, HOLDS, ONLY_SEEDS, DataFolder, Selection, seed_set
+from rtphys.export.card import CardText, write_card
+from rtphys.export.lerobot_plan import READERS, ExportSpec
 from rtphys.spec.option import Option, Seed, Workers, checked_dataclass
 from rtphys.studies.requests import RenderSpec
 
-Folder = Annotated[Path, typer.Argument(help="Folder that holds manifest.json.")]
+Folder = Annotated[Path, typer.Argument(help=HOLDS)]
 SHOWN = 20  # differences of an export, at most
 
 
 @takes(RenderSpec)
 def render(wanted: RenderSpec) -> None:
-    """Draw a dataset again: other cameras, sizes, senses or looks, the same states.
-
-    An episode that was recorded with `--sense states` is drawn from them. Any other is simulated
-    again from its recipe, and drawn if that gives the very states that its label names.
+    """The states stay the same. An episode that was recorded with `--sense states` is drawn from
+    them. Any other is simulated again from its recipe, and drawn if that gives the very states that
+    its label names.
 
     Examples:
 
@@ -57,17 +59,16 @@ def merge(
     parts: Annotated[list[Path], typer.Argument(help="Folders of datasets, in any order.")],
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")] = Path("data"),
 ) -> None:
-    """Join datasets of one version: the shards of a collection, or any others.
-
-    A task dataset that only one of them has is taken over as it is. Those that several have must
-    have been collected alike, with different seeds; their episodes are numbered anew, by seed.
+    """They are of one version. A task dataset that only one of them has is taken over as it is.
+    Those that several have must have been collected alike, with different seeds; their episodes are
+    numbered anew, by seed.
 
     Example:
 
         rtphys merge shard1 shard2 --out data
     """
-    with resumable():
-        names = merge_datasets(parts, out)
+    with resumable(), progress_bar("merging") as bar:
+        names = merge_datasets(parts, out, bar)
     _say_result(out, names)
 
 
@@ -78,16 +79,14 @@ def subset(
     config: Annotated[
         list[str] | None, typer.Option(help=f"Only these configurations, {CONFIG}.")
     ] = None,
-    seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
+    seed: Annotated[str, typer.Option(help=ONLY_SEEDS)] = "",
     drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
-    """Copy a part of a dataset, its episodes numbered anew.
+    """Examples:
 
-    Examples:
-
-        rtphys subset data --out bells --task click_bell
-        rtphys subset data --out small --seed 0:50
-        rtphys subset data --out cleaned --drop-seed 17,23
+    rtphys subset data --out bells --task click_bell
+    rtphys subset data --out small --seed 0:50
+    rtphys subset data --out cleaned --drop-seed 17,23
     """
     known = Dataset(dataset)
     tasks, configs = names_in(task or ()), names_in(config or ())
@@ -104,8 +103,8 @@ def subset(
     def kept(row: Accepted) -> bool:
         return (not seed or row.seed in only) and row.seed not in not_these
 
-    with resumable():
-        names = write_subset(known.path, out, chosen, kept if seed or drop_seed else None)
+    with resumable(), progress_bar("copying") as bar:
+        names = write_subset(known.path, out, chosen, kept if seed or drop_seed else None, bar)
     _say_result(out, names)
 
 
@@ -126,10 +125,8 @@ def convert(
     out: Annotated[Path, typer.Option(help="Folder for the converted dataset.")],
     to: Annotated[str, typer.Option(help="Layout to write: legacy or native.")] = "legacy",
 ) -> None:
-    """Write a dataset again in the other official layout.
-
-    Arrays and videos stay the same. Native files hold standard RGB JPEGs, legacy files have red and
-    blue exchanged, as RoboTwin's readers want them: so pictures are decoded and encoded again.
+    """Arrays and videos stay the same. Native files hold standard RGB JPEGs, legacy files have red
+    and blue exchanged, as RoboTwin's readers want them: so pictures are decoded and encoded again.
 
     Example:
 
@@ -146,9 +143,7 @@ def convert(
 class Checks:
     """What is checked of a dataset, and against what."""
 
-    path: Annotated[Path, Option("Folder that holds manifest.json.", positional=True)] = Path(
-        "data"
-    )
+    path: DataFolder = Path("data")
     quick: Annotated[bool, Option("Trust the checksums: do not decode the pictures.")] = False
     deep: Annotated[bool, Option("Decode the videos too; does it make physical sense?")] = False
     fresh: Annotated[bool, Option("Look again into what was found sound before.")] = False
@@ -167,9 +162,7 @@ class Checks:
 
 @takes(Checks)
 def verify(checks: Checks) -> None:
-    """Check every file of a dataset, and derive its physics again from the seeds.
-
-    Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
+    """Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
     proves.
 
     Examples:
@@ -224,38 +217,24 @@ def verify(checks: Checks) -> None:
     raise typer.Exit(not report.sound)
 
 
-export = typer.Typer(
-    add_completion=False,
-    no_args_is_help=True,
-    help="Write a dataset in the format of another tool.",
-)
+export = typer.Typer(add_completion=False, no_args_is_help=True)
+
+
+@dataclass(frozen=True)
+class Exported:
+    """Which episodes are exported, and whereto."""
+
+    dataset: DataFolder
+    out: Annotated[Path, Option("New folder to write.")]
+    protocol: Annotated[
+        str | None, Option("Only this protocol, with its sweeps and held values.")
+    ] = None
+    part: Selection = field(default_factory=Selection)
 
 
 @export.command()
-def lerobot(
-    dataset: Folder,
-    out: Annotated[Path, typer.Option(help="New folder to write.")],
-    version: Annotated[str, typer.Option(help="v3.0, or v2.1 for openpi and GR00T.")] = "v3.0",
-    task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
-    protocol: Annotated[
-        str | None, typer.Option(help="Only this protocol, with its sweeps and held values.")
-    ] = None,
-    config: Annotated[str | None, typer.Option(help=f"Only this configuration, {CONFIG}.")] = None,
-    seed: Annotated[str, typer.Option(help="Only these seeds: 3,7 or 0:50.")] = "",
-    episode: Annotated[
-        str | None, typer.Option(help="Only these numbers in its task dataset: 3,7 or 0:50.")
-    ] = None,
-    camera_names: Annotated[
-        str, typer.Option(help="aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
-    ] = "aloha",
-    features: Annotated[
-        list[str] | None,
-        typer.Option(help="Also in each frame: physics, environment_state, contact, touch, depth."),
-    ] = None,
-    sentences: Annotated[
-        str, typer.Option(help="Of each episode: first, all in turns, or task for the task's name.")
-    ] = "first",
-) -> None:
+@takes(Exported, ExportSpec)
+def lerobot(wanted: Exported, spec: ExportSpec) -> None:
     """Write a LeRobot dataset.
 
     Each episode's physics is in the columns phys/<attribute>. The same command after a kill goes
@@ -267,28 +246,27 @@ def lerobot(
         rtphys export lerobot data --version v2.1 --features physics --out lr21
     """
     # Imported here: pyarrow comes with the extra `rtphys[lerobot]`.
-    from rtphys.export.lerobot import ExportSpec, export_lerobot
-    from rtphys.export.lerobot_plan import READERS
+    from rtphys.export.lerobot import export_lerobot
 
-    spec = ExportSpec(version, camera_names, tuple(names_in(features or [])), sentences)
-    chosen = Selection(task, config, seed, episode).of(Dataset(dataset).where(protocol=protocol))
+    chosen = wanted.part.of(Dataset(wanted.dataset).where(protocol=wanted.protocol))
     with progress_bar("exporting") as bar:
-        export_lerobot(chosen, out, spec, bar)
-    say(f"{out}: {counted(len(chosen), 'episodes')}, LeRobot {version}, for {READERS[version]}")
+        export_lerobot(chosen, wanted.out, spec, bar)
+    made = f"{counted(len(chosen), 'episodes')}, LeRobot {spec.version}"
+    say(f"{wanted.out}: {made}, for {READERS[spec.version]}")
+
+
+@dataclass(frozen=True)
+class Described:
+    """Which dataset gets a card."""
+
+    dataset: DataFolder
 
 
 @export.command()
-def card(
-    dataset: Folder,
-    name: Annotated[str, typer.Option(help="Name of the dataset.")] = "rtphys demonstrations",
-    licence: Annotated[str, typer.Option("--license", help="SPDX identifier.")] = "apache-2.0",
-    url: Annotated[str, typer.Option(help="Address where it will be published.")] = "",
-    published: Annotated[str, typer.Option(help="Date of publication, YYYY-MM-DD.")] = "",
-) -> None:
+@takes(Described, CardText)
+def card(described: Described, text: CardText) -> None:
     """Write README.md for Hugging Face and croissant.json beside the manifest."""
-    from rtphys.export.card import CardText, write_card
-
-    for path in write_card(Dataset(dataset), CardText(name, licence, url, published)):
+    for path in write_card(Dataset(described.dataset), text):
         say(str(path))
 
 
@@ -296,9 +274,7 @@ def verify_export(
     export: Annotated[Path, typer.Argument(help="Folder that `rtphys export lerobot` wrote.")],
     dataset: Annotated[Path, typer.Argument(help="The dataset that it was made of.")],
 ) -> None:
-    """Compare every number and every picture of a LeRobot export with its dataset.
-
-    Exit code 1 if something differs.
+    """Every picture too. Exit code 1 if something differs.
 
     Example:
 

@@ -6,8 +6,6 @@ nothing here. Tasks may also be words of their own: `check click_bell`, `check -
 """
 
 import inspect
-import json
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from functools import wraps
@@ -17,7 +15,7 @@ from typing import Annotated, Any, NamedTuple, Union, cast, get_args, get_origin
 
 import typer
 
-from rtphys.core.errors import BadFile, BadValue
+from rtphys.core.errors import BadValue
 from rtphys.spec.option import Offers, Option
 
 JSON_HELP = "Plain JSON on standard output instead of a table."
@@ -46,27 +44,6 @@ class AsJson:
     as_json: Annotated[bool, Option(JSON_HELP, "json")] = False
 
 
-@dataclass(frozen=True)
-class JsonFile:
-    """Where the numbers go beside the screen."""
-
-    json_file: Annotated[Path | None, Option("Also write the numbers here.", "json")] = None
-
-    def check(self) -> None:
-        """Refuses before minutes of work what cannot be written after them."""
-        if self.json_file is None:
-            return
-        if not (folder := self.json_file.absolute().parent).is_dir():
-            raise BadFile(self.json_file, f"there is no folder {folder}")
-        if not os.access(folder, os.W_OK):
-            raise BadFile(self.json_file, f"this user cannot write to {folder}; name another file")
-
-    def write(self, content: object) -> None:
-        """Writes the numbers, if they are wanted."""
-        if self.json_file is not None:
-            self.json_file.write_text(json.dumps(content, indent=2) + "\n")
-
-
 def takes(
     *kinds: type, common: Sequence[str] = ()
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -82,8 +59,7 @@ def takes(
         @wraps(function)
         def call(**given: object) -> None:  # typer calls with keywords alone
             if named := given.get(_NAMED):
-                field = "tasks" if "tasks" in given else "task"
-                given[field] = [*cast(list[str], given[field] or []), *cast(list[str], named)]
+                given["tasks"] = [*cast(list[str], given["tasks"] or []), *cast(list[str], named)]
             made = [
                 given["context"] if k is typer.Context else _build(_Part(k), given) for k in kinds
             ]
@@ -172,8 +148,7 @@ def _parameters(part: _Part, common: Sequence[str]) -> Iterator[inspect.Paramete
         several = origin in (tuple, Mapping)
         spelled = list[str] if several else kind if kind in _METAVARS else str
         optional |= origin is Mapping or (not several and spelled is not kind)
-        tasks = called == "task" and several
-        if tasks:
+        if tasks := name == "tasks":
             text = "Tasks or patterns such as 'stack_*'; as an option: --task NAME,NAME."
             words = typer.Argument(help=text, metavar="TASKS", show_default=False)
             named = Annotated[list[str] | None, words]

@@ -19,7 +19,7 @@ from rtphys.core.errors import counted
 from rtphys.results import read_results
 from rtphys.results.breaks import TOGETHER
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
-from rtphys.results.statistics import Rate
+from rtphys.results.statistics import Rate, percent, rate_text
 from rtphys.results.summary import Counts, Summary
 from rtphys.studies.requests import CertificationRun, CertificationSpec, EvaluationRun
 
@@ -32,10 +32,8 @@ MAX_NAMED = 3  # evaluations whose names fit above their columns
     common=("protocols", "feasible", "out", "workers"),
 )
 def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> None:
-    """Find the seeds on which policies are evaluated: those that the expert solves.
-
-    No pictures are drawn. One list a task and protocol, with every seed that was tried. It may be
-    interrupted: the same command goes on where it stopped.
+    """No pictures are drawn. One list a task and protocol, with every seed that was tried. It may
+    be interrupted: the same command goes on where it stopped.
 
     --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
     moves no state, the lists so get the present fingerprint in minutes. Exit code 1: one differs.
@@ -91,12 +89,12 @@ def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
     with campaign("instances") as (pack, listener):
         studies = reprove(spec, run, pack, listener)
     for line in (line for study in studies for line in study.differences):
-        typer.echo(line)
+        say(line)
     renewed = sum(study.renewed for study in studies)
     stale = sum(study.stale and not study.renewed for study in studies)
     solved = sum(study.solved for study in studies)
     held = sum(not study.differences for study in studies)
-    typer.echo(
+    say(
         f"{held} of {counted(len(studies), 'lists')} hold "
         f"({counted(solved, 'instances')} solved again); {renewed} have a new header, "
         f"{stale} stay stale"
@@ -110,10 +108,8 @@ def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
     common=("policy", "protocols", "episodes", "out", "workers", "video", "record"),
 )
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
-    """Run a policy on certified instances and say how often it succeeds.
-
-    Nothing is searched for: the instances are those of a list that `rtphys certify` has made. The
-    same policy gives the same records, with any number of workers. It may be interrupted: the
+    """Nothing is searched for: the instances are those of a list that `rtphys certify` has made.
+    The same policy gives the same records, with any number of workers. It may be interrupted: the
     same command goes on where it stopped. The exit code is 1 if the policy raised an error in
     every episode.
 
@@ -178,7 +174,7 @@ def rates_table(summary: Summary) -> Table:
     for total in summary.overall:
         if total.tasks > 1:
             mean = total.mean_of_tasks
-            name = "all" if mean is None else f"all, mean {_percent(mean)} %"
+            name = "all" if mean is None else f"all, mean {percent(mean)} %"
             table.add_row(total.protocol, name, *_rates(total.counts))
     return table
 
@@ -199,19 +195,7 @@ def loads_table(summary: Summary) -> Table:
 def _rates(counts: Counts) -> tuple[str, str, str]:
     held = Rate(counts.held, counts.rollouts)
     # One interval a row fits into 80 columns; summary.json holds the others.
-    return _rate(counts.of_feasible, bounds=True), _rate(counts.of_tried), _rate(held)
-
-
-def _rate(rate: Rate | None, bounds: bool = False) -> str:
-    if rate is None or rate.value is None:
-        return "-"
-    low, high = map(_percent, rate.interval)
-    between = f" [{low}-{high}]" if bounds else ""  # without a space a table does not break it
-    return f"{_percent(rate.value)} %{between} {rate.successes}/{rate.trials}"
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.1f}".removesuffix(".0")
+    return rate_text(counts.of_feasible, bounds=True), rate_text(counts.of_tried), rate_text(held)
 
 
 def pairs_table(summary: Summary) -> Table:
@@ -234,10 +218,9 @@ def attributes_table(summary: Summary) -> Table:
     for protocol, effects in summary.breaks.items():
         for effect in effects[:SHOWN]:
             curve = effect.curve
-            span = f"{curve.low:.3g} to {curve.high:.3g} {effect.unit}"
             slope = f"{curve.slope:+.2f} ± {curve.error:.2f}"
             p = f"{curve.p:.2g}", f"{effect.p_holm:.2g}"
-            table.add_row(protocol, ", ".join([effect.key, *effect.same]), span, slope, *p)
+            table.add_row(protocol, effect.names, effect.span, slope, *p)
     return table
 
 
@@ -386,9 +369,7 @@ def _show_identified(results: Sequence[Result]) -> None:
 def robotwin_root(
     folder: Annotated[Path, typer.Argument(help="New folder, or one that this command wrote.")],
 ) -> None:
-    """Write a folder that looks like RoboTwin to its launch scripts.
-
-    Link policies into its policy/ folder, then run inside it, for example:
+    """Link policies into its policy/ folder, then run inside it, for example:
     python script/eval_policy.py --config policy/NAME/deploy_policy.yml --overrides
     --task_name click_bell --task_config phys_random --policy_name NAME
     """

@@ -14,18 +14,22 @@ from pathlib import Path
 import typer
 from typer.core import TyperGroup
 
-from rtphys.cli.terminal import GIVEN, command_line, say
+from rtphys.cli.terminal import GIVEN, Interrupted, command_line, say
 from rtphys.core.cache import NoCache, reading_cache, user_cache
 from rtphys.core.errors import BadValue, RtphysError
+from rtphys.core.extras import cure_of
 
 GROUPS = {
     "Make a dataset": {
         "collect": ("collect", "Collect verified episodes of one or more tasks."),
         "render": ("datasets", "Draw a dataset again: other cameras, sizes, senses or looks."),
         "merge": ("datasets", "Join datasets, such as the shards of a collection."),
-        "subset": ("datasets", "Copy a part of a dataset."),
+        "subset": ("datasets", "Copy a part of a dataset, its episodes numbered anew."),
         "convert": ("datasets", "Write a dataset again in the other official layout."),
-        "verify": ("datasets", "Check a dataset against its manifest, and its seeds."),
+        "verify": (
+            "datasets",
+            "Check every file of a dataset, and derive its physics again from the seeds.",
+        ),
         "export": ("datasets", "Write a dataset in the format of another tool."),
         "verify-export": (
             "datasets",
@@ -34,12 +38,18 @@ GROUPS = {
     },
     "Look at it": {
         "show": ("show", "Show one episode in the terminal or as a picture."),
-        "view": ("show", "Look at an episode in Rerun, a viewer of recordings."),
+        "view": (
+            "show",
+            "Look at an episode in Rerun: cameras, 3D, forces, joints, physics, stages.",
+        ),
         "report": ("show", "Show a dataset, or an evaluation, on one HTML page."),
     },
     "Extend it: tasks and physics of your own": {
-        "tasks": ("authoring", "List the tasks and what they need."),
-        "new-task": ("authoring", "Write a task file to start from."),
+        "tasks": (
+            "authoring",
+            "List the tasks: arms, mechanism, objects, step limit, domain, measured rates.",
+        ),
+        "new-task": ("authoring", "Write a task file to start from; it runs as it is."),
         "try": ("authoring", "Try a task's expert once: its stages, and where it stuck."),
         "check": ("authoring", "Try a task's expert over many seeds, without pictures."),
         "domains": ("authoring", "Show and check the ranges of the physical attributes."),
@@ -47,14 +57,29 @@ GROUPS = {
         "physics": ("physics", "Draw physical attributes and prove their laws."),
     },
     "Evaluate policies": {
-        "certify": ("evaluate", "Find the seeds on which policies are evaluated."),
-        "evaluate": ("evaluate", "Say how often a policy succeeds on certified instances."),
+        "certify": (
+            "evaluate",
+            "Find the seeds on which policies are evaluated: those that the expert solves.",
+        ),
+        "evaluate": (
+            "evaluate",
+            "Run a policy on certified instances and say how often it succeeds.",
+        ),
         "compare": ("evaluate", "Show evaluations side by side, and beside the paper's."),
-        "robotwin-root": ("evaluate", "Write a folder that RoboTwin's scripts take for RoboTwin."),
+        "robotwin-root": (
+            "evaluate",
+            "Write a folder that looks like RoboTwin to its launch scripts.",
+        ),
     },
     "Studies": {
-        "sensitivity": ("research", "Measure how far from nominal physics may be in a task."),
-        "identify": ("research", "Find which physics can be inferred from what a robot senses."),
+        "sensitivity": (
+            "research",
+            "Measure how far each physical attribute may be from nominal before a task is lost.",
+        ),
+        "identify": (
+            "research",
+            "Find which physics can be inferred from what a robot senses, and from which signal.",
+        ),
     },
     "This machine": {
         "assets": ("machine", "Build, inspect or link the asset packs."),
@@ -62,19 +87,9 @@ GROUPS = {
         "doctor": ("machine", "Find what keeps this machine from working, and its cure."),
     },
 }
-"""Title of a group in the help -> its commands -> the module in this package, and the help."""
+"""Group in the help -> its commands -> the module in this package, first sentence of the help."""
 COMMANDS = {name: facts for group in GROUPS.values() for name, facts in group.items()}
-# Package -> the optional part of rtphys that brings it.
-EXTRAS = {
-    "pyarrow": "lerobot",
-    "websockets": "serve",
-    "msgpack": "serve",
-    "gymnasium": "gym",
-    "ray": "ray",
-    "sklearn": "identify",
-    "rerun": "view",
-}
-# What a command, or a word after it, was called in 1.0; it works until the next version.
+# What a command, or a word after it, was called in 1.0; it works until 1.2.
 ALIASES = {"verify-manifest": "verify"}
 FORMER = {
     "check": {"--robots": "--baselines"},
@@ -98,7 +113,6 @@ GONE = {
 OF_LIBRARIES = ("task", "task or domain", "domain", "protocol", "embodiment", "attribute")
 FIRST = {"--library", "--assets", "--fallback", "--debug"}  # stand before the command's name
 RUNNING = "rtphys.running"  # key of the context's memory: the command, and its arguments
-INTERRUPTED = 130  # what a shell reports for a program stopped by Ctrl-C
 
 
 class LazyGroup(TyperGroup):
@@ -157,17 +171,11 @@ class LazyGroup(TyperGroup):
                 text += "; --library DIR, before the command's name, adds yours"
             _stop(text, error.exit_code)
         except KeyboardInterrupt:
-            _stop("stopped", INTERRUPTED)
+            _stop("stopped", Interrupted.exit_code)
         except ImportError as error:
-            package, _, part = (error.name or "").partition(".")
-            if package == "rtphys":
+            if (error.name or "").partition(".")[0] == "rtphys":
                 raise
-            cure = "`rtphys doctor` names what is missing or cannot be loaded"
-            if package in EXTRAS:
-                # A part that is missing, or a library that cannot be loaded: it is there, broken.
-                broken = part or not isinstance(error, ModuleNotFoundError)
-                force = "--force-reinstall " if broken else ""
-                cure = f"`pip install {force}'rtphys[{EXTRAS[package]}]'`"
+            cure = cure_of(error) or "`rtphys doctor` names what is missing or cannot be loaded"
             _stop(f"{error}; {cure}", 3)
 
 
@@ -198,6 +206,9 @@ def _as_called_now(args: list[str]) -> list[str]:
         flag, equals, value = word.partition("=")
         if instead := GONE.get((command, flag)):
             _stop(f"{flag} is gone: {instead}", 2)
+        named = value or (words[place + 1 :] or [""])[0].endswith(".json")
+        if command in ("bench", "check") and flag == "--json" and named:
+            _stop("--json is a switch now, which prints: write `--json > FILE`", 2)
         if new := FORMER.get(command, {}).get(flag):
             words[place] = f"{new}{equals}{value}"
             say(f"note: `{flag}` of `rtphys {command}` is called `{new}` now", err=True)
@@ -258,6 +269,7 @@ def load(name: str):
         function, inner = inner, typer.Typer(add_completion=False)
         inner.command()(function)
     command = typer.main.get_command(inner)
+    command.help = "\n\n".join(filter(None, (COMMANDS[name][1], command.help)))
     for one in (command, *getattr(command, "commands", {}).values()):
         # A paragraph becomes one line: the terminal is narrower than the source.
         parts = (one.help or "").split("\n\n")

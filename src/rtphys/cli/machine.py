@@ -14,15 +14,23 @@ from rtphys.assets.build import build as build_pack
 from rtphys.assets.check import check_pack
 from rtphys.assets.identity import source_digest
 from rtphys.assets.model import read_json
-from rtphys.assets.pack import STAMP, Pack, cache_folder, chosen_pack, default_pack
-from rtphys.cli.derived import Json, JsonFile, takes
-from rtphys.cli.screen import Screen, fitting_table, print_rows, print_table, progress_bar
+from rtphys.assets.pack import STAMP, Pack, cache_folder, chosen_pack
+from rtphys.cli.derived import AsJson, Json, takes
+from rtphys.cli.screen import (
+    Screen,
+    fitting_table,
+    pack_in_use,
+    print_rows,
+    print_table,
+    progress_bar,
+)
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.cache import reading_cache, writing_cache
 from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName, counted
 from rtphys.data.files import replace_file
 from rtphys.studies.requests import BenchPlan
+from rtphys.studies.resources import props_of
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.spec import load_task, task_names
 
@@ -33,8 +41,8 @@ if TYPE_CHECKING:
 STYLE = {"ok": "green", "note": "yellow", "fail": "red"}
 
 
-@takes(BenchPlan, JsonFile)
-def bench(plan: BenchPlan, output: JsonFile) -> None:
+@takes(BenchPlan, AsJson)
+def bench(plan: BenchPlan, output: AsJson) -> None:
     """CPU-seconds of an episode by phase, for each task and protocol.
 
     CPU time is what two machines of a kind agree on. Wall time, in the JSON, compares phases of
@@ -44,12 +52,10 @@ def bench(plan: BenchPlan, output: JsonFile) -> None:
 
         rtphys bench --task click_bell --protocol clean --episodes 5
     """
-    output.check()
     from rtphys.studies.cost import ATTEMPT, PICTURES, means
     from rtphys.studies.cost import bench as measure
 
-    with progress_bar("building assets") as bar:
-        pack = default_pack(bar)
+    pack = pack_in_use()
     console = Screen(stderr=True)
 
     def tell(cost: "Cost") -> None:
@@ -57,7 +63,9 @@ def bench(plan: BenchPlan, output: JsonFile) -> None:
         console.print(f"{cost.task}, {cost.protocol}: {attempt:.2f} CPU-s an attempt")
 
     costs = measure(plan, pack, tell)
-    output.write({"means": means(costs), "rows": [cost.to_json() for cost in costs]})
+    if output.as_json:
+        say_json({"means": means(costs), "rows": [cost.to_json() for cost in costs]})
+        return
     names, columns = ["task", "protocol"], ("episodes", *ATTEMPT, "sum")
     table = fitting_table(names, columns, "CPU-seconds of an attempt, without pictures", "right")
     for cost in costs:
@@ -89,7 +97,7 @@ def doctor(
     out: Annotated[Path, typer.Option(help="Where datasets are to go.")] = Path("data"),
     as_json: Json = False,
 ) -> None:
-    """Check renderer, packages, disk space, assets and tasks; name cause and cure.
+    """It looks at renderer, packages, disk space, assets and tasks.
 
     Exit code 0 when all is well, else the code of the first cause: 10-17 renderer, 20-21 disk,
     22-23 packages, 24 assets, 25 task library, 26 cache, 27 a file in the way, 28 a check itself.
@@ -112,11 +120,8 @@ def doctor(
     raise typer.Exit(exit_code(findings))
 
 
-assets = typer.Typer(
-    add_completion=False, no_args_is_help=True, help="Build, inspect or link the asset packs."
-)
+assets = typer.Typer(add_completion=False, no_args_is_help=True)
 
-LAYOUTS = 30  # layouts of a task that are searched for models it may use
 Fallback = Annotated[str, typer.Option(help="`builtin`: let it stand in for what the pack lacks.")]
 
 
@@ -126,7 +131,9 @@ def build(
         Path | None, typer.Option(help="Write the pack here instead of the user's cache.")
     ] = None,
     force: Annotated[bool, typer.Option(help="Build even if it is there already.")] = False,
-    workers: Annotated[int | None, typer.Option(help="Processes; default one a core.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes; default one a core, at most 8.")
+    ] = None,
 ) -> None:
     """Generate the builtin pack, unless this version's is already there."""
     root = out or cache_folder() / source_digest()[:16]
@@ -156,7 +163,7 @@ def show(
     """
     from rtphys.assets.contact_sheet import contact_sheet
 
-    pack = _pack()
+    pack = pack_in_use()
     models = [model for name in names for model in _models(pack, name)]
     with progress_bar("drawing") as bar:
         done = iter(range(1, len(models) + 1))
@@ -189,7 +196,7 @@ def list_models(
 
     Sizes are in the model's own frame, mostly y up.
     """
-    pack, rows = _pack(), list[dict[str, object]]()
+    pack, rows = pack_in_use(), list[dict[str, object]]()
     title = "models; what has no contact point cannot be grasped"
     columns = ("size x y z [cm]", "mass [g]", "contact", "functional")
     table = fitting_table(["model"], columns, title)
@@ -234,7 +241,7 @@ def check(
     """Say what of a pack loads, what is missing, and which tasks can run on it."""
     from rtphys.plan.kinematics import check_robot
 
-    pack = _pack() if folder is None else chosen_pack(folder, fallback)
+    pack = pack_in_use() if folder is None else chosen_pack(folder, fallback)
     if robot:
         _show_robot(pack, robot, as_json)
         return
@@ -288,16 +295,11 @@ def _show_robot(pack: Pack, name: str, as_json: bool) -> None:
 
 def lacking(pack: Pack, task: str) -> list[str]:
     """Models that the task uses and the pack cannot load, as far as its first layouts tell."""
-    spec = load_task(task)
-    wanted: set[tuple[str, int, bool]] = set()
-    for seed in range(LAYOUTS):
-        try:
-            props = spec.props(seed)
-        except RtphysError:
-            continue  # a layout that its own rules refuse says nothing about the pack
-        for prop in props:
-            if isinstance(prop, Mesh | Articulated):
-                wanted.add((prop.category, prop.model, isinstance(prop, Articulated)))
+    wanted = {
+        (prop.category, prop.model, isinstance(prop, Articulated))
+        for prop in props_of(load_task(task))
+        if isinstance(prop, Mesh | Articulated)
+    }
     missing = []
     for category, model, articulated in sorted(wanted):
         try:
@@ -330,8 +332,3 @@ def link(
         path.parent.mkdir(parents=True, exist_ok=True)
     replace_file(path, f"{text}\n".encode())  # a worker may be reading it
     say(f"using {pack.root}" + (", then the builtin pack" if pack.fallback else ""))
-
-
-def _pack() -> Pack:
-    with progress_bar("building assets") as bar:
-        return default_pack(bar)

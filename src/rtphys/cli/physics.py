@@ -11,7 +11,7 @@ import typer
 
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import default_pack
-from rtphys.cli.authoring import domain_named, value_text
+from rtphys.cli.authoring import DOMAIN, domain_named, value_text
 from rtphys.cli.derived import Json, names_in
 from rtphys.cli.screen import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
@@ -32,7 +32,7 @@ LINE_EVERY = 10.0  # [s] between lines of progress
 SEEDS = 4  # in one table: more numbers than that do not fit in 80 columns
 Facts = dict[str, object]
 
-physics = typer.Typer(add_completion=False, no_args_is_help=True, help="The physical attributes.")
+physics = typer.Typer(add_completion=False, no_args_is_help=True)
 
 
 def facts_of(key: str, one: object, *names: str) -> Facts:
@@ -44,7 +44,7 @@ def facts_of(key: str, one: object, *names: str) -> Facts:
 
 @physics.command()
 def sample(
-    name: Annotated[str, typer.Argument(help="A task, a domain, or a domain file.")] = "",
+    name: Annotated[str, typer.Argument(help=DOMAIN)] = "",
     task: Annotated[str, typer.Option(help="The same, as an option.")] = "",
     first_seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
     episodes: Annotated[int, typer.Option(min=1, help="How many seeds, upward.")] = 1,
@@ -143,7 +143,7 @@ def law_test(
     lab, failed, total, rows = Lab(pack, embodiment=embodiment), 0, 0, list[Facts]()
     names = ("setting", "what", "expected", "measured", "unit", "error", "tolerance", "passed")
     for law in laws:
-        trials = list(trials_of(lab, law.key))
+        trials = list(trials_of(lab, law))
         failed, total = failed + sum(not t.passed for t in trials), total + len(trials)
         shown = trials if every else worst(trials)
         rows += [facts_of(law.key, trial, *names) for trial in shown]

@@ -161,6 +161,12 @@ def progress_bar(verb: str) -> Iterator[Callable[..., None]]:
         yield tell
 
 
+def pack_in_use() -> Pack:
+    """The default asset pack, built if need be."""
+    with progress_bar("building assets") as bar:
+        return default_pack(bar)
+
+
 LINE_EVERY = 10.0  # [s] between plain lines
 REFRESH = 0.5  # [s] between redraws
 MAX_ROWS = 12  # series that are shown in a table of their own

@@ -23,9 +23,10 @@ from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.files import make_folder, replace_file
 from rtphys.data.jpeg import encode_png
-from rtphys.data.layout import MANIFEST, embodiment_folder
+from rtphys.data.layout import MANIFEST, REPORT
 from rtphys.data.selection import One
 from rtphys.results import read_results
+from rtphys.results.evaluation import is_evaluation
 from rtphys.spec.option import Option
 
 SUFFIX = ".rrd"
@@ -59,16 +60,9 @@ def chosen(shown: Shown, which: One) -> Episode:
     """The first episode that fits; says how many others do, if it was not any that was meant."""
     first, *others = which.of_path(shown.path)
     if others and which != One():
-        text = f"the first of {len(others) + 1} that fit: {name_of(first)}"
+        text = f"the first of {len(others) + 1} that fit: {first.name}"
         say(f"{text}; --task, --config or --seed chooses", err=True)
     return first
-
-
-def name_of(episode: Episode) -> str:
-    """For files: all that it differs in from any other of its dataset."""
-    kind = "failure" if episode.failed else "episode"
-    robot = embodiment_folder(episode.embodiment)
-    return f"{episode.task}_{episode.config}_{robot}_{kind}_{episode.number}"
 
 
 @takes(ShownHere, One, AsJson)
@@ -121,7 +115,7 @@ def show(shown: ShownHere, which: One, output: AsJson) -> None:
         from rtphys.report.pictures import contact_sheet, joint_plot
 
         make_folder(out)
-        stem = name_of(episode)
+        stem = episode.name
         sheet, plot = out / f"{stem}.png", out / f"{stem}_joints.svg"
         replace_file(sheet, encode_png(contact_sheet(episode)))
         replace_file(plot, joint_plot(episode).encode())
@@ -196,9 +190,7 @@ def _stages(episode: Episode) -> list[Stage]:
 
 @takes(ShownInRerun, One)
 def view(shown: ShownInRerun, which: One) -> None:
-    """Look at an episode in Rerun: cameras, the scene in 3D, forces, joints, physics, stages.
-
-    Of a failure that was kept, the instant at which it went wrong is marked.
+    """Of a failure that was kept, the instant at which it went wrong is marked.
 
     Examples:
 
@@ -262,9 +254,7 @@ def report(
     ] = None,
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
 ) -> None:
-    """Write one HTML page of a dataset, or of a policy's evaluation.
-
-    Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
+    """Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
     evaluation: success rates, which physics breaks the policy, and each failure, with the video
     that `rtphys evaluate --video failures` has written.
 
@@ -273,7 +263,7 @@ def report(
         rtphys report data --task click_bell
         rtphys report eval/random
     """
-    if not (dataset / MANIFEST).exists() and any(dataset.glob("*/*.ledger")):
+    if not (dataset / MANIFEST).exists() and is_evaluation(dataset):
         from rtphys.report.evaluation_page import write_evaluation_report
 
         say(str(write_evaluation_report(read_results(dataset))))
@@ -281,7 +271,7 @@ def report(
     from rtphys.report.page import write_report
 
     chosen = Dataset(dataset).where(task)
-    page = out or chosen.path / "report.html"
+    page = out or chosen.path / REPORT
     with progress_bar("reading") as bar:
         write_report(chosen, page, bar)
     say(str(page))

@@ -60,7 +60,7 @@ class Incomplete(RtphysError):
 class Interrupted(RtphysError):
     """Ctrl-C, SIGTERM or SIGHUP."""
 
-    exit_code = 130
+    exit_code = 130  # what a shell reports for a program stopped by Ctrl-C
 
 
 @contextmanager

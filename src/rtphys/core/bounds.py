@@ -1,4 +1,7 @@
-"""Bounds on what is read from files that others may have written; no other module sets one."""
+"""Bounds on what is read from files that others may have written.
+
+What one format alone needs stands with its reader.
+"""
 
 NAME_BYTES = 200  # of a task, a configuration, a protocol; a file system takes 255
 FILE_BYTES = 2**29  # of a file that is read as a whole, such as a video or a mesh

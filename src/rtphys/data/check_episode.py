@@ -15,7 +15,7 @@ from rtphys.core.poses import quat_to_matrix
 from rtphys.data import files, jpeg, schema, video
 from rtphys.data.attempts import Accepted, Rejected, Row
 from rtphys.data.encode import VIDEO_CAMERA
-from rtphys.data.episode import FRAME_STEPS, Frames
+from rtphys.data.episode import FRAME_RATE, FRAME_STEPS, Frames
 from rtphys.data.hdf5_episode import (
     CLOUDS,
     FORMAT_VERSION,
@@ -32,7 +32,7 @@ from rtphys.senses import SENSES
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.stored import differences, stored
 
-PERIOD = FRAME_STEPS / 250  # [s] between two frames
+PERIOD = float(1 / FRAME_RATE)  # [s] between two frames
 UNIT_QUATERNION = 1e-3  # how far a stored quaternion's length may be from 1
 RIGID = 1e-4  # [m] and [1]: calibration is stored in single precision
 LIMIT_SLACK = 1e-6  # [rad]
@@ -328,7 +328,7 @@ def check_meaning(frames: Frames, meta: PhysMeta, embodiment: str) -> list[str]:
 
 def _cameras(frames: Frames) -> list[str]:
     problems: list[str] = []
-    # A wrist camera is bolted to link6: its pose seen from there never changes.
+    # A wrist camera is bolted to the link of the ee frame: its pose seen from there never changes.
     for arm, camera in WRIST.items():
         if camera in frames.cameras:
             poses = getattr(frames, f"{arm}_endpose")

@@ -79,7 +79,7 @@ class Episode:
 
     @property
     def physics(self) -> Physics:
-        """The 13 attributes and the auxiliary draws, in their units. Raises `BadFile`."""
+        """The attributes and the auxiliary draws, in their units. Raises `BadFile`."""
         labels = self.meta.attributes
         try:
             values = {key: plain_value(label.value) for key, label in labels.items()}
@@ -94,8 +94,15 @@ class Episode:
         return schema.read(Instructions, self.paths.instruction)
 
     @property
+    def name(self) -> str:
+        """For files: all that it differs in from any other of its dataset."""
+        kind = "failure" if self.failed else "episode"
+        robot = embodiment_folder(self.embodiment)
+        return f"{self.task}_{self.config}_{robot}_{kind}_{self.number}"
+
+    @property
     def senses(self) -> SenseFile:
-        """Depth, ids, point clouds and body poses, if they were recorded."""
+        """Depth, ids, point clouds, body poses and touch, if they were recorded."""
         return SenseFile(self.paths.hdf5, self.layout, self.cameras)
 
     @property
@@ -140,7 +147,7 @@ class Episode:
         """(T, 7) xyz [m] + quaternion in the order asked for, world frame.
 
         Args:
-            name: "left" or "right" for an end-effector (link6), otherwise an object.
+            name: "left" or "right" for an end effector (its ee frame), otherwise an object.
             order: "wxyz" as stored, or "xyzw".
         """
         known = {"left": self.frames.left_endpose, "right": self.frames.right_endpose}

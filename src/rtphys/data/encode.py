@@ -11,8 +11,9 @@ from rtphys.data import jpeg
 from rtphys.data.episode import Images
 from rtphys.data.faults import BadEpisode
 from rtphys.data.video import VideoWriter
+from rtphys.spec.recording import HEAD
 
-VIDEO_CAMERA = "head_camera"
+VIDEO_CAMERA = HEAD
 AHEAD = 8  # frames the renderer may be ahead of the encoder; bounds the memory
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias
 
@@ -13,21 +14,24 @@ from rtphys.assets.action_layout import ActionLayout
 from rtphys.core.errors import BadFile, shortened
 from rtphys.senses import SENSES, Arrays
 from rtphys.senses.sense import Array
+from rtphys.spec import recording
 
 Floats: TypeAlias = NDArray[np.floating]
 Images: TypeAlias = Mapping[str, NDArray[np.uint8]]  # camera name -> (H, W, 3) RGB
 Track: TypeAlias = Sequence[Array] | Array  # T frames of a field of a sense
 
 ARMS = ("left", "right")
-CAMERA_KEYS = {  # official name, and in the native layout -> its name there
-    "head_camera": "cam_head",
-    "left_camera": "cam_left_wrist",
-    "right_camera": "cam_right_wrist",
-    "front_camera": "cam_third_view",
+NATIVE = ("cam_head", "cam_left_wrist", "cam_right_wrist", "cam_third_view")
+CAMERAS = tuple(recording.CAMERAS.values())  # official names
+CAMERA_KEYS = dict(zip(CAMERAS, NATIVE, strict=True))  # official name -> that in the native layout
+ALOHA = ("cam_high", "cam_left_wrist", "cam_right_wrist", "cam_low")
+CAMERA_NAMES = {  # naming of an export and of those who learn from it -> official name -> its name
+    "aloha": dict(zip(CAMERAS, ALOHA, strict=True)),
+    "robotwin": dict(zip(CAMERAS, CAMERAS, strict=True)),
 }
-CAMERAS = tuple(CAMERA_KEYS)
 OBJECT = re.compile(r"[^/.][^/]*")  # an HDF5 link name
-FRAME_STEPS = 15  # control steps between two frames, 15 / 250 Hz = 0.06 s
+FRAME_STEPS = 15  # control steps between two frames
+FRAME_RATE = Fraction(250, FRAME_STEPS)  # [Hz] of frames, 0.06 s apart
 
 
 def official_camera(name: str) -> str:
@@ -53,7 +57,7 @@ class Frames:
     right_arm: Floats  # (T, k) [rad]
     left_gripper: Floats  # (T,) commanded opening, 0 closed .. 1 open
     right_gripper: Floats  # (T,)
-    left_endpose: Floats  # (T, 7) measured pose of the ee frame (link6)
+    left_endpose: Floats  # (T, 7) measured pose of the ee frame
     right_endpose: Floats  # (T, 7)
     qpos: Floats  # (T, n) measured [rad or m]
     qvel: Floats  # (T, n) measured [rad/s or m/s]

@@ -7,7 +7,6 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from rtphys.core.bounds import FILE_BYTES
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import hidden, open_ordinary, read_file
 from rtphys.data.faults import CannotWrite
@@ -110,9 +109,7 @@ def sync_folder(folder: Path) -> None:
             os.close(handle)
 
 
-def read(path: Path, most: int = FILE_BYTES) -> bytes:
-    """Raises `BadFile` when the file is missing, unreadable, a link, too large or no file."""
-    return read_file(path, most)
+read = read_file
 
 
 def open_binary(path: Path) -> IO[bytes]:

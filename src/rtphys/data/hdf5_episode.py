@@ -34,7 +34,6 @@ from rtphys.data.hdf5_file import (
     DAMAGED,
     GROUP,
     MAX_REMEMBERED,
-    POSE,
     Rows,
     array,
     arrays,
@@ -51,6 +50,7 @@ from rtphys.data.hdf5_file import (
     texts,
 )
 from rtphys.data.hdf5_senses import read_senses, write_senses
+from rtphys.senses.states import POSE
 
 FORMAT_VERSION = "v1.0"
 RECORD_VERSION = "2.0"
@@ -162,6 +162,7 @@ def episode_bytes(
             put(file, "data_format_version", FORMAT_VERSION)
             put(file, "instruction", sentences[0])  # which several readers need
             put(file, "instructions", json.dumps(list(sentences), ensure_ascii=False))
+            # RoboTwin writes its `save_freq` here: control steps a frame.
             put(file, "additional_info/frequency", np.int32(FRAME_STEPS))
         if sensed is not None:
             write_senses(file, sensed, layout)

@@ -32,7 +32,6 @@ from rtphys.core.untrusted import LINK, parse
 
 GROUP = "rtphys"  # what the official layouts do not hold, or less exactly
 LAST = f"{GROUP}/last"  # what native rows lack of the last frame
-POSE = "x y z [m], qw qx qy qz; world frame"
 TEXT = h5py.string_dtype("utf-8")
 PLAIN = (h5t.INTEGER, h5t.FLOAT, h5t.ENUM, h5t.STRING)  # what `put` writes
 SMALL = 2**20  # [bytes] of an array that is not compared with the file's size, which takes time

@@ -1,27 +1,31 @@
-"""Paths of the files of a dataset; no other module spells them."""
+"""Paths of the files of a dataset, which no other module spells."""
 
 import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.errors import BadValue
 from rtphys.core.untrusted import check_inside, plain_name
 from rtphys.spec.collection import CollectionSpec
 
 MANIFEST = "manifest.json"
 LOCK = ".rtphys.lock"
-HELD = ".rtphys.lock.held"  # where the file system has no locks
+HELD = ".held"  # ends the name of a lock where the file system has none
+REPORT = "report.html"  # of a dataset, or of an evaluation
 LEDGER = "ledger.jsonl"
 STAGING = ".staging"
-EMBODIMENT = "aloha_agilex"
 EPISODE_FOLDERS = ("data", "video", "phys_meta", "instruction", "instructions")
 FAILURES = "failures"  # beside the episodes of a task dataset: attempts that failed, if kept
 
 
 def embodiment_folder(name: str) -> str:
-    """`aloha-agilex` -> `aloha_agilex`, the official rule; idempotent."""
+    """`aloha-agilex` -> `aloha_agilex`, the official rule."""
     return re.sub(r"[^A-Za-z0-9_]+", "_", name).lower()
+
+
+EMBODIMENT = embodiment_folder(DEFAULT)
 
 
 @dataclass(frozen=True)
@@ -63,8 +67,8 @@ class TaskDataset:
     out: Path
     config: str
     task: str
-    embodiment: str = EMBODIMENT
-    layout: str = "native"
+    embodiment: str  # as `embodiment_folder` spells it
+    layout: str
     failed: bool = False  # the folder in it that holds the failures that were kept
 
     def __post_init__(self) -> None:
@@ -87,7 +91,7 @@ class TaskDataset:
         inner = f"/{FAILURES}" if self.failed else ""
         if self.layout == "legacy":
             return f"{self.task}/{self.config}{inner}"
-        return f"{self.config}/{self.task}/{embodiment_folder(self.embodiment)}{inner}"
+        return f"{self.config}/{self.task}/{self.embodiment}{inner}"
 
     @property
     def failures(self) -> "TaskDataset":

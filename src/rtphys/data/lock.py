@@ -9,7 +9,7 @@ from typing import IO, Self
 
 from rtphys.data import files
 from rtphys.data.faults import CannotWrite, DatasetLocked
-from rtphys.data.layout import LOCK
+from rtphys.data.layout import HELD, LOCK
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)  # what a file system without them says
 UNKNOWN = "unknown process"
@@ -38,7 +38,7 @@ class FolderLock:
             self._file.flush()
 
     def _acquire(self, out: Path) -> IO[str]:
-        held = self.path.with_name(f"{self.path.name}.held")
+        held = self.path.with_name(f"{self.path.name}{HELD}")
         while True:
             with files.refusals(self.path):
                 file = open(self.path, "a+", opener=files.unlinked)  # noqa: SIM115

@@ -27,7 +27,7 @@ class DomainName(Model):
 
 
 class AttributeLabel(Model):
-    """One of the 13 physical attributes, in force during the whole episode."""
+    """One of the physical attributes, in force during the whole episode."""
 
     value: FiniteFloat | Vector3 | None = Field(description="null: the asset's own value")
     unit: str

@@ -10,18 +10,21 @@ from rtphys.data.dataset import Dataset, Episode, find_episode
 from rtphys.data.layout import MANIFEST
 from rtphys.spec.option import Option, Seed, checked_dataclass
 
+HOLDS = "Folder that holds manifest.json."
 CONFIG = "such as clean (plain clean) or clean.friction=0.2"  # in the help of those who choose one
+ONLY_SEEDS = "Only these seeds: 3,7 or 0:50."
+DataFolder = Annotated[Path, Option(HOLDS, positional=True)]
 
 
 @checked_dataclass(frozen=True)
 class Selection:
     """A part of a dataset; all of it by default."""
 
-    task: Annotated[str | None, Option("Only of this task.")] = None
-    config: Annotated[str | None, Option(f"Only of this configuration, {CONFIG}.")] = None
-    seed: Annotated[str, Option("Only of these seeds: 3,7 or 0:50.")] = ""
+    task: Annotated[str | None, Option("Only this task.")] = None
+    config: Annotated[str | None, Option(f"Only this configuration, {CONFIG}.")] = None
+    seed: Annotated[str, Option(ONLY_SEEDS)] = ""
     episode: Annotated[
-        str | None, Option("Only of these numbers in its task dataset: 3,7 or 0:50.")
+        str | None, Option("Only these numbers in its task dataset: 3,7 or 0:50.")
     ] = None
 
     def __post_init__(self) -> None:

@@ -26,7 +26,16 @@ from rtphys.data.check_draws import DrawCheck
 from rtphys.data.check_episode import Effort, Problem, check_episode
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import compact, pretty
-from rtphys.data.layout import HELD, LEDGER, LOCK, MANIFEST, STAGING, TaskDataset, episode_number
+from rtphys.data.layout import (
+    HELD,
+    LEDGER,
+    LOCK,
+    MANIFEST,
+    REPORT,
+    STAGING,
+    TaskDataset,
+    episode_number,
+)
 from rtphys.data.ledger import read_header, read_lines
 from rtphys.data.manifest import (
     LedgerState,
@@ -43,7 +52,7 @@ from rtphys.spec.collection import TaskHeader
 from rtphys.spec.stored import differences, stored
 
 CHECKS = "5"  # raised when a check is added or changed: old findings then count no more
-OURS = (MANIFEST, LOCK, HELD, "report.html")  # that rtphys writes beside the datasets
+OURS = (MANIFEST, LOCK, LOCK + HELD, REPORT)  # that rtphys writes beside the datasets
 CUT_OFF = "of a commit that was cut off; resuming removes it"
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
 

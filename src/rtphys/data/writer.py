@@ -89,25 +89,15 @@ class TaskWriter:
                 path.unlink()
 
     @property
-    def episodes(self) -> int:
-        """Number of committed episodes."""
-        return self.totals.episodes
-
-    @property
-    def attempts(self) -> int:
-        """Number of committed attempts."""
-        return self.totals.attempts
-
-    @property
     def next_seed(self) -> int:
         """The lowest seed whose outcome is not committed."""
         if self.header.spec.made_by == "collect":
-            return self.header.spec.seed(self.attempts)
+            return self.header.spec.seed(self.totals.attempts)
         return self.totals.last_seed + 1
 
     @property
     def done(self) -> bool:
-        return self.episodes >= self.wanted
+        return self.totals.episodes >= self.wanted
 
     @property
     def wants_failures(self) -> bool:
@@ -136,7 +126,7 @@ class TaskWriter:
         """
         found: list[Path] = []
         for place, count in (
-            (self.task_dataset, self.episodes),
+            (self.task_dataset, self.totals.episodes),
             (self.task_dataset.failures, self.totals.failures),
         ):
             stems = [place.episode(number).stem for number in range(count)]
@@ -169,7 +159,7 @@ class TaskWriter:
         meta = cast(Mapping[str, Any], staged.phys_meta) if staged else {}
         row: Accepted | Rejected
         if isinstance(outcome, StagedEpisode):
-            labels, number = meta["attributes"].items(), self.episodes
+            labels, number = meta["attributes"].items(), self.totals.episodes
             row = Accepted(
                 seed=outcome.seed,
                 episode=number,
@@ -220,9 +210,9 @@ class TaskWriter:
 
     def write_side_files(self, last: bool) -> None:
         """Once, when all is there, since it takes seconds; or when the run ends (`last`)."""
-        if last or (self.done and self._listed < self.attempts):
+        if last or (self.done and self._listed < self.totals.attempts):
             write_side_files(self.task_dataset, self.totals.failures)
-            self._listed = self.attempts
+            self._listed = self.totals.attempts
 
     def entry(self) -> TaskEntry:
         """The task dataset's part of the manifest."""
@@ -275,8 +265,9 @@ class DatasetWriter:
         """Locks the folder, making it if needed.
 
         Raises:
-            CannotWrite, DatasetLocked,
-            BadFile (there is a `manifest.json` of another version, or that is no dataset's).
+            CannotWrite: no file can be made there.
+            DatasetLocked: another run writes there.
+            BadFile: there is a `manifest.json` of another version, or that is no dataset's.
         """
         self.out = Path(out)
         self._tasks: dict[str, TaskWriter] = {}

@@ -1,5 +1,6 @@
 """Assembles an attempt and its pictures into the episode that the files hold."""
 
+import os
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import asdict, replace
@@ -34,7 +35,7 @@ from rtphys.visual.clutter import disturbed
 class FalseLabel(RtphysError):
     """The simulator does not say what the label would say: a bug, never an episode."""
 
-    exit_code = 70  # EX_SOFTWARE
+    exit_code = os.EX_SOFTWARE
 
 
 def kept(attempt: Attempt) -> bool:
@@ -103,14 +104,10 @@ def assemble(attempt: Attempt, pack: Pack) -> Episode:
 
 def with_pictures(episode: Episode, rendered: RenderedFrames) -> Episode:
     """What `assemble` made, with pictures and where their cameras were."""
-    cameras = {
-        name: {"position": X.p.tolist(), "quaternion_wxyz": X.q.tolist()}
-        for name, X in rendered.first_poses.items()
-    }
     return replace(
         episode,
         frames=replace(episode.frames, cameras=rendered.cameras),
-        phys_meta={**episode.phys_meta, "cameras": cameras},
+        phys_meta={**episode.phys_meta, "cameras": rendered.poses_json()},
         images=rendered.images,
         sensed=rendered.sensed,
     )

@@ -26,10 +26,11 @@ from rtphys.sim.rollout import RolloutOptions
 from rtphys.sim.touch import in_hand
 from rtphys.sim.world import World
 from rtphys.spec.episode import Recipe
+from rtphys.spec.recording import HEAD
 from rtphys.spec.stored import load
 from rtphys.task.spec import load_task
 
-HEAD, RESTITUTION = "head_camera", "restitution"
+RESTITUTION = "restitution"
 # Axes x forward, y left, z up -> those of OpenCV: x right, y down, z forward.
 TO_OPENCV = np.array([[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]], float)
 

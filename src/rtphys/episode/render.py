@@ -4,7 +4,6 @@ import queue
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import chain
 from pathlib import Path
 from typing import TypeVar
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import NoRenderer
 from rtphys.core.poses import Pose
-from rtphys.data.episode import CameraFrames, Images, Sensed
+from rtphys.data.episode import FRAME_RATE, CameraFrames, Images, Sensed
 from rtphys.data.files import make_folder, replace_file
 from rtphys.data.video import VideoWriter
 from rtphys.episode.generate import Instance, prepare
@@ -24,12 +23,13 @@ from rtphys.senses import SENSES, drawn
 from rtphys.senses.states import BodyPoses
 from rtphys.senses.touch import Touch
 from rtphys.sim import renderer
-from rtphys.sim.engine import RATE, TIME_STEP, packed_of, unpacked
+from rtphys.sim.engine import TIME_STEP, packed_of, unpacked
 from rtphys.sim.recorder import FRAME_STEPS, Recording
 from rtphys.sim.scene_renderer import SceneRenderer, body_names, matrices
 from rtphys.sim.turns import turn
+from rtphys.spec import recording
 from rtphys.spec.episode import Recipe
-from rtphys.spec.recording import RecordingSpec
+from rtphys.spec.recording import USUAL, RecordingSpec
 from rtphys.task.spec import Task
 from rtphys.visual.look import Backdrop, Look
 
@@ -85,6 +85,13 @@ class RenderedFrames:
     images: Pictures
     look: Look
     sensed: Sensed | None = None  # complete once `images` is consumed; None: nothing asked for
+
+    def poses_json(self) -> dict[str, dict[str, list[float]]]:
+        """`first_poses` as a label has them."""
+        return {
+            name: {"position": X.p.tolist(), "quaternion_wxyz": X.q.tolist()}
+            for name, X in self.first_poses.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -178,7 +185,7 @@ def draw_together(
 # ---- the video of an evaluated episode -----------------------------------------------------------
 
 
-CAMERAS = ("head_camera", "left_camera", "right_camera")
+CAMERAS = tuple(recording.CAMERAS[name] for name in USUAL)
 KEYFRAMES = 50  # at least every three seconds, so that a player can jump
 
 
@@ -193,7 +200,7 @@ def write_video(instance: Instance, recording: Recording, pack: Pack, path: Path
     pictures = map(montage, rendered.images)
     first = next(pictures)
     height, width, _ = first.shape
-    writer = VideoWriter(height, width, Fraction(RATE, FRAME_STEPS), KEYFRAMES)
+    writer = VideoWriter(height, width, FRAME_RATE, KEYFRAMES)
     for picture in chain([first], pictures):
         writer.add(picture)
     make_folder(path.parent)

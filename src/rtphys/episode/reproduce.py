@@ -16,7 +16,7 @@ from rtphys.data.attempts import Accepted, Rejected
 from rtphys.data.compare import Comparison, RegeneratedEpisode, compare_episode, json_differences
 from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.json_text import plain, pretty
-from rtphys.data.layout import EpisodePaths, TaskDataset
+from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.staging import HDF5, PHYS_META, stage_episode, targets
 from rtphys.episode.assemble import assemble, kept, rejection, values, with_pictures
 from rtphys.episode.fingerprint import versions
@@ -109,7 +109,7 @@ def scene_of(recorded: RecordedAttempt, folder: Path) -> Scene:
     for key, (here, there) in drawn.items():
         if here != there:
             allowed = f"protocol {own.protocol} has {here!r} here"
-            raise BadValue(key, there, allowed, "manifest.json")
+            raise BadValue(key, there, allowed, MANIFEST)
     return Scene(recorded, recipe, task, _pack(resolved.assets.get("digest", "")), folder)
 
 

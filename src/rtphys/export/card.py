@@ -6,6 +6,7 @@ Croissant lists every file with its SHA-256, and every episode with its physics.
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST
 from rtphys.export.lerobot_plan import physics_of
 from rtphys.physics.attribute import attribute, is_attribute
+from rtphys.physics.reach import split
+from rtphys.spec.option import Option
 
 CARD, CROISSANT = "README.md", "croissant.json"
 SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (10**6, "100K<n<1M"))
@@ -54,11 +57,10 @@ CONTEXT = {
 class CardText:
     """Facts about a publication that the manifest does not hold."""
 
-    name: str
-    license: str = "apache-2.0"  # SPDX identifier
-    url: str = ""  # address where the dataset will be published
-    published: str = ""  # YYYY-MM-DD
-    version: str = "1.0.0"
+    name: Annotated[str, Option("Name of the dataset.")] = "rtphys demonstrations"
+    license: Annotated[str, Option("SPDX identifier.")] = "apache-2.0"
+    url: Annotated[str, Option("Address where it will be published.")] = ""
+    published: Annotated[str, Option("Date of publication, YYYY-MM-DD.")] = ""
 
 
 def write_card(dataset: Dataset, text: CardText) -> list[Path]:
@@ -99,7 +101,7 @@ def card(dataset: Dataset, text: CardText) -> str:
         f"# {text.name}",
         f"{counted(len(dataset), 'bimanual demonstrations')} ({frames} frames at 16.67 Hz) of "
         f"{counted(len(dataset.tasks), 'simulated tasks')}. Physics differs from episode to "
-        "episode; the 13 physical attributes in force in the contact solver are stored with each.",
+        f"episode; the {_count(dataset)} in force in the contact solver are stored with each.",
         "## Episodes",
         _task_table(dataset),
         f"Attempts without an episode, by reason: {counts}." if counts else "",
@@ -152,10 +154,19 @@ def _task_table(dataset: Dataset) -> str:
     return "\n".join(rows)
 
 
+def _keys(dataset: Dataset) -> list[str]:
+    """Every attribute that an episode has, those of single props too."""
+    return sorted({key for one in dataset for key in filter(is_attribute, one.meta.attributes)})
+
+
+def _count(dataset: Dataset) -> str:
+    return counted(len({split(key)[0] for key in _keys(dataset)}), "physical attributes")
+
+
 def _physics_table(dataset: Dataset) -> str:
     rows = ["| attribute | unit | varied in | smallest | largest |", "|---|---|---:|---:|---:|"]
     labels = [episode.meta.attributes for episode in dataset]
-    for key in sorted({key for label in labels for key in filter(is_attribute, label)}):
+    for key in _keys(dataset):
         given = [label[key] for label in labels if key in label and label[key].could_act]
         numbers = [np.ravel(label.value) for label in given if label.value is not None]
         values = np.concatenate(numbers) if numbers else np.array([])
@@ -180,10 +191,10 @@ def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
         "conformsTo": "http://mlcommons.org/croissant/1.1",
         "name": text.name,
         "description": f"{counted(len(dataset), 'simulated bimanual manipulation episodes')} "
-        "with 13 physical attributes each, as they were in force in the contact solver.",
+        f"with {_count(dataset)} each, as they were in force in the contact solver.",
         "license": f"https://spdx.org/licenses/{text.license}",
         "url": text.url or "https://example.org/not-published-yet",
-        "version": text.version,
+        "version": "1.0.0",
         **({"datePublished": text.published} if text.published else {}),
         "citeAs": text.name,
         "distribution": _files(dataset),

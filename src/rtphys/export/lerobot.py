@@ -20,7 +20,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from rtphys.assets.action_layout import SIDES
-from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue
 from rtphys.core.untrusted import hidden, parse_mapping
 from rtphys.data import files
 from rtphys.data.dataset import Dataset, Episode
@@ -45,11 +45,10 @@ from rtphys.export.lerobot_episode import (
     to_json,
     write_table,
 )
-from rtphys.export.lerobot_plan import PICTURE, Plan, plan_for
+from rtphys.export.lerobot_plan import PICTURE, ExportSpec, Plan, plan_for
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in total
 SPEC = "meta/rtphys.json"  # what an export holds of which dataset
-SENTENCES = ("first", "all", "task")
 CHUNK = 1000  # files in a folder (v3.0), episodes in a folder (v2.1)
 DATA_MB, VIDEO_MB = 100, 50  # of v3.0: size above which the next file is begun
 ROW_GROUP = 16_000_000  # [bytes] of a group of rows in memory
@@ -59,22 +58,6 @@ VIDEO_V21 = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index
 DATA_V30 = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEO_V30 = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 EPISODES_V30 = "meta/episodes/chunk-000/file-000.parquet"
-
-
-@dataclass(frozen=True)
-class ExportSpec:
-    """What an export holds of a dataset."""
-
-    version: str = "v3.0"  # or "v2.1" (openpi, GR00T)
-    camera_names: str = "aloha"  # "robotwin", or pairs: see `lerobot_plan.plan_for`
-    features: tuple[str, ...] = ()  # further ones, any of `lerobot_plan.WANTED`
-    sentences: str = "first"  # of each episode: the first, all in turns, or the task's name
-
-    def plan(self, dataset: Dataset) -> Plan:
-        """Its features and cameras. Raises `UnknownName`, `BadValue`, `BadFile`: see `plan_for`."""
-        if self.sentences not in SENTENCES:
-            raise UnknownName("choice of sentences", self.sentences, SENTENCES)
-        return plan_for(dataset, self.version, self.camera_names, self.features)
 
 
 def export_lerobot(
@@ -98,7 +81,7 @@ def export_lerobot(
     if not len(dataset):
         raise BadFile(dataset.path, "the dataset has no episode to export")
     spec = spec or ExportSpec()
-    plan = spec.plan(dataset)
+    plan = plan_for(dataset, spec)
     files.make_folder(out.parent)
     with FolderLock(out, hidden(out, ".lock")):
         with files.refusals(out):

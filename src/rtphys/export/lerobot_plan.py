@@ -3,14 +3,14 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset, Episode
-from rtphys.data.episode import official_camera
+from rtphys.data.episode import CAMERA_NAMES, FRAME_RATE, official_camera
 from rtphys.senses import SENSES
-from rtphys.spec.recording import CAMERAS
+from rtphys.spec.option import Option, checked_dataclass, one_of
 
 READERS = {
     "v3.0": "lerobot 0.4 and later",
@@ -20,15 +20,10 @@ READERS = {
 """Version of the format -> who reads it."""
 
 VERSIONS = tuple(READERS)
-ALOHA = ("cam_high", "cam_left_wrist", "cam_right_wrist", "cam_low")
-OFFICIAL = tuple(CAMERAS.values())
-CAMERA_NAMES = {
-    "aloha": dict(zip(OFFICIAL, ALOHA, strict=True)),
-    "robotwin": dict(zip(OFFICIAL, OFFICIAL, strict=True)),
-}
-# [Hz] Frames are 15 control steps of 1/250 s apart. LeRobot's tools for v3.0 cut videos at a whole
+SENTENCES = ("first", "all", "task")
+# [Hz] LeRobot's tools for v3.0 cut videos at a whole
 # number of frames a second: with 50/3 they show the pictures of other frames, and say nothing.
-RATES = {"v3.0": Fraction(17), "v2.1": Fraction(250, 15)}
+RATES = {"v3.0": Fraction(17), "v2.1": FRAME_RATE}
 
 POSE = [f"{side}_{part}" for side in SIDES for part in ("x", "y", "z", "qw", "qx", "qy", "qz")]
 # Features on request. Numbers of an episode repeat in each of its frames, because lerobot's tools
@@ -56,6 +51,32 @@ class Video(NamedTuple):
 
     camera: str  # official name
     depth: bool
+
+
+@checked_dataclass(frozen=True)
+class ExportSpec:
+    """What an export holds of a dataset."""
+
+    version: Annotated[
+        str, one_of("LeRobot version", VERSIONS), Option("v3.0, or v2.1 for openpi and GR00T.")
+    ] = "v3.0"
+    camera_names: Annotated[
+        str, Option("aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
+    ] = "aloha"
+    features: Annotated[
+        tuple[str, ...],
+        one_of("feature", WANTED),
+        Option(f"Also in each frame: {', '.join(WANTED)}."),
+    ] = ()
+    sentences: Annotated[
+        str,
+        one_of("choice of sentences", SENTENCES),
+        Option("Of each episode: first, all in turns, or task for the task's name."),
+    ] = "first"
+
+    def __post_init__(self) -> None:
+        if "depth" in self.features and self.version != "v3.0":
+            raise BadValue("features", "depth", "lerobot reads depth from v3.0 on")
 
 
 @dataclass(frozen=True)
@@ -115,36 +136,26 @@ class Plan:
         return features
 
 
-def plan_for(dataset: Dataset, version: str, camera_names: str, wanted: Sequence[str] = ()) -> Plan:
+def plan_for(dataset: Dataset, spec: ExportSpec) -> Plan:
     """Reads one episode to see how large its pictures are, and how many joints there are.
 
     Args:
-        dataset: what is exported; the cameras are those that all of its task datasets have.
-        version: "v3.0" or "v2.1".
-        camera_names: "aloha", "robotwin", or pairs such as "head_camera=top,left_camera=wrist";
-            with pairs, only the named cameras are exported.
-        wanted: further features, any of `WANTED`.
+        dataset: what is exported; the cameras are those that all of its task datasets have, or
+            where `camera_names` has pairs, the named ones.
 
     Raises:
-        UnknownName: no such version, camera or feature.
-        BadValue: cameras of different sizes, two cameras with one name, several robots, or depth in
-            v2.1.
+        UnknownName: no such camera.
+        BadValue: cameras of different sizes, two cameras with one name, or several robots.
         BadFile: an episode that does not hold what a feature needs.
     """
-    if version not in VERSIONS:
-        raise UnknownName("LeRobot version", version, VERSIONS)
-    for name in wanted:
-        if name not in WANTED:
-            raise UnknownName("feature", name, WANTED)
-    if "depth" in wanted and version != "v3.0":
-        raise BadValue("features", "depth", "lerobot reads depth from v3.0 on")
+    wanted = spec.features
     robot, *others = dataset.embodiments
     if others:
         allowed = "an export holds the episodes of one robot: they differ in their joints"
         raise BadValue("dataset", ", ".join([robot, *others]), allowed, dataset.path)
     episode, recordings = dataset[0], [part.spec.recording for part in dataset.task_datasets]
     shared = [name for name in episode.cameras if all(name in one.official for one in recordings)]
-    chosen = _names(camera_names, tuple(shared))
+    chosen = _names(spec.camera_names, tuple(shared))
     sizes = {camera: episode.image(camera, 0).shape for camera in chosen}
     if len({*sizes.values()}) != 1:
         raise BadValue("cameras", sizes, "all pictures of an export must have one size")
@@ -164,7 +175,9 @@ def plan_for(dataset: Dataset, version: str, camera_names: str, wanted: Sequence
     for name in set(wanted) & {*EXPORTED}:
         more[f"observation.{name}"] = [*episode.senses.columns(name)]
     frames = episode.frames
-    return Plan(version, videos, (height, width), frames.layout, frames.joint_names, robot, more)
+    return Plan(
+        spec.version, videos, (height, width), frames.layout, frames.joint_names, robot, more
+    )
 
 
 def physics_of(episode: Episode) -> dict[str, float | None]:

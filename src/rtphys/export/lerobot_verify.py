@@ -15,7 +15,7 @@ from rtphys.core.untrusted import parse_mapping
 from rtphys.data import files, video
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.layout import MANIFEST
-from rtphys.export.lerobot import CHUNK, EPISODES_V30, SPEC, ExportSpec, Progress
+from rtphys.export.lerobot import CHUNK, EPISODES_V30, SPEC, Progress
 from rtphys.export.lerobot_episode import (
     Position,
     columns_of,
@@ -23,7 +23,8 @@ from rtphys.export.lerobot_episode import (
     sentences_of,
     table_columns,
 )
-from rtphys.export.lerobot_plan import Plan
+from rtphys.export.lerobot_plan import ExportSpec, Plan, plan_for
+from rtphys.spec.stored import load
 
 Picture = NDArray[np.uint8 | np.uint16]
 # H.264 at the export's quality is off by about 2 of 255 in drawn pictures, and by 12 in noise.
@@ -45,11 +46,10 @@ def verify_export(out: Path, dataset: Dataset, progress: Progress | None = None)
     if stored.get("manifest") != files.facts_of(dataset.path / MANIFEST).sha256:
         allowed = f"{out} was made of another dataset, or of another state of this one"
         raise BadValue("dataset", str(dataset.path), allowed)
-    features = tuple(map(str, given.get("features", ())))  # type: ignore[arg-type]
-    spec = ExportSpec(**{**given, "features": features})  # type: ignore[arg-type]
+    spec = load(ExportSpec, given, out / SPEC)
     known = {(one.task, one.config, one.seed): one for one in dataset}
     episodes = [known[tuple(key)] for key in order]  # type: ignore[index, arg-type]
-    export, plan = _Export(out, spec.version, len(episodes)), spec.plan(dataset)
+    export, plan = _Export(out, spec.version, len(episodes)), plan_for(dataset, spec)
     tasks: dict[str, int] = {}
     problems, first = list[str](), 0
     for number, episode in enumerate(episodes):

@@ -46,7 +46,7 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         task: as in `rtphys tasks`.
         protocol: clean, official_random, phys_random, phys_random_all, or a library's own.
         obs: "state" (commands, measurements, object poses) or "pixels" (commands, pictures).
-        show_physics: add the 13 attributes to observations, under "physics".
+        show_physics: add the attributes to observations, under "physics".
         senses: also observe "depth" [m], "segmentation" (ids of bodies, named in `info["bodies"]`)
             "pointcloud", or "touch" (what each finger feels), each under its name.
         render_mode: "rgb_array", the picture of the head camera.

@@ -147,16 +147,15 @@ def run_trials(lab: Lab, law: LawTest, value: Value, others: Values) -> list[Tri
     return [replace(trial, setting=setting) for trial in law.run(lab, value, others)]
 
 
-def trials_of(lab: Lab, key: str) -> Iterator[Trial]:
+def trials_of(lab: Lab, law: LawTest) -> Iterator[Trial]:
     """All trials of one attribute: each setting alone and with all others varied, then the last
     one beside extreme values of a few, and as the own value of each object."""
-    law = law_test(key)
     for others in ({}, law.company):
         for value in law.settings:
             yield from run_trials(lab, law, value, others)
     for others in law.others:
         yield from run_trials(lab, law, law.settings[-1], others)
-    if attribute(key).by_prop:
+    if attribute(law.key).by_prop:
         yield from run_trials(by_prop(lab, law), law, law.settings[-1], law.company)
 
 

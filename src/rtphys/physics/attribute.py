@@ -131,7 +131,7 @@ ENTRY_POINTS = "rtphys.attributes"  # group in which an installed plug-in names 
 
 
 def attributes() -> Attributes:
-    """Key -> attribute, sorted by key: the bundled thirteen and those of libraries and plug-ins.
+    """Key -> attribute, sorted by key: the bundled ones and those of libraries and plug-ins.
 
     Raises `BadFile`: a file that does not define exactly one attribute, or a key that exists
     already.

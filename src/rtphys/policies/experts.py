@@ -57,6 +57,9 @@ class Expert:
 class Feels(Expert):
     """`feels` knows no physics: it finds out by acting what the script asks for (`Task.feel`)."""
 
+    def __init__(self) -> None:
+        super().__init__({"": NOMINAL})
+
     def _act(self, robot: ExpertRobot, episode: PolicyEpisode) -> None:
         task = episode.instance.task
         if task.feel is None:
@@ -103,10 +106,3 @@ def open_expert(argument: str, setup: PolicySetup) -> Expert:
         for key in belief.keys() - known.keys():
             raise UnknownName(f"physics of {setup.task}", key, known)
     return Expert(belief)
-
-
-def open_feels(argument: str, setup: PolicySetup) -> Feels:
-    """Opener of `feels`. Raises `BadValue`: it takes no argument."""
-    if argument:
-        raise BadValue("policy", f"feels:{argument}", "feels takes no argument")
-    return Feels({"": NOMINAL})

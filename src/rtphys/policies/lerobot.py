@@ -19,6 +19,7 @@ import numpy as np
 
 from rtphys.core.bounds import LARGEST_MESSAGE, LONGEST_REPORT
 from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.data.episode import CAMERA_NAMES
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.physics import Physics, attributes
 from rtphys.physics.values import components
@@ -26,16 +27,16 @@ from rtphys.policies import lerobot_server
 from rtphys.policies.lerobot_server import STATE
 from rtphys.policies.policy import PolicyGone, PolicySetup, ServerFailed, action_rows
 from rtphys.policies.registry import Seconds, split_options
+from rtphys.spec import recording
 from rtphys.spec.option import Positive, checked_dataclass, from_words
 
 EE_POSE = "observation.ee_pose"
 PHYSICS = "observation.environment_state"  # as ACT and Diffusion read it
 PICTURE = "observation.images."
-# Names of our cameras in `rtphys export lerobot`, by our own.
+# Our cameras -> their names in an export, by either naming, and their own.
 CAMERAS = {
-    "head": ("cam_high", "head_camera", "head"),
-    "left": ("cam_left_wrist", "left_camera", "left"),
-    "right": ("cam_right_wrist", "right_camera", "right"),
+    name: (*(naming[recording.CAMERAS[name]] for naming in CAMERA_NAMES.values()), name)
+    for name in recording.USUAL
 }
 FAREWELL = 5.0  # [s] that the process has to end
 OURS = ("PYTHONPATH", "PYTHONHOME", "PYTHONSTARTUP")  # variables that are meant for this Python

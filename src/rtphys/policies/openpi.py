@@ -11,14 +11,16 @@ import numpy as np
 
 from rtphys.core.errors import BadValue, RtphysError
 from rtphys.core.poses import Array
+from rtphys.data.episode import CAMERA_NAMES
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies.policy import PolicySetup, ServerFailed, action_rows
 from rtphys.policies.registry import Seconds, split_options
 from rtphys.policies.websocket import OPENPI, Connection, Endpoint
+from rtphys.spec import recording
 from rtphys.spec.option import Positive, checked_dataclass, from_words
 
 ACTION_SIZE = 14  # numbers of an action of openpi's aloha policies
-CAMERAS = {"head": "cam_high", "left": "cam_left_wrist", "right": "cam_right_wrist"}
+CAMERAS = {name: CAMERA_NAMES["aloha"][recording.CAMERAS[name]] for name in recording.USUAL}
 KEY = "OPENPI_API_KEY"  # environment variable; a specification is stored in every result
 
 

@@ -11,6 +11,7 @@ from typing import Annotated
 from urllib.parse import parse_qsl
 
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
+from rtphys.core.extras import cure_of
 from rtphys.core.library import load_file
 from rtphys.data.files import facts_of
 from rtphys.physics.attribute import is_attribute
@@ -26,7 +27,7 @@ BUILTIN: dict[str, str] = {
     "random": "rtphys.policies.baselines:RandomWalk",
     "jitter": "rtphys.policies.baselines:Jitter",
     "expert": "rtphys.policies.experts:open_expert",
-    "feels": "rtphys.policies.experts:open_feels",
+    "feels": "rtphys.policies.experts:Feels",
     "replay": "rtphys.policies.baselines:open_replay",
     "robotwin": "rtphys.policies.robotwin_plugin:open_robotwin",
     "openpi": "rtphys.policies.openpi:open_openpi",
@@ -36,7 +37,6 @@ BUILTIN: dict[str, str] = {
 }
 """Name of a policy -> "module:name" of its `Opener`, or of its class if it takes no argument."""
 
-OF_SERVERS = ("websockets", "msgpack")  # modules of the only extra that a policy needs
 WITHOUT_OPTIONS = ("idle", "random", "jitter", "expert", "feels", "replay")
 
 
@@ -116,9 +116,9 @@ def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
     try:
         opener: Opener = getattr(importlib.import_module(module), attribute)
     except ModuleNotFoundError as error:
-        top = (error.name or "").partition(".")[0]
-        cure = "; pip install 'rtphys[serve]'" if top in OF_SERVERS else ""
-        raise PolicyGone(name, f"Python finds no module {error.name!r}{cure}") from error
+        cure = cure_of(error)
+        problem = f"Python finds no module {error.name!r}" + (cure and f"; {cure}")
+        raise PolicyGone(name, problem) from error
     try:
         bare = isinstance(opener, type)
         if bare and argument:

@@ -96,7 +96,7 @@ class Posed:
 READINGS: dict[str, Callable[[SimArm], object]] = {
     "get_{}_arm_jointState": lambda arm: [*arm.target.tolist(), arm.gripper],  # [rad], opening
     "get_{}_gripper_val": lambda arm: arm.gripper,  # commanded, 0 closed .. 1 open
-    "get_{}_ee_pose": lambda arm: arm.ee().flat.tolist(),  # of link6
+    "get_{}_ee_pose": lambda arm: arm.ee().flat.tolist(),  # of the ee frame
     "get_{}_tcp_pose": lambda arm: arm.tcp().flat.tolist(),  # of the tool centre point
     "is_{}_gripper_close": lambda arm: arm.gripper < CLOSED,
     "is_{}_gripper_open": lambda arm: arm.gripper > OPEN,

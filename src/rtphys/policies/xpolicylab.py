@@ -17,11 +17,13 @@ from rtphys.assets.action_layout import SIDES
 from rtphys.core.bounds import LONGEST_REPORT, MAX_STALE
 from rtphys.core.errors import RtphysError, UnknownName
 from rtphys.core.poses import Array, Pose
+from rtphys.data.episode import CAMERA_KEYS
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.episode.control import ActionKind, shape_of
 from rtphys.policies.policy import PolicySetup, ServerFailed
 from rtphys.policies.registry import Seconds, split_options
 from rtphys.policies.websocket import MSGPACK_NUMPY, Connection, Endpoint
+from rtphys.spec import recording
 from rtphys.spec.option import checked_dataclass, from_words, one_of
 
 ANSWERS = {
@@ -32,12 +34,7 @@ ANSWERS = {
     "trial_end": "trial_end_ack",
 }
 EVALUATION = "rtphys"
-CAMERAS = {
-    "head": "cam_head",
-    "left": "cam_left_wrist",
-    "right": "cam_right_wrist",
-    "front": "cam_third_view",
-}
+CAMERAS = {name: CAMERA_KEYS[official] for name, official in recording.CAMERAS.items()}
 KINDS: dict[str, ActionKind] = {"joint": "qpos", "qpos": "qpos", "ee": "ee", "endpose": "ee"}
 FREQUENCY = 30  # [Hz] what RoboTwin's client says by default; servers use it as a label
 # Names under which an action may come, the present one first (RoboTwin's client accepts all).

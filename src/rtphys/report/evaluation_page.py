@@ -9,10 +9,11 @@ from urllib.parse import quote
 
 from rtphys.core.errors import counted
 from rtphys.data.files import read, replace_file
+from rtphys.data.layout import REPORT
 from rtphys.physics.attribute import is_attribute
 from rtphys.results.breaks import TOGETHER, Break
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
-from rtphys.results.statistics import Rate
+from rtphys.results.statistics import rate_text
 from rtphys.results.summary import summarise
 
 ORDER = (
@@ -29,14 +30,13 @@ def write_evaluation_report(results: Results) -> Path:
     known = {key: header.fingerprint for key, header in results.headers.items()}
     summary = summarise(results.records, results.lists, known)
     rates = [
-        (row.protocol, row.task, _rate(row.counts.of_feasible), _rate(row.counts.of_tried),
+        (row.protocol, row.task, *(rate_text(rate, bounds=True) for rate in
+                                   (row.counts.of_feasible, row.counts.of_tried)),
          ", ".join(f"{name} {count}" for name, count in row.reasons.items()))
         for row in summary.tasks
     ]  # fmt: skip
     breaks = [
-        (protocol, ", ".join([effect.key, *effect.same]), f"{effect.curve.low:.3g} to "
-         f"{effect.curve.high:.3g} {effect.unit}", f"{effect.curve.slope:+.2f}",
-         f"{effect.p_holm:.2g}")
+        (protocol, effect.names, effect.span, f"{effect.curve.slope:+.2f}", f"{effect.p_holm:.2g}")
         for protocol, effects in summary.breaks.items()
         for effect in effects
     ]  # fmt: skip
@@ -62,7 +62,7 @@ def write_evaluation_report(results: Results) -> Path:
     style = style.partition("<style>")[2].partition("</style>")[0]
     head = f"<!doctype html><meta charset=utf-8><title>rtphys evaluation</title><style>{style}"
     page = f"{head}figure img {{ max-width: 100%; }}</style><main>{''.join(parts)}</main>"
-    replace_file(out := results.path / "report.html", page.encode())
+    replace_file(out := results.path / REPORT, page.encode())
     return out
 
 
@@ -101,14 +101,6 @@ def _number(value: object) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(_number, value))
     return f"{value:.4g}" if isinstance(value, int | float) else escape(str(value))
-
-
-def _rate(rate: Rate | None) -> str:
-    if rate is None or rate.value is None:
-        return "-"
-    low, high = rate.interval
-    ends = f"[{100 * low:.0f}, {100 * high:.0f}]"
-    return f"{100 * rate.value:.1f} % {ends} {rate.successes}/{rate.trials}"
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

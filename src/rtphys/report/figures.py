@@ -26,10 +26,9 @@ def draw_breaks(effects: Sequence[Break], title: str, path: Path) -> None:
         style = {"fmt": "o", "ms": 4, "lw": 1, "color": "0.4", "capsize": 2}
         panel.errorbar(middles, rates, yerr=np.abs(bounds - rates[:, None]).T, **style)
         panel.plot(x, curve.at(x), color="C0")
-        names = ", ".join([effect.key, *effect.same])
         numbers = f"log-odds {curve.slope:+.1f}, p (Holm) = {effect.p_holm:.2g}"
         colour = "C3" if effect.p_holm < SIGNIFICANT else "k"
-        panel.set_title(f"{names} [{effect.unit}]\n{numbers}", fontsize=8, color=colour)
+        panel.set_title(f"{effect.names} [{effect.unit}]\n{numbers}", fontsize=8, color=colour)
         panel.set_ylim(-0.03, 1.03)
         panel.tick_params(labelsize=7)
     figure.suptitle(title)

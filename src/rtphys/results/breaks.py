@@ -57,6 +57,16 @@ class Break:
     bins: tuple[tuple[float, float, Rate], ...]  # from, to, success rate
     same: tuple[str, ...] = ()  # attributes that always had the same values (one shared draw)
 
+    @property
+    def names(self) -> str:
+        """Its attributes, in one cell."""
+        return ", ".join([self.key, *self.same])
+
+    @property
+    def span(self) -> str:
+        """What values they had, in one cell."""
+        return f"{self.curve.low:.3g} to {self.curve.high:.3g} {self.unit}"
+
     def to_json(self) -> dict[str, JSON]:
         curve = self.curve
         return {

@@ -23,18 +23,9 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import CLOSED
 
 SUMMARY = "summary.json"
+LEDGERS = "*/*.ledger"
 INSTANCES = "instances"  # folder of the certified lists that were run
 DIGITS = 8  # of a digest that is shown
-
-REASONS: dict[str, str] = {
-    "step_limit": "the task's number of actions was used up",
-    "gave_up": "the policy stopped by itself",
-    "policy_error": "the policy raised; `detail` holds the traceback",
-    "infeasible": "the world could not be set up: the certification fingerprint differs",
-    "worker_crash": "the episode crashed its worker process, twice",
-    "worker_hang": "the episode exceeded its time limit, then again with nothing beside it",
-}
-"""Reasons of failure -> what they mean."""
 
 
 @checked_dataclass(frozen=True, config=CLOSED)
@@ -49,7 +40,9 @@ class EpisodeRecord:
     seed: int
     success: bool  # the success condition was true at some instant, as RoboTwin counts
     held: bool = False  # and was still true 0.5 s after the policy had stopped
-    reason: str = ""  # one of `REASONS`; empty for a success
+    # Of a failure: step_limit, gave_up, policy_error, worker_crash, worker_hang (both: twice), or
+    # infeasible: the world could not be set up, as the certification fingerprint differs.
+    reason: str = ""
     first_touch: FiniteFloat | None = None  # [s] simulated, when the condition first was true
     steps: int = 0  # number of actions
     time: FiniteFloat = 0.0  # [s] simulated, until the policy stopped
@@ -137,11 +130,16 @@ def video_file(out: Path, protocol: str, task: str, seed: int, success: bool) ->
     return out / "video" / protocol / task / f"{seed}_{outcome}.mp4"
 
 
+def is_evaluation(folder: Path) -> bool:
+    """Whether an evaluation has written into a folder."""
+    return any(folder.glob(LEDGERS))
+
+
 def headers(out: Path) -> dict[Path, EvaluationHeader]:
     """First line of each ledger of a result folder that has one. Raises `BadFile`."""
     if (out / "run.json").exists():
         raise BadFile(out, "holds results of an earlier version, which are not read")
-    paths = [path for path in sorted(out.glob("*/*.ledger")) if path.stat().st_size]
+    paths = [path for path in sorted(out.glob(LEDGERS)) if path.stat().st_size]
     return {path: read_header(EvaluationHeader, path) for path in paths}
 
 

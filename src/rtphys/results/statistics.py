@@ -30,6 +30,20 @@ class Rate:
         return {**asdict(self), "rate": self.value, "low": low, "high": high}
 
 
+def rate_text(rate: Rate | None, bounds: bool = False) -> str:
+    """Such as `98.1 % [90.2-99.7] 53/54`, the interval only with `bounds`; `-` without a trial."""
+    if rate is None or rate.value is None:
+        return "-"
+    low, high = map(percent, rate.interval)
+    between = f" [{low}-{high}]" if bounds else ""  # without a space a table does not break it
+    return f"{percent(rate.value)} %{between} {rate.successes}/{rate.trials}"
+
+
+def percent(share: float) -> str:
+    """Such as `98.1` or `100`."""
+    return f"{100 * share:.1f}".removesuffix(".0")
+
+
 def wilson(successes: int, trials: int) -> tuple[float, float]:
     """Wilson score interval (low, high) of a success rate at 95 %; [0, 1] without a trial."""
     if trials == 0:

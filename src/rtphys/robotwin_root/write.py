@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import RtphysError
 from rtphys.core.untrusted import dump_yaml
@@ -162,7 +163,7 @@ def _config(protocol: str) -> dict[str, object]:
         "episode_num": 100,
         "use_seed": False,
         "save_freq": 15,
-        "embodiment": ["aloha-agilex"],
+        "embodiment": [DEFAULT],
         "language_num": 100,
         "eval_instruction": "unseen",
         "domain_randomization": {

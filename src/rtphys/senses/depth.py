@@ -13,7 +13,6 @@ class Depth(Sense):
     """Distance along the optical axis [m] in memory, [mm] in files."""
 
     name = "depth"
-    adds = "distance along the camera's axis, mm; 0 where there is nothing"
     scope = "pixel"
     size = 8
     fields = (

@@ -21,7 +21,6 @@ class PointCloud(Sense):
     """What the head camera sees above the table, as points in the world."""
 
     name = "pointcloud"
-    adds = f"{CLOUD_POINTS} points above the table, x y z [m] in the world and r g b 0..1"
     scope = "head"
     size = CLOUD_POINTS * 6 * 4
     fields = (

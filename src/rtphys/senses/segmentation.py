@@ -17,7 +17,6 @@ class Segmentation(Sense):
     """Ids in memory, the official palette's colours in files, which name each id."""
 
     name = "segmentation"
-    adds = "which body, and which mesh of it, in the official palette's colours"
     scope = "pixel"
     size = 6
     fields = (_ids("actor", "actors"), _ids("mesh", "meshes"))

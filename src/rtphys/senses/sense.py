@@ -1,7 +1,8 @@
 """What a sense is: something that an episode can record beyond colour pictures, on request.
 
 A sense is one class in a file of its own. Its fields say what it stores: from them follow how it is
-written, read and verified. Everything else that is peculiar to it is a method here.
+written, read and verified. What else is peculiar to it is a method here; but one of scope "world"
+also needs a recorder in the simulation, and the one there is (`sim.touch`) records for touch alone.
 """
 
 from abc import ABC, abstractmethod
@@ -86,7 +87,6 @@ class Sense(ABC):
 
     Attributes:
         name: what users call it.
-        adds: what it is.
         scope: what it is computed of. "pixel": of what each camera sees, for each of its pixels;
             "head": of what the head camera sees; "bodies": of the poses of all bodies, which are
             known wherever pictures can be drawn; "world": of what the fingers feel, which is
@@ -97,7 +97,6 @@ class Sense(ABC):
     """
 
     name: ClassVar[str]
-    adds: ClassVar[str]
     scope: ClassVar[Scope]
     size: ClassVar[int]
     fields: ClassVar[tuple[Field, ...]]

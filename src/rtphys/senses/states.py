@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from rtphys.senses.sense import Array, Arrays, Field, Names, Sense
 
+POSE = "x y z [m], qw qx qy qz; world frame"  # unit of a pose, in a file
 NORMAL = 1e-3  # how far a quaternion's length may be from 1
 
 
@@ -34,7 +35,6 @@ class States(Sense):
     """`BodyPoses`, from which `render` draws again."""
 
     name = "states"
-    adds = "the pose of every body to the last bit, from which `render` draws again"
     scope = "bodies"
     size = 80 * 7 * 4  # a scene has 24 bodies or more, with clutter up to about 80
     fields = (
@@ -44,7 +44,7 @@ class States(Sense):
             np.float32,
             ("body", 7),
             packed=False,
-            notes=(("unit", "x y z [m], qw qx qy qz; world frame"),),
+            notes=(("unit", POSE),),
         ),
     )
 

@@ -54,7 +54,6 @@ class TouchSense(Sense):
     """`Touch`, from every step of the simulation."""
 
     name = "touch"
-    adds = "force, slip and friction of each finger, from every step of the simulation"
     scope = "world"
     size = 4 * 14 * 4
     exports = True

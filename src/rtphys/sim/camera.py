@@ -17,6 +17,7 @@ from rtphys.core.errors import MissingAsset, UnknownName
 from rtphys.core.poses import Pose
 from rtphys.sim import renderer
 from rtphys.sim.engine import from_sapien, to_sapien
+from rtphys.spec import recording
 from rtphys.spec.recording import KINDS, RecordingSpec
 
 Matrix = NDArray[np.float32]
@@ -91,7 +92,7 @@ def camera_specs(embodiment: Embodiment, recording_spec: RecordingSpec) -> list[
     specs = []
     for name in recording_spec.official:
         kind, link = "D435", ""
-        pose = looking(*(HEAD if name == "head_camera" else FRONT))
+        pose = looking(*(HEAD if name == recording.HEAD else FRONT))
         for camera in embodiment.cameras:
             if camera.name == name:
                 kind = camera.kind

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rtphys.core.cache import NoCache
 from rtphys.core.errors import BadValue, NoRenderer
-from rtphys.senses.depth import DEPTH_STEPS
+from rtphys.senses.depth import DEPTH_SCALE
 from rtphys.sim.shader import ShaderMismatch, cache_folder, sensing_pack, slim_pack
 from rtphys.spec.recording import SHADERS
 from rtphys.visual.look import AMBIENT, LightColours
@@ -27,7 +27,6 @@ from rtphys.visual.look import AMBIENT, LightColours
 SENSING = ("slim", "default")  # those that also give depth and ids
 Picture = NDArray[np.uint8]  # (H, W, 3) RGB
 
-DEPTH_SCALE = np.float32(DEPTH_STEPS * 1000)  # steps of a metre
 # What SAPIEN raises for a missing device or a shader that it cannot use.
 _DRAW_ERRORS = (RuntimeError, IndexError)
 
@@ -109,6 +108,12 @@ def configure(shader: str = "slim") -> None:
             cuda = False
         sapien.render.set_ray_tracing_denoiser("oidn" if cuda else "none")
     _configured.append(shader)
+
+
+def ready(shader: str = "slim", senses: bool = False) -> None:
+    """`configure`, and `hold_anchor`."""
+    configure(shader)
+    hold_anchor(senses)
 
 
 def pictures_ready() -> bool:

@@ -39,7 +39,13 @@ from rtphys.studies.collect_worker import (
     without_drawing,
 )
 from rtphys.studies.requests import Run, room_needed, shard_of
-from rtphys.studies.resources import check_drawable, check_fits, check_space, drawn_at_once
+from rtphys.studies.resources import (
+    check_drawable,
+    check_fits,
+    check_space,
+    drawn_at_once,
+    props_of,
+)
 from rtphys.task.instructions import check_templates
 from rtphys.task.props import check_props, parts
 from rtphys.task.spec import Task, load_task
@@ -47,7 +53,6 @@ from rtphys.task.spec import Task, load_task
 LIMITS = Limits()
 DRAWERS = 3  # drawing workers of a GPU: while one reads pictures, it draws those of the others
 MAX_SEEDS = 10**9  # of a series whose attempts nobody limits
-LAYOUTS_SEARCHED = 20  # first layouts of a task that are searched for models that the pack may lack
 
 
 def collect(
@@ -62,7 +67,7 @@ def collect(
     """
     own = shard_of(specs, run.shard)
     tasks = check(own, run)
-    check_machine(own, run)
+    size = check_machine(own, run)
     with DatasetWriter(run.out) as dataset:
         pack = default_pack(listener.building)
         check_assets(own, tasks, pack)
@@ -73,7 +78,7 @@ def collect(
             for spec, task in zip(own, tasks, strict=True)
         ]
         worker = CollectWorker(pack, own[0].recording.shader)
-        with pool_of(run, worker, own, listener) as workers:
+        with pool_of(run, worker, own, size, listener) as workers:
             run_all(series, workers, listener, run.out, dataset.checkpoint_if_due)
     return [one.progress for one in series]
 
@@ -82,10 +87,10 @@ def pool_of(
     run: Run,
     worker: CollectWorker,
     specs: Sequence[CollectionSpec],
+    size: int,
     listener: Listener = QUIET,
 ) -> WorkerPool[CollectionTask, Results]:
     """Workers that do all, or, on a machine with a GPU, many that simulate and few that draw."""
-    size = run.size()
     if run.runner == "ray":
         from rtphys.campaign.ray import RayPool  # imported here: Ray is optional
 
@@ -125,10 +130,10 @@ class CollectionSeries(Series[CollectionTask, Results]):
 
     def __init__(self, spec: CollectionSpec, writers: Sequence[TaskWriter]) -> None:
         self.spec, self.writers = spec, writers
-        behind = min(writers, key=lambda writer: writer.attempts)
+        behind = min(writers, key=lambda writer: writer.totals.attempts)
         name = spec.episode.task
         name += f", {spec.name}" if spec.name != spec.episode.protocol else ""
-        progress = Progress(name, behind.wanted, behind.episodes, behind.attempts)
+        progress = Progress(name, behind.wanted, behind.totals.episodes, behind.totals.attempts)
         progress.fruitless = behind.totals.since_accepted
         step = spec.seed(1) - spec.seed(0)
         end = spec.first_seed + (spec.max_attempts or MAX_SEEDS)
@@ -179,8 +184,6 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
 
     Raises `RtphysError`: names the nearest match, the place, or the cure.
     """
-    if not specs:
-        raise BadValue("task", None, "name at least one; `rtphys tasks` lists them")
     folders = [TaskDataset.of(run.out, spec).name for spec in specs]
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")
@@ -223,14 +226,11 @@ def check_assets(specs: Sequence[CollectionSpec], tasks: Sequence[Task], pack: P
     """Reads every model of each task's first layouts. Raises `MissingAsset`, `BadFile`."""
     read = describer(pack)
     for spec, task in zip(specs, tasks, strict=True):
-        for seed in range(spec.first_seed, spec.first_seed + LAYOUTS_SEARCHED):
-            try:
-                for prop in task.props(seed):
-                    read(prop)
-            except Infeasible:
-                continue
-            except MissingAsset as error:
-                raise MissingAsset(error.what, error.where, task.name) from error
+        try:
+            for prop in props_of(task, spec.first_seed):
+                read(prop)
+        except MissingAsset as error:
+            raise MissingAsset(error.what, error.where, task.name) from error
 
 
 def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:

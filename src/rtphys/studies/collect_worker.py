@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rtphys.assets.pack import default_pack
+from rtphys.campaign.pool import Setup
 from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import RtphysError
 from rtphys.data import files
@@ -84,8 +85,7 @@ class CollectWorker(StudyWorker[CollectionTask, Results]):
     shader: str = "slim"
 
     def start(self) -> None:
-        renderer.configure(self.shader)
-        renderer.hold_anchor()
+        renderer.ready(self.shader)
 
     def do(self, job: CollectionTask) -> Results:
         return tuple(side.outcome(self.draw) for side in self.simulate(job))
@@ -153,7 +153,7 @@ def without_drawing(sides: Sequence[Simulated]) -> Results | None:
 
 
 @dataclass(frozen=True)
-class Simulator:
+class Simulator(Setup):
     """The half of a `CollectWorker` that needs no renderer."""
 
     worker: CollectWorker
@@ -166,7 +166,7 @@ class Simulator:
 
 
 @dataclass(frozen=True)
-class Drawer:
+class Drawer(Setup):
     """The other half; `gpu`: the number of its GPU, None where there is one alone."""
 
     worker: CollectWorker

@@ -103,8 +103,7 @@ def bench(plan: BenchPlan, pack: Pack, measured: Callable[[Cost], None]) -> list
     """
     check_robot(pack, plan.episode.embodiment)
     if plan.pictures:
-        renderer.configure()
-        renderer.hold_anchor()
+        renderer.ready()
     costs: list[Cost] = []
     seeds = range(plan.first_seed, plan.first_seed + plan.episodes)
     with tempfile.TemporaryDirectory(prefix="rtphys-bench-") as scratch:

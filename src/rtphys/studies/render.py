@@ -181,7 +181,7 @@ class RenderSeries(Series[RenderTask, Redrawn]):
         self.writer = writer = dataset.task(_header(wanted, entry), accepted)
         left = [seed for seed in seeds if seed > writer.totals.last_seed]
         task = entry.spec.episode.task
-        progress = Progress(task, accepted, writer.episodes, writer.attempts)
+        progress = Progress(task, accepted, writer.totals.episodes, writer.totals.attempts)
         super().__init__(progress, left, owed=len(left))
 
     def job(self, seed: int) -> RenderTask:
@@ -212,8 +212,7 @@ class RenderSeries(Series[RenderTask, Redrawn]):
         return ""
 
     def lost(self, seed: int, loss: WorkerFailure) -> str:
-        why = f"its worker was lost ({loss.reason}: {loss.detail})"
-        return f"{self.entry.spec.episode.task}, seed {seed}: {why}"
+        return f"{self.entry.spec.episode.task}, seed {seed}: {loss}"
 
 
 @dataclass
@@ -224,8 +223,7 @@ class RenderWorker(StudyWorker[RenderTask, Redrawn]):
     shader: str
 
     def start(self) -> None:
-        renderer.configure(self.shader)
-        renderer.hold_anchor()
+        renderer.ready(self.shader)
 
     def do(self, job: RenderTask) -> Redrawn:
         """Draws, encodes and stages one. Raises `BadFile`, `LostStates`."""
@@ -244,11 +242,8 @@ class RenderWorker(StudyWorker[RenderTask, Redrawn]):
         ]
         if VIDEO_CAMERA not in images.jpegs:
             images.video = stored.images.video
-        poses = {
-            name: {"position": X.p.tolist(), "quaternion_wxyz": X.q.tolist()}
-            for name, X in taken.first_poses.items()
-        }
-        meta, scene = {**stored.phys_meta, "cameras": plain(poses, "cameras")}, stored.scene_info
+        poses, scene = plain(taken.poses_json(), "cameras"), stored.scene_info
+        meta = {**stored.phys_meta, "cameras": poses}
         if not job.same:
             meta["visual"] = plain(taken.look.to_json(), "visual")
             shown = taken.look.scene_info()

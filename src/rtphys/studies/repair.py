@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rtphys.campaign.local import run_here
-from rtphys.campaign.machine import cores
 from rtphys.campaign.pool import WorkerFailure
 from rtphys.campaign.series import QUIET, Batch, Listener
 from rtphys.core.errors import BadFile, RtphysError
@@ -71,7 +70,7 @@ def repair(
         for shader in sorted({one.shader for one in damaged}):  # a process draws with one
             jobs = {number: one for number, one in enumerate(damaged) if one.shader == shader}
             batch = Batch("repair", jobs, _lost)
-            run_here([batch], RepairWorker(shader), min(workers or cores(), len(jobs)), listener)
+            run_here([batch], RepairWorker(shader), workers, listener)
             results |= batch.results
         for ledger, header in ledgers_below(out).items():
             place = TaskDataset.of(out, header.spec)
@@ -138,8 +137,7 @@ def _check(damaged: Sequence[Damage]) -> None:
 
 
 def _lost(job: Damage, loss: WorkerFailure) -> list[Problem]:
-    text = f"its worker was lost ({loss.reason}: {loss.detail})"
-    return [Problem(path, text) for path in job.wanted]
+    return [Problem(path, str(loss)) for path in job.wanted]
 
 
 @dataclass(frozen=True)
@@ -149,8 +147,7 @@ class RepairWorker:
     shader: str
 
     def __call__(self) -> Callable[[Damage], list[Problem]]:
-        renderer.configure(self.shader)
-        renderer.hold_anchor()
+        renderer.ready(self.shader)
         return self.do
 
     def do(self, job: Damage) -> list[Problem]:

@@ -10,7 +10,6 @@ from itertools import islice
 from pathlib import Path
 
 from rtphys.campaign.local import run_here
-from rtphys.campaign.machine import cores
 from rtphys.campaign.pool import LOSSES, WorkerFailure
 from rtphys.campaign.series import QUIET, Batch, Listener
 from rtphys.core.errors import BadFile, NoRenderer
@@ -74,7 +73,7 @@ def reproduced(
         by_shader[attempt.header.spec.recording.shader][number] = attempt
     for shader, jobs in by_shader.items():  # a process draws with one
         batch = Batch("reproduce", jobs, lost)
-        run_here([batch], ReproduceWorker(shader), min(workers or cores(), len(jobs)), listener)
+        run_here([batch], ReproduceWorker(shader), workers, listener)
         results |= batch.results
     found.judge(attempts, [results[number] for number in range(len(attempts))])
     return found
@@ -105,8 +104,7 @@ def lost(attempt: RecordedAttempt, loss: WorkerFailure) -> Comparison:
     """What comes of an attempt that took its workers with it."""
     if isinstance(attempt.row, Rejected) and attempt.row.reason in LOSSES:  # as when collected
         return Comparison(made=False)
-    text = f"{attempt.name}: its worker was lost ({loss.reason}: {loss.detail})"
-    return Comparison([(attempt.place.ledger, text)], made=False)
+    return Comparison([(attempt.place.ledger, f"{attempt.name}: {loss}")], made=False)
 
 
 @dataclass(frozen=True)
@@ -117,8 +115,7 @@ class ReproduceWorker:
 
     def __call__(self) -> Callable[[RecordedAttempt], Comparison]:
         with suppress(NoRenderer):
-            renderer.configure(self.shader)
-            renderer.hold_anchor()
+            renderer.ready(self.shader)
         return self.do
 
     def do(self, job: RecordedAttempt) -> Comparison:

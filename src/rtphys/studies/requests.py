@@ -11,7 +11,7 @@ from rtphys.campaign.machine import cores
 from rtphys.core import library
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data.selection import Selection
+from rtphys.data.selection import DataFolder, Selection
 from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY, check_key
 from rtphys.physics.load import parse_overrides
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from rtphys.data.manifest import TaskEntry
 
 
+FirstSeed = Annotated[Seed, Option("The first seed to try.")]
 BASELINES = ("replay", "twin")
 """Measured on feasible seeds. replay: the recorded actions alone; twin: those of the clean demo."""
 
@@ -53,7 +54,7 @@ class CertificationSpec:
     """One certified list."""
 
     episode: Annotated[EpisodeSpec, Offers("embodiment")] = EpisodeSpec()
-    first_seed: Annotated[Seed, Option("The first seed to try.")] = FIRST_SEED
+    first_seed: FirstSeed = FIRST_SEED
     feasible: Annotated[Positive, Extent, Option("Number of feasible seeds of each list.")] = 100
     max_attempts: Annotated[Positive, Extent, Option("Number of seeds to try for one list.")] = 1000
     baselines: Annotated[
@@ -114,7 +115,7 @@ class CheckPlan:
     tasks: Tasks
     protocols: Protocols = ("clean",)
     seeds: Annotated[Positive, Option("Number of seeds of each task and protocol.")] = 20
-    first_seed: Annotated[Seed, Option("The first seed.")] = 0
+    first_seed: FirstSeed = 0
     baselines: Annotated[
         Seed | None,
         Option(
@@ -145,10 +146,6 @@ class TryPlan:
     picture: Annotated[Path | None, Option("Draw the end of each stage into this PNG.")] = None
     video: Annotated[Path | None, Option("Draw the attempt into this MP4.")] = None
 
-    @property
-    def drawn(self) -> bool:
-        return self.picture is not None or self.video is not None
-
 
 @checked_dataclass(frozen=True)
 class BenchPlan:
@@ -157,7 +154,7 @@ class BenchPlan:
     tasks: Tasks = ("*",)
     protocols: Protocols = ("clean", "phys_random_all")
     episodes: Annotated[Positive, Option("Number of attempts of each task and protocol.")] = 2
-    first_seed: Annotated[Seed, Option("The first seed.")] = 0
+    first_seed: FirstSeed = 0
     pictures: Annotated[bool, Option("Draw and write what is accepted.")] = True
     episode: Annotated[EpisodeSpec, Offers("embodiment")] = EpisodeSpec()
 
@@ -166,7 +163,7 @@ class BenchPlan:
 class RenderSpec:
     """What is drawn again of a dataset, and how. What is left out stays as it is stored."""
 
-    data: Annotated[Path, Option("Folder that holds manifest.json.", positional=True)]
+    data: DataFolder
     out: Annotated[Path, Option("Folder for the new dataset.")]
     add: Annotated[
         tuple[str, ...], one_of("sense", SENSES), Option(f"Also any of {', '.join(REDRAWN)}.")

@@ -2,15 +2,18 @@
 
 import os
 import shutil
+from collections.abc import Iterator
 from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 
 from rtphys.core.cache import NoCache, user_cache
-from rtphys.core.errors import BadValue, NoRenderer, RtphysError
+from rtphys.core.errors import BadValue, Infeasible, NoRenderer, RtphysError
 from rtphys.doctor import CAUSES, PROBE, check_disk, check_renderer
 from rtphys.spec.protocol import VisualRandomization
 from rtphys.spec.recording import RecordingSpec
+from rtphys.task.props import Prop
+from rtphys.task.spec import Task
 
 PICTURES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
 TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
@@ -18,9 +21,17 @@ MAX_FRAMES = 250  # of most episodes
 PACKED = 0.25  # what compressing leaves of depth and ids; measured: 0.11
 BUFFERED = 4e7  # [bytes] of an episode's scene and of pictures on their way to the encoder
 GROUP = 16  # episodes that are drawn at once: more gains little on a GPU
+LAYOUTS = 30  # that are searched for models that a pack may lack
 LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it in memory twice
 
 DRIVERS = ("/etc/vulkan/icd.d", "/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d")
+
+
+def props_of(task: Task, first_seed: int = 0) -> Iterator[Prop]:
+    """The props of a task's first layouts, which tell what models a pack needs."""
+    for seed in range(first_seed, first_seed + LAYOUTS):
+        with suppress(Infeasible):  # another seed has a layout
+            yield from task.props(seed)
 
 
 def check_fits(recording: RecordingSpec) -> None:

@@ -4,17 +4,15 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Generic, TypeVar
+from typing import Generic
 
 from rtphys.assets.pack import Pack
+from rtphys.campaign.pool import J, R, Setup
 from rtphys.episode import fingerprint
 from rtphys.episode.control import actions_of, replay
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.spec.episode import Recipe
 from rtphys.task.spec import Task, load_task
-
-J = TypeVar("J")
-R = TypeVar("R")
 
 
 class LoadedTasks(dict[str, Task]):
@@ -26,7 +24,7 @@ class LoadedTasks(dict[str, Task]):
 
 
 @dataclass
-class StudyWorker(ABC, Generic[J, R]):
+class StudyWorker(Setup, ABC, Generic[J, R]):
     """Does the jobs of one study. Picklable before its first job, as a task's functions are not;
     called once in each worker process."""
 
@@ -40,17 +38,12 @@ class StudyWorker(ABC, Generic[J, R]):
         return self.do
 
     def warm(self) -> None:
-        """Loads what all workers need into the process that they are forked from: no threads, no
-        devices."""
         for name in ("networkx", "scipy.spatial"):  # which wait until they are used
             import_module(name)
         fingerprint.code()
 
     def start(self) -> None:
         """What a process needs before its first job."""
-
-    def finish(self) -> None:
-        """Closes what the jobs have left open; the process ends after it."""
 
     @abstractmethod
     def do(self, job: J) -> R:

@@ -23,7 +23,7 @@ class Reach:
     """Go to an ee pose along any clear path. The first reachable of `candidates` is taken."""
 
     candidates: tuple[Pose, ...]
-    posture: tuple[float, ...] = ()  # (6,) [rad] for the first candidate, where already found
+    posture: tuple[float, ...] = ()  # (n,) [rad] for the first candidate, where already found
     room: float = 0.0  # [m] that what is carried keeps to everything on the way; 0: may graze
     speed: float = 1.0  # scales the usual one
 

@@ -8,13 +8,13 @@ any arm, or if it has none at all.
 import re
 from collections.abc import Callable, Mapping, Sequence
 
+from rtphys.assets.action_layout import SIDES
 from rtphys.core.errors import BadValue
 from rtphys.core.seeds import Chance
 from rtphys.task.props import Articulated, Mesh, Prop
 from rtphys.task.spec import Phrases, Task
 
 SENTENCES = 100  # at most, per split (RoboTwin's `language_num`)
-SIDES = ("left", "right")
 ARM = "arm:"  # an info value: the side of the table on which a prop starts
 OTHER = "other:"  # and the opposite one: the arm that takes over, or helps
 

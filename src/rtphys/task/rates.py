@@ -1,7 +1,7 @@
 """How often the expert succeeds at each task, and what an episode costs; both as measured."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from typing import cast
 
 from rtphys.core import library
@@ -18,13 +18,10 @@ class Rate:
 
     seeds: int
     accepted: int
-    replayed: int = 0  # accepted episodes whose recorded actions were replayed open-loop
-    alone: int = 0  # of those, the successes
 
     def __add__(self, other: "Rate") -> "Rate":
         """Counts of both; `other` is of other seeds."""
-        mine, theirs = astuple(self), astuple(other)
-        return Rate(*(a + b for a, b in zip(mine, theirs, strict=True)))
+        return Rate(self.seeds + other.seeds, self.accepted + other.accepted)
 
     def __str__(self) -> str:
         return f"{100 * self.accepted / self.seeds:.0f} % of {self.seeds}"

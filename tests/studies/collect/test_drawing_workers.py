@@ -46,7 +46,7 @@ def test_drawing_workers_are_chosen_where_gpus_draw(
 ) -> None:
     monkeypatch.setattr(collect_module, "check_drawable", lambda shader: found)
     worker, told = CollectWorker(default_pack()), Striker(lambda: True)
-    pool = pool_of(Run(tmp_path, workers=4, gpus=asked), worker, [BELL, MIXED[1]], told)
+    pool = pool_of(Run(tmp_path, gpus=asked), worker, [BELL, MIXED[1]], 4, told)
     gpus = found if asked is None else asked
     assert isinstance(pool, TwoStagePool if gpus else LocalPool) and pool.size == 4
     many = f"4 workers simulate, {3 * gpus} draw on {gpus} GPU{'s' * (gpus > 1)}, 16 at a time"

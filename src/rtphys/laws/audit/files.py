@@ -15,7 +15,7 @@ from rtphys.assets.solid import corners, hull
 from rtphys.core.poses import Array
 from rtphys.task.props import Ball, Box, Mesh, Prop
 
-UNSTATED_DENSITY = 400.0  # [kg/m^3] of models whose pack states no mass (docs/objects.md)
+UNSTATED_DENSITY = 400.0  # [kg/m^3] as in `sim.objects`, which is not trusted here
 URDF_DENSITY = 1000.0  # [kg/m^3] of links without stated inertia: what SAPIEN's loader assumes
 SIGNS = np.array(np.meshgrid((-1, 1), (-1, 1), (-1, 1))).reshape(3, -1).T  # corners of a box
 

@@ -9,6 +9,7 @@ from rtphys.core.poses import Pose
 from rtphys.laws.audit.specimen import Finding, Measurement, Specimen
 from rtphys.laws.lab import time_constants
 from rtphys.sim.engine import TIME_STEP
+from rtphys.spec.recording import HEAD
 from rtphys.task.props import TABLE_TOP
 
 STEP = 0.03  # [rad] of every arm joint, towards the middle of its range
@@ -40,9 +41,6 @@ def drag(specimen: Specimen) -> list[Finding]:
         for servo, factor in zip(servos, factors, strict=True):
             findings.append(Measurement(key, servo.name, specimen.number(key), float(factor)))
     return findings
-
-
-HEAD = "head_camera"
 
 
 def locate(specimen: Specimen, stored: Mapping[str, Pose]) -> list[Finding]:

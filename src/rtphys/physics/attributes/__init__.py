@@ -1,1 +1,1 @@
-"""The thirteen attributes, one a file, found by scanning this folder."""
+"""The attributes, one a file, found by scanning this folder."""
