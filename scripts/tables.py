@@ -314,21 +314,17 @@ def knowing_suite() -> str:
 def knowing_fifty() -> str:
     """Table of the fifty tasks' scripts that ask for physics: what each attribute is worth."""
     measured = results.load("knowing_fifty")
-    asked, solved = measured["asked"], measured["solved"]
-    keys = sorted({key for own in asked.values() for key in own})
     rows = list[tuple[str, ...]]()
-    total: dict[str, list[str]] = {key: ["", ""] for key in keys}
-    for task, own in asked.items():
-        if not own:
-            continue
-        knows, cells = solved["expert"][task], list[str]()
-        for key in keys:
-            blind = solved[f"expert:{key}=shuffled"].get(task, "")
-            total[key] = [total[key][0] + (knows if blind else ""), total[key][1] + blind]
-            cells.append(_worth(knows, blind) if blind else "")
-        rows.append((f"`{task}`", _rate(knows), *cells))
-    rows.append(("all of these", "", *(_worth(*total[key]) for key in keys)))
-    return _table(("task", "knows", *(f"`{key}`" for key in keys)), rows)
+    for policy, moved in measured["moved"].items():
+        tasks, blind = [*moved], "".join(measured["solved"][policy].values())
+        knows = "".join(measured["solved"]["expert"][task] for task in tasks)
+        others = "".join(moved.values()).count("1")
+        counts = (f"{one.count('1')} of {len(one)}" for one in (knows, blind))
+        key = policy.removeprefix("expert:").removesuffix("=shuffled")
+        row = (f"`{key}`", str(len(tasks)), f"{others} of {len(blind)}", *counts)
+        rows.append((*row, _worth(knows, blind)))
+    head = ("believed wrong", "tasks that ask for it", "episodes that end otherwise")
+    return _table((*head, "knows", "blind", "worth"), rows)
 
 
 def suite_robots() -> str:
@@ -376,7 +372,8 @@ def _worth(first: str, second: str) -> str:
     half = 1.96 * (only_first + only_second - more**2 / n) ** 0.5 / n
     better = 100 * (first.count("1") - second.count("1")) / len(first)
     low, high = (100 * max(-1.0, min(1.0, more / n + side * half)) for side in (-1, 1))
-    return f"{better:.0f} ({low:.0f} to {high:.0f})"
+    digits = 0 if high - low > 5 else 1
+    return f"{better:.0f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
 def _chance(task: str) -> float:
