@@ -75,6 +75,16 @@ def test_examples_can_be_read(page: Path) -> None:
             list(yaml.safe_load_all(text))
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_lists_and_tables_are_blocks_for_the_site_too(page: Path) -> None:
+    """GitHub is lenient. The site's Markdown wants four spaces within a list, and empty lines."""
+    text = re.sub(r"(?ms)^```.*?^```$", "", page.read_text())  # no code
+    wrong = re.findall(r"\n\n {1,3}\S.*", text)
+    wrong += re.findall(r"\n *\|.*\n(?! *\||<!-- end)[^\n]+", text)
+    wrong += re.findall(r"\n\n    .*\n(?:    .*\n)*(?:\*|-|\d+\.) .*", text)
+    assert not wrong
+
+
 def test_the_site_has_every_page() -> None:
     nav = (ROOT / "mkdocs.yml").read_text()
     missing = [p.name for p in (ROOT / "docs").rglob("*.md") if str(p.relative_to(ROOT)) not in nav]

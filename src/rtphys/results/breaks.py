@@ -65,7 +65,8 @@ class Break:
     @property
     def span(self) -> str:
         """What values they had, in one cell."""
-        return f"{self.curve.low:.3g} to {self.curve.high:.3g} {self.unit}"
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.curve.low:.3g} to {self.curve.high:.3g}{unit}"
 
     def to_json(self) -> dict[str, JSON]:
         curve = self.curve
