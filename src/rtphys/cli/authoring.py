@@ -112,7 +112,9 @@ def tasks(
     pattern: Annotated[str, typer.Argument(help="Only names that match, such as 'stack_*'.")] = "*",
     as_json: Json = False,
 ) -> None:
-    """The rates are those of the expert in the certified lists.
+    """List the tasks: arms, mechanism, objects, step limit, domain, measured rates.
+
+    The rates are those of the expert in the certified lists.
 
     Examples:
 
@@ -162,7 +164,9 @@ def new_task(
         Path, typer.Option("--in", help="The library that gets tasks/NAME.py.")
     ] = Path(),
 ) -> None:
-    """Its place, a library, is a folder of yours; the second command tries the task there.
+    """Write a task file to start from; it runs as it is.
+
+    Its place, a library, is a folder of yours; the second command tries the task there.
 
     Examples:
 
@@ -180,7 +184,9 @@ def new_task(
 
 
 def protocols(as_json: Json = False) -> None:
-    """The layout always differs. Libraries may add rows of their own.
+    """Show what may differ between episodes.
+
+    The layout always differs. Libraries may add rows of their own.
 
     The JSON also holds the attributes that vary, the width of their ranges, and each look's rules.
     """
@@ -298,7 +304,9 @@ class Output(AsJson):
 
 @takes(CheckPlan, Output)
 def check(plan: CheckPlan, output: Output) -> None:
-    """The expert's actions are replayed open loop; two seeds are tried a second time and must give
+    """Try a task's expert over many seeds, without pictures.
+
+    The expert's actions are replayed open loop; two seeds are tried a second time and must give
     the same states; the baselines idle, random and jitter, which see nothing, must fail, and try
     only where the expert solves a seed. CPU-s is the mean time of an attempt. `rtphys try` shows
     one attempt.
@@ -338,7 +346,9 @@ def check(plan: CheckPlan, output: Output) -> None:
 
 @takes(TryPlan)
 def try_(plan: TryPlan) -> None:
-    """Exit code 1: the attempt failed. The same episode is attempted by `rtphys collect`.
+    """Try a task's expert once: its stages, and where it stuck.
+
+    Exit code 1: the attempt failed. The same episode is attempted by `rtphys collect`.
 
     Examples:
 

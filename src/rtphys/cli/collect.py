@@ -70,7 +70,9 @@ COMMON = (
 
 @takes(Request, CollectionSpec, Run, typer.Context, common=COMMON)
 def collect(request: Request, template: CollectionSpec, run: Run, context: typer.Context) -> None:
-    """Attempts are simulated without pictures, and only successes are drawn. What comes out depends
+    """Collect verified episodes of one or more tasks.
+
+    Attempts are simulated without pictures, and only successes are drawn. What comes out depends
     on the options alone, not on the number of workers or on interruptions.
 
     Examples:

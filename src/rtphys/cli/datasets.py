@@ -33,7 +33,9 @@ SHOWN = 20  # differences of an export, at most
 
 @takes(RenderSpec)
 def render(wanted: RenderSpec) -> None:
-    """The states stay the same. An episode that was recorded with `--sense states` is drawn from
+    """Draw a dataset again: other cameras, sizes, senses or looks.
+
+    The states stay the same. An episode that was recorded with `--sense states` is drawn from
     them. Any other is simulated again from its recipe, and drawn if that gives the very states that
     its label names.
 
@@ -59,7 +61,9 @@ def merge(
     parts: Annotated[list[Path], typer.Argument(help="Folders of datasets, in any order.")],
     out: Annotated[Path, typer.Option(help="The new dataset's folder.")] = Path("data"),
 ) -> None:
-    """They are of one version. A task dataset that only one of them has is taken over as it is.
+    """Join datasets, such as the shards of a collection.
+
+    They are of one version. A task dataset that only one of them has is taken over as it is.
     Those that several have must have been collected alike, with different seeds; their episodes are
     numbered anew, by seed.
 
@@ -82,11 +86,13 @@ def subset(
     seed: Annotated[str, typer.Option(help=ONLY_SEEDS)] = "",
     drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
-    """Examples:
+    """Copy a part of a dataset, its episodes numbered anew.
 
-    rtphys subset data --out bells --task click_bell
-    rtphys subset data --out small --seed 0:50
-    rtphys subset data --out cleaned --drop-seed 17,23
+    Examples:
+
+        rtphys subset data --out bells --task click_bell
+        rtphys subset data --out small --seed 0:50
+        rtphys subset data --out cleaned --drop-seed 17,23
     """
     known = Dataset(dataset)
     tasks, configs = names_in(task or ()), names_in(config or ())
@@ -125,7 +131,9 @@ def convert(
     out: Annotated[Path, typer.Option(help="Folder for the converted dataset.")],
     to: Annotated[str, typer.Option(help="Layout to write: legacy or native.")] = "legacy",
 ) -> None:
-    """Arrays and videos stay the same. Native files hold standard RGB JPEGs, legacy files have red
+    """Write a dataset again in the other official layout.
+
+    Arrays and videos stay the same. Native files hold standard RGB JPEGs, legacy files have red
     and blue exchanged, as RoboTwin's readers want them: so pictures are decoded and encoded again.
 
     Example:
@@ -162,7 +170,9 @@ class Checks:
 
 @takes(Checks)
 def verify(checks: Checks) -> None:
-    """Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
+    """Check every file of a dataset, and derive its physics again from the seeds.
+
+    Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
     proves.
 
     Examples:
@@ -274,7 +284,9 @@ def verify_export(
     export: Annotated[Path, typer.Argument(help="Folder that `rtphys export lerobot` wrote.")],
     dataset: Annotated[Path, typer.Argument(help="The dataset that it was made of.")],
 ) -> None:
-    """Every picture too. Exit code 1 if something differs.
+    """Compare a LeRobot export with its dataset, number by number.
+
+    Every picture too. Exit code 1 if something differs.
 
     Example:
 

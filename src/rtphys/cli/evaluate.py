@@ -32,7 +32,9 @@ MAX_NAMED = 3  # evaluations whose names fit above their columns
     common=("protocols", "feasible", "out", "workers"),
 )
 def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> None:
-    """No pictures are drawn. One list a task and protocol, with every seed that was tried. It may
+    """Find the seeds on which policies are evaluated: those that the expert solves.
+
+    No pictures are drawn. One list a task and protocol, with every seed that was tried. It may
     be interrupted: the same command goes on where it stopped.
 
     --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
@@ -108,7 +110,9 @@ def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
     common=("policy", "protocols", "episodes", "out", "workers", "video", "record"),
 )
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
-    """Nothing is searched for: the instances are those of a list that `rtphys certify` has made.
+    """Run a policy on certified instances and say how often it succeeds.
+
+    Nothing is searched for: the instances are those of a list that `rtphys certify` has made.
     The same policy gives the same records, with any number of workers. It may be interrupted: the
     same command goes on where it stopped. The exit code is 1 if the policy raised an error in
     every episode.
@@ -248,7 +252,9 @@ def compare(
     figure: Annotated[Path | None, typer.Option(help="Also draw the rates into this PNG.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Success by task and policy with 95 % intervals, and a paired test on common seeds.
+    """Show evaluations side by side, and beside the paper's.
+
+    Success by task and policy with 95 % intervals, and a paired test on common seeds.
 
     A second table tells how alike two policies rank the tasks.
 
@@ -369,7 +375,9 @@ def _show_identified(results: Sequence[Result]) -> None:
 def robotwin_root(
     folder: Annotated[Path, typer.Argument(help="New folder, or one that this command wrote.")],
 ) -> None:
-    """Link policies into its policy/ folder, then run inside it, for example:
+    """Write a folder that looks like RoboTwin to its launch scripts.
+
+    Link policies into its policy/ folder, then run inside it, for example:
     python script/eval_policy.py --config policy/NAME/deploy_policy.yml --overrides
     --task_name click_bell --task_config phys_random --policy_name NAME
     """

@@ -269,7 +269,7 @@ def load(name: str):
         function, inner = inner, typer.Typer(add_completion=False)
         inner.command()(function)
     command = typer.main.get_command(inner)
-    command.help = "\n\n".join(filter(None, (COMMANDS[name][1], command.help)))
+    command.help = command.help or COMMANDS[name][1]  # of a group
     for one in (command, *getattr(command, "commands", {}).values()):
         # A paragraph becomes one line: the terminal is narrower than the source.
         parts = (one.help or "").split("\n\n")

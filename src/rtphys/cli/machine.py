@@ -43,7 +43,9 @@ STYLE = {"ok": "green", "note": "yellow", "fail": "red"}
 
 @takes(BenchPlan, AsJson)
 def bench(plan: BenchPlan, output: AsJson) -> None:
-    """CPU-seconds of an episode by phase, for each task and protocol.
+    """Measure what an episode costs on this machine.
+
+    CPU-seconds of an episode by phase, for each task and protocol.
 
     CPU time is what two machines of a kind agree on. Wall time, in the JSON, compares phases of
     one run at most; other jobs on the machine lengthen it.
@@ -97,7 +99,9 @@ def doctor(
     out: Annotated[Path, typer.Option(help="Where datasets are to go.")] = Path("data"),
     as_json: Json = False,
 ) -> None:
-    """It looks at renderer, packages, disk space, assets and tasks.
+    """Find what keeps this machine from working, and its cure.
+
+    It looks at renderer, packages, disk space, assets and tasks.
 
     Exit code 0 when all is well, else the code of the first cause: 10-17 renderer, 20-21 disk,
     22-23 packages, 24 assets, 25 task library, 26 cache, 27 a file in the way, 28 a check itself.

@@ -31,7 +31,9 @@ class MapOutput(AsJson):
 
 @takes(IdentifyPlan, MapOutput)
 def identify(plan: IdentifyPlan, output: MapOutput) -> None:
-    """The expert's episodes, without pictures, become features: statistics of
+    """Find which physics can be inferred from what a robot senses, and from which signal.
+
+    The expert's episodes, without pictures, become features: statistics of
     commands, measured joints, tracking, effort and touch in each stage, and
     nothing of any object. An estimator learns each attribute from them and is
     judged on other seeds (R2; 0 says nothing, 1 all), on shuffled labels, and
@@ -108,7 +110,9 @@ def carriers(score: "Score") -> str:
 
 @takes(SensitivityPlan, MapOutput)
 def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
-    """One attribute at a time is held away from its nominal value, on seeds that succeed nominally.
+    """Measure how far each physical attribute may be from nominal before a task is lost.
+
+    One attribute at a time is held away from its nominal value, on seeds that succeed nominally.
     The tolerance is the part of its range in which at least half of them still succeed. It may be
     interrupted: the same command goes on where it stopped.
 

@@ -67,7 +67,9 @@ def chosen(shown: Shown, which: One) -> Episode:
 
 @takes(ShownHere, One, AsJson)
 def show(shown: ShownHere, which: One, output: AsJson) -> None:
-    """What an episode holds: task, physics, stages, contacts.
+    """Show one episode in the terminal or as a picture.
+
+    What an episode holds: task, physics, stages, contacts.
 
     Of a failure that was kept, also what went wrong, and when.
 
@@ -190,7 +192,9 @@ def _stages(episode: Episode) -> list[Stage]:
 
 @takes(ShownInRerun, One)
 def view(shown: ShownInRerun, which: One) -> None:
-    """Of a failure that was kept, the instant at which it went wrong is marked.
+    """Look at an episode in Rerun: cameras, 3D, forces, joints, physics, stages.
+
+    Of a failure that was kept, the instant at which it went wrong is marked.
 
     Examples:
 
@@ -254,7 +258,9 @@ def report(
     ] = None,
     task: Annotated[str | None, typer.Option(help="Only this task.")] = None,
 ) -> None:
-    """Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
+    """Show a dataset, or an evaluation, on one HTML page.
+
+    Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
     evaluation: success rates, which physics breaks the policy, and each failure, with the video
     that `rtphys evaluate --video failures` has written.
 
