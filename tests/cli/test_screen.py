@@ -185,6 +185,7 @@ def test_what_was_there_before_counts_as_solved() -> None:
     lines = Lines("episodes")
     lines.progresses = [finished]
     assert lines.sentence() == "80 of 80 episodes, 54 solved, all there already"
+    assert lines.sentence(at_work=True).endswith("all there already, now measured further")
     lines.progresses = [Progress("click_bell", 80, accepted=80, attempts=90)]
     assert lines.sentence() == "80 of 80 episodes, all there already"
     lines.progresses = [begun := Progress("click_bell", 81, accepted=80, attempts=80, solved=54)]

@@ -209,7 +209,8 @@ class _Counts(Listener):
         done = sum(min(progress.accepted, progress.wanted) for progress in self.progresses)
         return done, sum(progress.wanted for progress in self.progresses)
 
-    def sentence(self) -> str:
+    def sentence(self, at_work: bool = False) -> str:
+        """What is there. `at_work`: although nothing is missing, as where baselines are run."""
         done, wanted = self.totals()
         rejected = sum((progress.rejections for progress in self.progresses), Counter[str]())
         why = f", {rejected.total()} rejected ({reasons(rejected)})" if rejected else ""
@@ -218,7 +219,8 @@ class _Counts(Listener):
         tried = f"{sum(solved)} solved" if solved else counted(attempts, "attempts")
         if not attempts and done >= wanted > 0:
             was = f"{tried}, " if solved else ""
-            return f"{done} of {wanted} {self.noun}, {was}all there already"
+            more = ", now measured further" if at_work else ""
+            return f"{done} of {wanted} {self.noun}, {was}all there already{more}"
         minutes = (time.monotonic() - self.began) / 60
         new = sum(progress.new_accepted for progress in self.progresses)
         rate, left = new / minutes if minutes else 0.0, "?"
@@ -254,7 +256,7 @@ class Lines(_Counts):
 
     def ticked(self) -> None:
         if self.due(LINE_EVERY):
-            say(self.sentence(), err=True)
+            say(self.sentence(at_work=True), err=True)
 
     def noticed(self, text: str) -> None:
         say(text, err=True)
@@ -286,18 +288,18 @@ class Live(_Counts):
 
     def ticked(self) -> None:
         if self.due(REFRESH):
-            self._draw()
+            self._draw(at_work=True)
 
     def noticed(self, text: str) -> None:
         self._console.print(text, style="yellow")
 
-    def _draw(self) -> None:
+    def _draw(self, at_work: bool = False) -> None:
         done, wanted = self.totals()
         few = 0 < len(self.progresses) <= MAX_ROWS
         table = [summary_table(self.progresses, self.noun)] if few else []
         # Padded, because a bar alone does not end its line.
         bar = Padding(ProgressBar(total=wanted, completed=done, width=40), 0)
-        self._live.update(Group(*table, bar, Text(self.sentence())), refresh=True)
+        self._live.update(Group(*table, bar, Text(self.sentence(at_work))), refresh=True)
 
 
 def summary_table(progresses: Sequence[Progress], noun: str = "episodes") -> Table:
