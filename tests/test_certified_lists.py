@@ -44,7 +44,6 @@ def pack() -> Pack:
 # Physics and motions have changed, and these lists are being made anew. A list never waits here
 # while it is shipped.
 PENDING = {
-    "phys_random_all",
     *(f"only_{key}" for key in attributes()),
     *(f"severity_{share}" for share in (25, 50, 100)),
 }

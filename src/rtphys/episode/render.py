@@ -1,9 +1,11 @@
 """Pictures of recorded states: the same world built again with visuals, posed row by row."""
 
 import queue
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import TypeVar
@@ -22,7 +24,8 @@ from rtphys.episode.touch import felt
 from rtphys.senses import SENSES, drawn
 from rtphys.senses.states import BodyPoses
 from rtphys.senses.touch import Touch
-from rtphys.sim import renderer
+from rtphys.sim import camera_group, renderer
+from rtphys.sim.camera_group import CameraGroup
 from rtphys.sim.engine import TIME_STEP, packed_of, unpacked
 from rtphys.sim.recorder import FRAME_STEPS, Recording
 from rtphys.sim.scene_renderer import SceneRenderer, body_names, matrices
@@ -35,6 +38,8 @@ from rtphys.visual.look import Backdrop, Look
 
 FRAME_TIME = FRAME_STEPS * TIME_STEP  # [s]
 T = TypeVar("T")
+Drawn = Callable[[], Images]
+"""Gives what is drawn as RGB; in the thread that needs it, since that takes a while."""
 
 
 class Pictures(Iterable[Images]):
@@ -52,22 +57,30 @@ class Pictures(Iterable[Images]):
 
     def __iter__(self) -> Iterator[Images]:
         with turn(self.scene.world.scene):
-            while self.take():
-                yield self.get()
+            yield from (images() for _, images in _drawn({0: self}))
 
-    def take(self) -> bool:
-        """Lets the cameras draw the next row; False: there is none."""
+    def show(self) -> bool:
+        """Lets the scene show the next row; False: there is none."""
         if (row := next(self._rows, None)) is None:
             return False
         time, packed = row
         self.scene.light(self._backdrop.lights_at(round(time / FRAME_TIME)))
         self.scene.show(packed)
-        self.scene.take()
         return True
 
-    def get(self) -> Images:
-        """The pictures of the row that was taken."""
-        seen = self.scene.frames()
+    @property
+    def alone(self) -> bool:
+        """Whether it is drawn picture by picture, as on a CPU, or if its lights change."""
+        return self._backdrop.flickers or bool(camera_group.obstacle())
+
+    @property
+    def kind(self) -> Hashable:
+        """What those that are drawn in one go have in common."""
+        return self.scene.buffers, *((spec.width, spec.height) for spec in self.scene.specs)
+
+    def get(self, reads: Sequence[renderer.Read] | None = None) -> dict[str, renderer.Picture]:
+        """The pictures of the row that is shown; `reads` as for `SceneRenderer.frames`."""
+        seen = self.scene.frames(reads)
         for name, frame in seen.items():
             self._sensed.keep(name, frame.senses)
         return {name: frame.rgb for name, frame in seen.items()}
@@ -153,33 +166,57 @@ def render_frames(
 def draw_together(
     group: Sequence[Pictures], use: Sequence[Callable[[Iterator[Images]], T]]
 ) -> list[T]:
-    """Draws several trajectories row by row, so that a GPU is asked for all pictures of a row
-    before the first is read; each is the one that is drawn alone.
+    """Draws several trajectories row by row, on a CUDA GPU all pictures of a row in one go; each
+    is the one that is drawn alone.
 
     `use`: what becomes of each one's pictures, in a thread of its own.
     """
-    lines = [queue.Queue[Images | None](1) for _ in group]  # None ends it
+    lines = [queue.Queue[Drawn | None](1) for _ in group]  # None ends it
 
     def consume(number: int) -> T:
-        images = iter(lines[number].get, None)
+        drawn = iter(lines[number].get, None)
         try:
-            return use[number](images)
+            return use[number](images() for images in drawn)
         finally:  # nobody may wait for a place in the line
-            for _ in images:
+            for _ in drawn:
                 pass
 
     with ThreadPoolExecutor(len(group), "rtphys-group") as pool:
         results = [pool.submit(consume, number) for number in range(len(group))]
         try:
             with turn(group[0].scene.world.scene):
-                left = dict(zip(range(len(group)), group, strict=True))
-                while left := {n: one for n, one in left.items() if one.take()}:
-                    for number, one in left.items():
-                        lines[number].put(one.get())
+                for part in _parts(group):
+                    for number, images in _drawn(part):
+                        lines[number].put(images)
         finally:
             for line in lines:
                 line.put(None)
         return [result.result() for result in results]
+
+
+def _parts(group: Sequence[Pictures]) -> Iterable[dict[int, Pictures]]:
+    """What is drawn in one go, by place in the group."""
+    parts = defaultdict[Hashable, dict[int, Pictures]](dict)
+    for number, one in enumerate(group):
+        parts[number if one.alone else one.kind][number] = one
+    return parts.values()
+
+
+def _drawn(part: Mapping[int, Pictures]) -> Iterator[tuple[int, Drawn]]:
+    """The pictures of each, row by row, with its number."""
+    left = {number: one for number, one in part.items() if one.show()}
+    if any(one.alone for one in part.values()):
+        while left:
+            yield from ((number, one.get().copy) for number, one in left.items())
+            left = {number: one for number, one in left.items() if one.show()}
+        return
+    scenes = {number: one.scene for number, one in left.items()}
+    views = {number: (one.world.scene, one.components) for number, one in scenes.items()}
+    with CameraGroup(views, next(iter(scenes.values())).buffers) as group:
+        while left:
+            reads = group.draw(left)
+            yield from ((number, partial(one.get, reads[number])) for number, one in left.items())
+            left = {number: one for number, one in left.items() if one.show()}
 
 
 # ---- the video of an evaluated episode -----------------------------------------------------------

@@ -6,8 +6,9 @@ whether it did. Costs on a CPU (lavapipe) are vertex-bound: keep a scene under 2
 
 import os
 import warnings
+from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 # Mesa's CPU driver reads this once, when the device is created: no threads of its own, because
 # rtphys runs one worker a core and pictures cost the same CPU time either way.
@@ -26,6 +27,9 @@ from rtphys.visual.look import AMBIENT, LightColours
 
 SENSING = ("slim", "default")  # those that also give depth and ids
 Picture = NDArray[np.uint8]  # (H, W, 3) RGB
+Read = Callable[[str], NDArray[Any]]
+"""Name of what a camera took ("Color") -> (H, W, C); as `get_picture` of a camera."""
+COLOUR, SENSE_BUFFERS = ("Color",), ("GbufferDepth", "Segmentation")
 
 # What SAPIEN raises for a missing device or a shader that it cannot use.
 _DRAW_ERRORS = (RuntimeError, IndexError)
@@ -152,7 +156,13 @@ def hold_anchor(senses: bool = False) -> None:
             if "" not in _anchors:
                 cure = "`rtphys doctor` names the cure"
                 raise NoRenderer(f"no picture: {refusal}; {cure}") from refusal
-    if senses and (shader := sensing_shader()) not in _anchors:
+    if senses:
+        hold(sensing_shader())
+
+
+def hold(shader: str) -> None:
+    """As `hold_anchor`, for cameras of another shader than the process's own."""
+    if shader not in _anchors:
         _anchors[shader] = _first_frame(shader)
 
 
@@ -196,10 +206,9 @@ def sensing_shader() -> str:
     return str(pack) if pack.is_dir() else ""  # slim may have been refused: default gives them
 
 
-def sensed(camera: sapien.render.RenderCameraComponent) -> Sensed:
-    """Of the picture that a camera took last, in the same pass."""
-    near, far = camera.near, camera.far
-    deep = camera.get_picture("GbufferDepth")
+def sensed(read: Read, near: float, far: float) -> Sensed:
+    """Of the picture that a camera took last, in the same pass. `near`, `far` [m]: the camera's."""
+    deep = read("GbufferDepth")
     # The inverse of Vulkan's projection of the range near .. far to 0 .. 1.
     # In place: a new array of this size costs five times as much as what is computed.
     depth = deep * np.float32(1 - near / far)
@@ -209,19 +218,19 @@ def sensed(camera: sapien.render.RenderCameraComponent) -> Sensed:
     np.rint(depth, out=depth)
     depth /= DEPTH_SCALE
     depth[deep == 1] = 0
-    ids = camera.get_picture("Segmentation")
+    ids = read("Segmentation")
     return Sensed(depth, np.array(ids[..., 0]), np.array(ids[..., 1]))
 
 
 def capture(camera: sapien.render.RenderCameraComponent) -> Picture:
     """What a camera sees, (H, W, 3) uint8 RGB. Call `scene.update_render()` before."""
     camera.take_picture()
-    return picture(camera)
+    return picture(camera.get_picture)
 
 
-def picture(camera: sapien.render.RenderCameraComponent) -> Picture:
+def picture(read: Read) -> Picture:
     """The picture that a camera took last, (H, W, 3) uint8 RGB; waits until it is drawn."""
-    colour = camera.get_picture("Color")
+    colour = read("Color")
     if colour.dtype == np.uint8:
         # Channel by channel: dropping the fourth byte at once, numpy copies pixel by pixel, which
         # takes five times as long.

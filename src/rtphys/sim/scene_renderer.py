@@ -1,6 +1,6 @@
 """Pictures of recorded states: a world built again with visuals, lights and cameras."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -114,7 +114,6 @@ class SceneRenderer:
             if camera.spec.name == world.head_camera.name:
                 camera.set_pose(world.head_camera.pose)
         self._full = world.scene.pack_poses()
-        self._taken = False
 
     def light(self, colours: LightColours) -> None:
         """Change the colours of the lights."""
@@ -125,32 +124,39 @@ class SceneRenderer:
         # A short buffer would leave lights and cameras at the origin, without an error.
         self.world.scene.unpack_poses(packed + self._full[len(packed) :])
         self.world.scene.update_render()
-        self._taken = False
 
-    def take(self) -> None:
-        """Let all cameras draw the state shown. `frames` waits for them; a GPU meanwhile draws
-        those of other scenes."""
-        for camera in self.cameras:
-            camera.component.take_picture()
-        self._taken = True
+    @property
+    def components(self) -> list[sapien.render.RenderCameraComponent]:
+        """SAPIEN's part of each camera."""
+        return [camera.component for camera in self.cameras]
+
+    @property
+    def buffers(self) -> tuple[str, ...]:
+        """SAPIEN's names of what is read from a camera."""
+        sensing = self._identities is not None
+        return renderer.COLOUR + renderer.SENSE_BUFFERS * sensing
 
     @property
     def names(self) -> dict[str, tuple[str, ...]]:
         """ "actor" and "mesh" -> name of each id; empty where no camera is asked for senses."""
         return {} if self._identities is None else self._identities.names
 
-    def frames(self) -> dict[str, CameraFrame]:
-        """Official camera name -> what it sees of the state shown."""
-        if not self._taken:
-            self.take()
-        self._taken = False
+    def frames(self, reads: Sequence[renderer.Read] | None = None) -> dict[str, CameraFrame]:
+        """Official camera name -> what it sees of the state shown.
+
+        `reads`: of each camera where its pictures are, if something else has drawn them.
+        """
+        if reads is None:
+            for component in self.components:
+                component.take_picture()
+            reads = [component.get_picture for component in self.components]
         found: dict[str, CameraFrame] = {}
         ids = self._identities
-        for camera in self.cameras:
+        for camera, read in zip(self.cameras, reads, strict=True):
             if ids is None:
-                found[camera.spec.name] = CameraFrame(renderer.picture(camera.component))
+                found[camera.spec.name] = CameraFrame(renderer.picture(read))
                 continue
-            pixels = self._pixels(camera, ids)
+            pixels = self._pixels(camera, read, ids)
             senses: dict[str, NDArray[Any]] = {}
             for sense in self._senses:
                 if sense.scope == "pixel" or camera.spec.name == HEAD:
@@ -158,14 +164,18 @@ class SceneRenderer:
             found[camera.spec.name] = CameraFrame(pixels.rgb, senses)
         return found
 
-    def _pixels(self, camera: SimCamera, ids: Identities) -> Pixels:
-        buffers = cache(renderer.sensed)  # read once, if at all
-        component = camera.component
+    def _pixels(self, camera: SimCamera, read: renderer.Read, ids: Identities) -> Pixels:
+        near, far = camera.component.near, camera.component.far
+
+        @cache  # read once, if at all
+        def buffers() -> renderer.Sensed:
+            return renderer.sensed(read, near, far)
+
         return Pixels(
-            renderer.picture(component),
-            lambda: buffers(component).depth,
-            lambda: np.take(ids.actors, buffers(component).entities, mode="clip"),
-            lambda: np.take(ids.meshes, buffers(component).shapes, mode="clip"),
+            renderer.picture(read),
+            lambda: buffers().depth,
+            lambda: np.take(ids.actors, buffers().entities, mode="clip"),
+            lambda: np.take(ids.meshes, buffers().shapes, mode="clip"),
             camera.spec.intrinsic_cv,
             cam2world_gl(camera.pose),
             self._X_TW,

@@ -51,7 +51,7 @@ from rtphys.task.props import check_props, parts
 from rtphys.task.spec import Task, load_task
 
 LIMITS = Limits()
-DRAWERS = 3  # drawing workers of a GPU: while one reads pictures, it draws those of the others
+DRAWERS = 4  # drawing workers of a GPU: while one reads pictures, it draws those of the others
 MAX_SEEDS = 10**9  # of a series whose attempts nobody limits
 
 

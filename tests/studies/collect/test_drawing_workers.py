@@ -49,7 +49,7 @@ def test_drawing_workers_are_chosen_where_gpus_draw(
     pool = pool_of(Run(tmp_path, gpus=asked), worker, [BELL, MIXED[1]], 4, told)
     gpus = found if asked is None else asked
     assert isinstance(pool, TwoStagePool if gpus else LocalPool) and pool.size == 4
-    many = f"4 workers simulate, {3 * gpus} draw on {gpus} GPU{'s' * (gpus > 1)}, 16 at a time"
+    many = f"4 workers simulate, {4 * gpus} draw on {gpus} GPU{'s' * (gpus > 1)}, 16 at a time"
     assert told.told == [many] * (gpus > 0)
 
 
