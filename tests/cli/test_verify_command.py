@@ -1,5 +1,6 @@
 """Whose dataset it is: its digest in one line."""
 
+import json
 import re
 from pathlib import Path
 
@@ -9,6 +10,8 @@ from collected import FOLDER, collect
 from typer.testing import CliRunner, Result
 
 from rtphys.cli.main import app
+from rtphys.data.dataset import Dataset
+from rtphys.data.state_digests import state_digest
 from rtphys.data.writer import DatasetWriter, Rejection
 
 
@@ -35,9 +38,32 @@ def test_the_digest_is_one_line_that_a_change_of_any_file_changes(dataset: Path)
 
 
 def test_a_digest_is_refused_that_can_be_none(dataset: Path) -> None:
-    result = verify(dataset, "--expect", "abc")
+    result = verify(dataset, "--expect", "sha256:abc")
     assert result.exit_code == 2
     assert "64 hexadecimal digits" in result.stderr
+    result = verify(dataset, "--expect", "abc")
+    assert result.exit_code == 2
+    assert "unknown published collection 'abc'" in result.stderr
+
+
+def test_it_is_compared_with_what_was_published(dataset: Path, tmp_path: Path) -> None:
+    (episode,) = Dataset(dataset)
+    digests = {str(episode.seed): state_digest(episode)[:16]}
+    task = {"config": episode.config, "dataset": "", "attempts": 1, "rejections": {}, "frames": 1}
+    task |= {"bytes": 1, "cpu_seconds": 1.0, "episodes": digests}
+    listed = {"what": "", "command": "", "dataset_version": "3.0", "driver": ""}
+    path = tmp_path / "ours.digests.json"
+    path.write_text(json.dumps({**listed, "tasks": {episode.task: task}}))
+    result = verify(dataset, "--expect", str(path))
+    assert result.exit_code == 0
+    assert "1 of 1 episode of 1 task have the states, actions and labels of" in result.stderr
+    digests[str(episode.seed)] = 16 * "0"
+    path.write_text(json.dumps({**listed, "tasks": {episode.task: task}}))
+    result = verify(dataset, "--expect", str(path))
+    assert result.exit_code == 1 and "its states or its label are not those of" in result.stdout
+    path.write_text(json.dumps({**listed, "tasks": {"lift_pot": task}}))
+    result = verify(dataset, "--expect", str(path))
+    assert result.exit_code == 1 and "it holds no task dataset of" in result.stdout
 
 
 @pytest.mark.parametrize("name", ["video/episode_0000000.mp4", "seeds.txt", "manifest.json"])

@@ -22,6 +22,7 @@ from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
 from rtphys.data.selection import CONFIG, HOLDS, ONLY_SEEDS, DataFolder, Selection, seed_set
+from rtphys.data.state_digests import compare, find_digests
 from rtphys.export.card import CardText, write_card
 from rtphys.export.lerobot_plan import READERS, ExportSpec
 from rtphys.spec.option import Option, Seed, Workers, checked_dataclass
@@ -147,6 +148,9 @@ def convert(
         say(f"{out}/{name}")
 
 
+DIGEST = re.compile("sha256:[0-9a-f]{64}")
+
+
 @checked_dataclass(frozen=True)
 class Checks:
     """What is checked of a dataset, and against what."""
@@ -155,7 +159,9 @@ class Checks:
     quick: Annotated[bool, Option("Trust the checksums: do not decode the pictures.")] = False
     deep: Annotated[bool, Option("Decode the videos too; does it make physical sense?")] = False
     fresh: Annotated[bool, Option("Look again into what was found sound before.")] = False
-    expect: Annotated[str, Option("Digest that the dataset must have, as it was published.")] = ""
+    expect: Annotated[
+        str, Option("What it must be: its digest, or a published collection, training_v1.")
+    ] = ""
     reproduce: Annotated[
         Seed, Option("Make so many episodes, and rejected seeds, again and compare all of them.")
     ] = 0
@@ -164,8 +170,13 @@ class Checks:
     def __post_init__(self) -> None:
         if self.quick and self.deep:
             raise BadValue("quick", self.quick, "`deep` is given too; choose one of them")
-        if self.expect and not re.fullmatch("sha256:[0-9a-f]{64}", self.expect):
+        if self.expect.startswith("sha256:") and not DIGEST.fullmatch(self.expect):
             raise BadValue("expect", self.expect, "`sha256:` and 64 hexadecimal digits")
+
+    @property
+    def published(self) -> str:
+        """Name of a collection whose states and labels it must have; empty: of none."""
+        return "" if DIGEST.fullmatch(self.expect) else self.expect
 
 
 @takes(Checks)
@@ -179,7 +190,9 @@ def verify(checks: Checks) -> None:
 
         rtphys verify data
         rtphys verify data --deep --reproduce 5
+        rtphys verify data --expect training_v1
     """
+    expected = find_digests(checks.published) if checks.published else None
     out = checks.path.parent if checks.path.name == MANIFEST else checks.path
     effort = Effort.QUICK if checks.quick else Effort.DEEP if checks.deep else Effort.NORMAL
     memory = None if checks.fresh else checking.default_path()
@@ -189,7 +202,13 @@ def verify(checks: Checks) -> None:
     wrong, made = list[str](), ""
     if report.sound and not (report.episodes or report.failures):
         wrong.append("it holds no episode: the run was aborted, or no attempt was accepted")
-    if checks.expect and report.digest:
+    if expected and report.sound:
+        compared = compare(Dataset(out), expected, checks.published)
+        report.problems += compared.problems
+        report.notes.append(str(compared))
+        if not compared.tasks:
+            wrong.append(f"it holds no task dataset of {checks.published}")
+    elif checks.expect and report.digest:
         if checks.expect != report.digest:
             wrong.append(f"the dataset is {report.digest}, not the expected {checks.expect}")
         if report.newer:
