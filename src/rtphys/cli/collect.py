@@ -52,7 +52,7 @@ class Request(AsJson):
         str, Option("A file that says what to collect, or its name in a library.")
     ] = ""
     sweep: Annotated[
-        str, Option("key=value,value: a dataset with each of these, from the same first seed.")
+        str, Option("key=value,value: a dataset with each of these, all of the same seeds.")
     ] = ""
     dry_run: Annotated[
         bool, Option("Only say what would be collected and where; nothing is simulated.")
