@@ -149,7 +149,7 @@ class CollectionSeries(Series[CollectionTask, Results]):
             name += f", {spec.name}"
         complete = behind.totals.episodes if spec.paired else accepted_by_all(writers)
         progress = Progress(name, behind.wanted, complete, behind.totals.attempts)
-        progress.fruitless = behind.totals.since_accepted
+        progress.fruitless, progress.each = behind.totals.since_accepted, len(self.sides)
         step = spec.seed(1) - spec.seed(0)
         end = spec.first_seed + (spec.max_attempts or MAX_SEEDS)
         super().__init__(progress, range(behind.next_seed, end, step))
