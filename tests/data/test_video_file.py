@@ -4,6 +4,8 @@ import resource
 import subprocess
 import sys
 import time
+import tracemalloc
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ import pytest
 import synthetic
 
 from rtphys.core import bounds
-from rtphys.data import video
+from rtphys.data import files, video
 from rtphys.data.check_episode import check_video
 from rtphys.data.encode import encode_images
 from rtphys.data.faults import BadEpisode
@@ -32,6 +34,25 @@ def test_index_comes_first(data: bytes) -> None:
     order = [kind for kind, _, _ in video.boxes(data, 0, len(data))]
     assert order.index(b"moov") < order.index(b"mdat")
     assert video.index_first(data) == data
+
+
+def test_a_joined_video_is_not_held_in_memory(data: bytes, tmp_path: Path) -> None:
+    times = 12 * video.PIECE // len(data)
+    out = tmp_path / "joined.mp4"
+    tracemalloc.start()
+    joined = video.VideoJoiner(tmp_path, Fraction(video.FPS))
+    for _ in range(times):
+        joined.add(data)
+    files.replace_pieces(out, joined.finish())
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    whole = out.read_bytes()
+    assert len(whole) > 8 * video.PIECE and peak < len(whole) / 2
+    assert [path.name for path in tmp_path.iterdir()] == [out.name]
+    assert video.frame_count(whole) == 20 * times
+    assert video.index_first(whole) == whole
+    kinds = [kind for kind, _, _ in video.boxes(whole, 0, len(whole))]
+    assert kinds.index(b"moov") < kinds.index(b"mdat")
 
 
 def test_colours_are_true(data: bytes) -> None:

@@ -1,6 +1,7 @@
 """The LeRobot export against the format's rules and against the episodes it came from."""
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -338,16 +339,20 @@ def test_a_killed_export_goes_on(
 ) -> None:
     """Killed before its nth file, it ends as one that was left alone, but encodes the rest only."""
     whole = export(dataset, tmp_path / "whole", version=version)
-    left, write, encoded = [instant], files.write_synced, []
+    left, encoded = [instant], []
 
-    def dying(path: Path, data: bytes) -> object:
-        left[0] -= 1
-        if not left[0]:
-            raise Killed
-        return write(path, data)
+    def dying(write: Callable[..., object]) -> Callable[..., object]:
+        def writing(path: Path, data: object) -> object:
+            left[0] -= 1
+            if not left[0]:
+                raise Killed
+            return write(path, data)
+
+        return writing
 
     with monkeypatch.context() as patched, pytest.raises(Killed):
-        patched.setattr(files, "write_synced", dying)
+        for name in ("write_synced", "replace_pieces"):
+            patched.setattr(files, name, dying(getattr(files, name)))
         export(dataset, tmp_path / "out", version=version)
     assert not (tmp_path / "out").exists()
     known = len([*tmp_path.rglob("records/*.json")])

@@ -227,6 +227,22 @@ def test_methods_may_be_replaced_on_the_class(monkeypatch: pytest.MonkeyPatch) -
     assert len(looks) == 1
 
 
+def test_an_adapter_learns_the_seed_from_what_setup_demo_calls(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """FACT's adapter replaces RoboTwin's `_init_task_env_` and reads `seed` from its keywords."""
+    original = Base_Task._init_task_env_  # pyright: ignore[reportPrivateUsage]
+
+    def with_seed(self: Any, *args: Any, **kwargs: Any) -> None:
+        self.current_seed = kwargs["seed"]
+        original(self, *args, **kwargs)
+
+    monkeypatch.setattr(Base_Task, "_init_task_env_", with_seed)
+    env: Any = click_bell()
+    env.setup_demo(seed=3, **BLIND)
+    assert env.current_seed == env.episode.seed == 3
+
+
 def test_what_is_wrong_is_said() -> None:
     env = click_bell()
     with pytest.raises(UnknownName, match="demo_clean"):

@@ -321,19 +321,23 @@ def _join_tables(parts: _Parts, root: Path, records: list[dict[str, object]]) ->
 def _join_videos(parts: _Parts, root: Path, key: str, records: list[dict[str, object]]) -> None:
     """Write a video of all episodes in few files, and into records where they are."""
     rate = float(parts.plan.rate)
-    number, first, joined = 0, 0, VideoJoiner(parts.plan.rate)
+    number, first = 0, 0
+    joined: VideoJoiner | None = None
     for n, record in enumerate(records):
         rows = parts.records[n].rows
-        joined.add(files.read(parts.path(VIDEO_V21, n, key)))
+        path = root / VIDEO_V30.format(video_key=key, **_at(number))
+        with files.refusals(path):
+            if joined is None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                joined = VideoJoiner(path.parent, parts.plan.rate)
+            joined.add(files.read(parts.path(VIDEO_V21, n, key)))
         place = {f"videos/{key}/{name}": value for name, value in _at(number).items()}
         place |= {f"videos/{key}/from_timestamp": first / rate}
         record |= {**place, f"videos/{key}/to_timestamp": (first + rows) / rate}
         first += rows
         if joined.size > VIDEO_MB * 1_000_000 or n + 1 == len(records):
-            path = root / VIDEO_V30.format(video_key=key, **_at(number))
-            files.make_folder(path.parent)
-            files.write_synced(path, joined.finish())
-            number, first, joined = number + 1, 0, VideoJoiner(parts.plan.rate)
+            files.replace_pieces(path, joined.finish())
+            number, first, joined = number + 1, 0, None
 
 
 def _write_episodes(parts: _Parts, path: Path, records: list[dict[str, object]]) -> None:

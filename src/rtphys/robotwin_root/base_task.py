@@ -97,6 +97,10 @@ class Base_Task(TaskEnv):
             UnknownName: the configuration names no protocol.
             BadValue: it names no robot.
         """
+        self._init_task_env_(now_ep_num=now_ep_num, seed=seed, is_test=is_test, **args)
+
+    def _init_task_env_(self, now_ep_num: int, seed: int, is_test: bool, **args: object) -> None:
+        """Does what `setup_demo` says; RoboTwin's name, which FACT's adapter replaces."""
         self.ep_num = now_ep_num
         self.eval_video_path = args.get("eval_video_save_dir")
         if isinstance(wanted := args.get("data_type"), dict):
