@@ -12,10 +12,9 @@ from rtphys.core import library
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.selection import DataFolder, Selection
-from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY, check_key
-from rtphys.physics.load import parse_overrides
-from rtphys.physics.reach import reach
+from rtphys.physics.idle import why_idle
+from rtphys.physics.load import domain_for_task, parse_overrides
 from rtphys.results.evaluation import EvaluationSpec, short_name
 from rtphys.results.instances import FIRST_SEED
 from rtphys.senses import REDRAWN, SENSES, drawn
@@ -104,8 +103,8 @@ def _acts(task: str, protocol: str) -> bool:
     alone = load_protocol(protocol).only
     if not alone:
         return True
-    has = reach("").parts(parts(load_task(task).props(FIRST_SEED)))
-    return any(attribute(key).could_act(has, attribute(key).valid.high) for key in alone)
+    has, keys = parts(load_task(task).props(FIRST_SEED)), domain_for_task(task).keys
+    return not all(why_idle(key, keys, has) for key in alone)
 
 
 @checked_dataclass(frozen=True)

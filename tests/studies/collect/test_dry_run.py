@@ -1,6 +1,7 @@
 """`collect --dry-run`: what would be collected and where, what could not act; nothing is done."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -162,6 +163,26 @@ def test_it_is_one_line_by_whatever_way_one_asks(spec: CollectionSpec) -> None:
     (line,) = without_effect([spec.of_task("click_bell")])
     assert line == "object_mass could not act in click_bell: there is no object that can move"
     assert without_effect([spec.of_task("lift_pot")]) == []
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        CollectionSpec(EpisodeSpec(only=("object_mass",))),
+        CollectionSpec(EpisodeSpec(protocol="clean", overrides={"object_mass": 1.0})),
+        *swept(CollectionSpec(EpisodeSpec(protocol="clean")), "object_mass=0.5,2"),
+    ],
+    ids=lambda spec: spec.name,
+)
+def test_what_every_prop_has_of_its_own_is_left_with_nothing(spec: CollectionSpec) -> None:
+    (line,) = without_effect([spec.of_task("heavy_below")])
+    assert line == (
+        "object_mass could not act in heavy_below: every object that can move has its own value "
+        "(object_mass@first, object_mass@second)"
+    )
+    held = replace(spec.episode, only=None, protocol="clean", overrides={"object_mass@first": 1.0})
+    assert without_effect([replace(spec, episode=held).of_task("heavy_below")]) == []
+    assert without_effect([spec.of_task("bin_the_slippery")]) == []  # of masses it has no own
 
 
 def test_what_nobody_asked_for_is_not_told() -> None:
