@@ -1,5 +1,6 @@
 """Policies by specification: names, options, and policies of the user's own."""
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -148,3 +149,27 @@ def test_the_digest_follows_the_files_that_a_specification_names(tmp_path: Path)
         path.write_text("two")
         assert files_digest(spec) not in ("", before)
     assert files_digest("idle") == files_digest("python:package.module:make") == ""
+
+
+def test_a_module_that_was_edited_has_another_digest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the spelling of the documents, which names no file: `python:my_policy:make`."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    package = tmp_path / "own_package" / "inner"
+    package.mkdir(parents=True)
+    (package.parent / "__init__.py").write_text("raise ImportError('nobody imports it yet')")
+    (package / "__init__.py").write_text("")
+    for spec, path in [
+        ("python:edited_policy:make", tmp_path / "edited_policy.py"),
+        ("python:own_package.acting:make", package.parent / "acting.py"),
+        ("python:own_package.inner:make", package / "network.py"),
+    ]:
+        path.write_text("one")
+        before = files_digest(spec)
+        assert before and files_digest(spec) == before
+        path.write_text("two")
+        assert files_digest(spec) not in ("", before), spec
+    for nothing in ("python:make", "python::make", "python:.:make", "python:os.nothing:make"):
+        assert files_digest(nothing) == "", nothing

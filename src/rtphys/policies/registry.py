@@ -2,10 +2,11 @@
 
 import ast
 import hashlib
-import importlib
+import importlib.util
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import Annotated
 from urllib.parse import parse_qsl
@@ -89,19 +90,52 @@ def files_digest(spec: str) -> str:
     """SHA-256 over the local files that a specification names; empty if it names none.
 
     A file stands for itself, a folder for its JSON and weights (`*.safetensors`): so a dataset, or
-    a LeRobot checkpoint. What a Python file imports is not followed.
+    a LeRobot checkpoint. A dotted module stands for its file, a package for all its Python files.
+    What a Python file imports is not followed.
 
     Raises `UnknownName`: no such policy; `OSError`: a file cannot be read.
     """
-    argument = parse_spec(spec)[1].partition("?")[0]
+    name, argument = parse_spec(spec)
+    argument = argument.partition("?")[0]
     path = Path(argument)
     if not path.exists():  # `python:FILE:NAME`
         path = Path(argument.rpartition(":")[0])
     found = [path] if path.is_file() else []
+    if name == "python" and path.suffix != ".py":
+        found = _files_of_module(argument.rpartition(":")[0])
     if argument and path.is_dir() and path != Path():
         found = sorted([*path.glob("*.json"), *path.glob("*.safetensors")])
     digests = [f"{file.name} {facts_of(file.resolve()).sha256}" for file in found]
     return hashlib.sha256("\n".join(digests).encode()).hexdigest() if digests else ""
+
+
+def _files_of_module(name: str) -> list[Path]:
+    """The file of a dotted module, or all of a package; empty where Python finds none.
+
+    Nothing is imported, so a module that cannot be imported is reported where it is opened.
+    """
+    _search(Path.cwd())
+    first, *rest = name.split(".")
+    try:
+        found = importlib.util.find_spec(first)
+        for number, _ in enumerate(rest, start=2):
+            inside = found and found.submodule_search_locations
+            part = ".".join(name.split(".")[:number])
+            found = PathFinder.find_spec(part, inside) if inside else None
+    except (ImportError, ValueError):  # such as an empty name
+        return []
+    if found is None:
+        return []
+    inside = [Path(folder) for folder in found.submodule_search_locations or ()]
+    files = sorted(file for folder in inside for file in folder.rglob("*.py"))
+    origin = Path(found.origin or "")
+    return files or ([origin] if origin.is_file() else [])
+
+
+def _search(folder: Path) -> None:
+    """Lets modules of a folder be imported, last: a user's random.py must not hide Python's."""
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
 
 
 def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
@@ -176,8 +210,7 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
         raise BadValue("policy", f"python:{argument}", "write python:MODULE:ATTRIBUTE")
     path = Path(name)
     folder = path.resolve().parent if path.suffix == ".py" else Path.cwd()
-    if str(folder) not in sys.path:  # a file may import its neighbours
-        sys.path.append(str(folder))  # last: a user's random.py must not hide Python's
+    _search(folder)  # a file may import its neighbours
     try:
         module = (
             load_file(path, "policy") if path.suffix == ".py" else importlib.import_module(name)

@@ -133,7 +133,9 @@ def _check_others(out: Path, now: EvaluationHeader) -> None:
         same = stored(now.spec.of(*before.spec.key))
         clauses = differences(stored(before.spec), same)
         if before.policy_files != now.policy_files:
-            clauses.append("the files of the policy were edited since")
+            edited = "the files of the policy were edited since"
+            unknown = "it does not record the files of the policy, which may have been edited since"
+            clauses.append(edited if before.policy_files else unknown)
         if clauses:
             raise DatasetMismatch(out, clauses)
 
