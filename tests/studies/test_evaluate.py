@@ -367,6 +367,21 @@ def test_a_folder_holds_one_evaluation(
     assert len(run(tmp_path, lists, pack, **CLEAN)) == 2  # more of the same
 
 
+def test_a_list_of_another_robot_is_refused_whatever_is_accepted(tmp_path: Path) -> None:
+    """Nobody has certified these seeds for it."""
+    rows = (BenchmarkInstance(SEEDS[0], "", "0" * 16),)
+    write_lists(list_file(tmp_path, "clean"), [InstanceList(TASK, "clean", FINGERPRINT, rows)])
+    wish = EvaluationRun((TASK,), ("clean",), 1, instances=tmp_path, accept_changes=True)
+    assert module.certified(wish, "clean", TASK, FINGERPRINT).feasible == rows
+    panda = FINGERPRINT.model_copy(update={"embodiment": "franka-panda"})
+    said = (
+        "is certified for the robot aloha-agilex, which says nothing of franka-panda; to certify: "
+        ".* embodiment=franka-panda"
+    )
+    with pytest.raises(NotCertified, match=said):
+        module.certified(wish, "clean", TASK, panda)
+
+
 def test_a_recorded_dataset_is_of_the_robot_that_acts(tmp_path: Path, pack: Pack) -> None:
     robot = EpisodeSpec(TASK, "clean", split="unseen", embodiment="franka-panda")
     instances = InstanceList(TASK, "clean", FINGERPRINT, (BenchmarkInstance(SEEDS[0]),))

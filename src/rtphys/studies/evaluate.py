@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.campaign.local import run_here
 from rtphys.campaign.pool import WorkerFailure
@@ -382,11 +383,14 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
 
 
 class NotCertified(RtphysError):
-    """There is no list, or it holds too few feasible seeds (`wanted` are)."""
+    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are)."""
 
-    def __init__(self, where: Path, problem: str, spec: tuple[str, str], wanted: int) -> None:
+    def __init__(
+        self, where: Path, problem: str, spec: tuple[str, str], wanted: int, robot: str = DEFAULT
+    ) -> None:
         task, protocol = spec
         fields = f"task={task} protocol={protocol} feasible={wanted} out=FOLDER"
+        fields += f" embodiment={robot}" if robot != DEFAULT else ""
         super().__init__(
             f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
         )
@@ -402,7 +406,7 @@ def certified(
     """The instances to evaluate: the list up to the last episode that is asked for.
 
     They come from the file, folder or dataset that is given, else from the newest library. Raises
-    `NotCertified`: there is none, or too few in it; `ChangedSinceCertified`: and
+    `NotCertified`: there is none for the robot, or too few in it; `ChangedSinceCertified`: and
     `run.accept_changes` is false; `BadFile`: it is damaged, or another task's or protocol's.
     """
     given, cell, least = run.instances, (task, protocol), run.episodes or 1
@@ -418,6 +422,9 @@ def certified(
             raise NotCertified(where, problem, cell, run.episodes or 100)
         if found.protocol != protocol:  # accepted changes must not hide it
             raise BadFile(where, f"is the list of {found.task}, {found.protocol}")
+        if (robot := found.fingerprint.embodiment) != (own := fingerprint.embodiment):
+            problem = f"is certified for the robot {robot}, which says nothing of {own}"
+            raise NotCertified(where, problem, cell, run.episodes or 100, own)
     if (feasible := len(found.feasible)) < least:
         problem = f"{task}, {protocol}: holds {feasible} feasible seeds, not {least}"
         raise NotCertified(where, problem, cell, least)
@@ -468,4 +475,5 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
         BenchmarkInstance(row.seed, row.reason if isinstance(row, Rejected) else "")
         for row in islice(read_attempts(entry.below(folder).ledger), entry.attempts)
     )
-    return InstanceList(task, protocol, fingerprint, instances)
+    under = "" if own else entry.spec.name
+    return InstanceList(task, protocol, fingerprint, instances, tried_under=under)
