@@ -37,6 +37,7 @@ from rtphys.spec.recording import CAMERAS, SHADERS, CameraType, RecordingSpec, S
 from rtphys.spec.stored import CLOSED, Extent
 from rtphys.studies.resources import check_drawable, episode_bytes
 from rtphys.task.props import parts
+from rtphys.task.rates import Cost, costs
 from rtphys.task.spec import Task, load_task
 
 if TYPE_CHECKING:
@@ -302,11 +303,19 @@ class Run:
         return connect(self.address, self.workers)
 
 
-def room_needed(specs: Sequence[CollectionSpec]) -> float:
-    """Disk space that the specs' episodes need at most [bytes]."""
+def room_needed(specs: Sequence[CollectionSpec], most: float = 1.0) -> float:
+    """Disk space that the specs' episodes need on average [bytes]; at most, with `MOST`.
+
+    A task that was not measured counts as the mean of those that were, or as the largest of them.
+    """
+    known = costs()
+    sizes = [cost.megabytes for cost in known.values()] or [0.0]
+    other = Cost(0, 0, sum(sizes) / len(sizes) if most == 1 else max(sizes))
     return sum(
         (spec.episodes + spec.failures_expected)
-        * episode_bytes(side.recording, side.episode.visual())
+        * episode_bytes(
+            known.get(side.episode.task, other), side.recording, side.episode.visual(), most
+        )
         for spec in specs
         for side in spec.sides
     )

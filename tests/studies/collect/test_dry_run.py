@@ -17,7 +17,8 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
 from rtphys.studies.collect import without_effect
-from rtphys.studies.requests import swept
+from rtphys.studies.requests import room_needed, swept
+from rtphys.task.rates import MOST, SHARES, costs
 
 
 @pytest.fixture(autouse=True)
@@ -53,8 +54,10 @@ def test_it_names_every_folder_and_writes_nothing(
     own, twin = list(found.values())[:2]
     assert (own[-1], twin[-1]) != ("nominal", "nominal")
     assert twin[-1] == "nominal"
-    assert last.startswith(f"28 episodes in {out}, at most 168 MB")
-    assert "nothing was collected" in last and "of CPU and 168 MB by the table" in last
+    each = costs()["click_bell"].megabytes + costs()["lift_pot"].megabytes
+    table = 7 * each * 2 * SHARES["phys_random"][1]
+    assert last.startswith(f"28 episodes in {out}, at most {MOST * table:.0f} MB")
+    assert "nothing was collected" in last and f"of CPU and {table:.0f} MB by the table" in last
     assert not list(tmp_path.iterdir())
 
 
@@ -131,6 +134,49 @@ def test_few_episodes_are_told_in_minutes_and_megabytes(tmp_path: Path) -> None:
     assert re.search(r"at most [1-9]\d* MB.* about \d+ s of CPU and [1-9]\d* MB by", few), few
     _, many = rows("click_bell", "--episodes", "5000", *out)
     assert re.search(r"at most \d+\.\d GB.* about \d\.\d h of CPU and \d+\.\d GB by", many), many
+
+
+@pytest.mark.parametrize(
+    ("episode", "measured"),
+    [  # [MB] of the files that were collected; the largest that anybody has met
+        ({"task": "stack_bowls_three", "protocol": "phys_random_all"}, 44.3),
+        ({"task": "stack_bowls_three", "protocol": "phys_random"}, 25.5),
+        ({"task": "open_laptop", "protocol": "phys_random_all"}, 15.8),
+        ({"task": "click_bell", "protocol": "phys_random_all"}, 7.2),
+        (
+            {
+                "task": "beat_block_hammer",
+                "protocol": "clean",
+                "overrides": {"friction": 0.15},
+            },
+            4.95,
+        ),
+        ({"task": "lift_pot", "protocol": "clean", "overrides": {"friction": 0.02}}, 5.34),
+        ({"task": "soap_on_notebook", "protocol": "clean"}, 4.1),  # a task of a user's own
+    ],
+    ids=str,
+)
+def test_no_episode_that_was_measured_is_larger_than_the_bound(
+    episode: dict[str, object], measured: float
+) -> None:
+    spec = CollectionSpec(EpisodeSpec(**episode), episodes=1)  # type: ignore[arg-type]
+    assert measured * 1e6 < room_needed([spec], MOST) < 50 * measured * 1e6
+    assert room_needed([spec]) < room_needed([spec], MOST)
+
+
+def test_the_bound_holds_for_every_measured_mean_with_room_for_its_spread() -> None:
+    for task, cost in costs().items():
+        spec = CollectionSpec(EpisodeSpec(task, "phys_random_all"), episodes=1)
+        assert room_needed([spec]) == pytest.approx(cost.megabytes * 1e6)
+        assert room_needed([spec], MOST) > 2 * cost.megabytes * 1e6
+
+
+def test_time_and_space_depend_on_the_protocol() -> None:
+    def last(protocol: str) -> str:
+        words = ("click_bell", "--episodes", "5000", "--protocol", protocol, "--out", "/nowhere/x")
+        return rows(*words)[1]
+
+    assert last("phys_random") != last("phys_random_all")
 
 
 def specs(*tasks: str, **changes: object) -> list[CollectionSpec]:
