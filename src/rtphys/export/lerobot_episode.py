@@ -112,12 +112,17 @@ def sentences_of(episode: Episode, which: str) -> list[str]:
 
 
 def labels(episode: Episode) -> dict[str, object]:
-    """Episode columns beyond LeRobot's own: physics as `phys/<key>`, origin as `rtphys/<key>`."""
+    """Episode columns beyond LeRobot's own: physics as `phys/<key>`, origin as `rtphys/<key>`.
+
+    The value is None where an attribute could not act or did not act, as in `Dataset.to_pandas`.
+    """
     origin = {"task": episode.task, "protocol": episode.protocol, "seed": episode.seed}
-    values = {key: episode.physics[key] for key in episode.meta.attributes}
+    values = {
+        key: None if label.note else label.value for key, label in episode.meta.attributes.items()
+    }
     return {
         **{f"rtphys/{key}": value for key, value in origin.items()},
-        **{f"phys/{k}": list(v) if isinstance(v, tuple) else v for k, v in values.items()},
+        **{f"phys/{key}": value for key, value in values.items()},
     }
 
 
