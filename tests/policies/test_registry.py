@@ -1,5 +1,6 @@
 """Policies by specification: names, options, and policies of the user's own."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from rtphys.policies import (
     PolicyGone,
     PolicySetup,
     check_options,
+    check_task,
     files_digest,
     open_policy,
     parse_spec,
@@ -19,6 +21,7 @@ from rtphys.policies import (
 from rtphys.policies.lerobot import LeRobotOptions
 from rtphys.policies.registry import split_options
 from rtphys.spec.option import from_words
+from rtphys.task.spec import load_task
 
 MINE = """
 from helper import SPEED
@@ -93,6 +96,46 @@ def test_options_follow_a_question_mark_and_override_others() -> None:
 def test_a_wrong_option_is_named(given: str, problem: str) -> None:
     with pytest.raises((UnknownName, BadFile), match=f"^lerobot:act: .*{problem}"):
         open_policy(f"lerobot:act?{given}")
+
+
+OPTIONAL = """
+class Mine:
+    needs_images = False
+    def __init__(self, setup):
+        self.low = float(setup.options.get("low", 0.85))
+        self.high = float(setup.options["high"]) if "high" in setup.options else 1.0
+        self.setup = setup
+    def play(self, episode): return self.setup.options.get("actions")
+    def close(self): ...
+
+def whole(setup):
+    return Mine(setup) if {**setup.options} else None
+"""
+
+
+def test_a_misspelt_option_of_the_users_own_policy_is_named(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(OPTIONAL)
+    spec = f"python:{tmp_path / 'mine.py'}:Mine"
+    for given in ({"low": "0.9"}, {"low": "0.9", "high": "2"}, {"actions": "3"}):  # read later
+        policy = open_policy(spec, PolicySetup(options=given))
+        assert policy.low == float(given.get("low", 0.85))  # type: ignore[attr-defined]
+        assert json.loads(json.dumps(policy.setup.options)) == given  # type: ignore[attr-defined]
+    for wrong, right in (("lwo", "low"), ("hihg", "high")):
+        said = f"unknown option of the policy '{wrong}'; did you mean '{right}'"
+        with pytest.raises(UnknownName, match=said):
+            open_policy(spec, PolicySetup(options={wrong: "0.9"}))
+
+
+def test_a_policy_of_the_script_that_cannot_run_in_a_task_is_refused() -> None:
+    pot, blocks = load_task("lift_pot"), load_task("heavy_below")
+    with pytest.raises(BadValue, match=r"policy = 'feels' .*lift_pot has no `feel`"):
+        check_task("feels", pot, ("clean",))
+    with pytest.raises(UnknownName, match="did you mean 'shuffled'"):
+        check_task("expert:shufled", pot, ("clean",))
+    with pytest.raises(UnknownName, match="physics of lift_pot 'object_mass@first'"):
+        check_task("expert:object_mass@first=2", pot, ("clean",))
+    for fine in ("feels", "expert", "expert:object_mass@first=2", "python:not_yet:make"):
+        check_task(fine, blocks, ("clean", "phys_random"))
 
 
 def test_a_policy_of_the_users_own_may_import_its_neighbours(tmp_path: Path) -> None:

@@ -4,11 +4,12 @@ import ast
 import hashlib
 import importlib.util
 import sys
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 from urllib.parse import parse_qsl
 
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
@@ -19,6 +20,7 @@ from rtphys.physics.attribute import is_attribute
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
 from rtphys.sim import renderer
 from rtphys.spec.option import at_least
+from rtphys.task.spec import Task
 
 Opener = Callable[[str, PolicySetup], Policy]
 Seconds = Annotated[float, at_least(0.001, most=1e6)]
@@ -84,6 +86,21 @@ def check_options(spec: str, given: Mapping[str, str]) -> None:
             raise BadValue("policy_option", f"{key}={value}", cure)
         if name in WITHOUT_OPTIONS:
             raise BadValue("policy_option", f"{key}={value}", f"the policy {name} has no options")
+
+
+def check_task(spec: str, task: Task, protocols: Iterable[str]) -> None:
+    """Refuses a policy of the task's own script that cannot run there.
+
+    Raises `BadValue`: `feels` in a task that cannot be felt, or no such belief of the expert;
+    `UnknownName`: a belief about something that the task does not have.
+    """
+    name, _ = parse_spec(spec)
+    if name == "feels" and task.feel is None:
+        cure = f"{task.name} has no `feel` to find physics out by; tasks of suite:physics have one"
+        raise BadValue("policy", name, cure)
+    if name == "expert":
+        for protocol in protocols:
+            open_policy(spec, PolicySetup(task.name, protocol)).close()
 
 
 def files_digest(spec: str) -> str:
@@ -203,7 +220,7 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
 
     Raises `BadValue`: not `python:MODULE:ATTRIBUTE`, no such module, or its result is no policy;
     `BadFile`: the file does not exist, or raises when it is imported; `UnknownName`: the module has
-    no such attribute.
+    no such attribute, or an option is misspelt.
     """
     name, _, attribute = argument.rpartition(":")
     if not name or not attribute:
@@ -221,8 +238,40 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
     if not hasattr(module, attribute):
         known = [name for name in vars(module) if not name.startswith("_")]
         raise UnknownName(f"attribute of {name}", attribute, known)
-    policy = getattr(module, attribute)(setup)
+    options = _Asked(setup.options)
+    policy = getattr(module, attribute)(replace(setup, options=options))
+    options.check()
     if not callable(getattr(policy, "play", None)):
         problem = f"it returned type {type(policy).__name__}, which has no play(episode)"
         raise BadValue("policy", f"python:{argument}", problem)
     return policy
+
+
+class _Asked(dict[str, str]):
+    """Options of a user's policy, and which of them it asked for by name."""
+
+    def __init__(self, options: Mapping[str, str]) -> None:
+        super().__init__(options)
+        self._asked = set[str]()
+
+    def __getitem__(self, key: str) -> str:
+        self._asked.add(key)
+        return super().__getitem__(key)
+
+    def __contains__(self, key: object) -> bool:
+        self._asked.add(str(key))
+        return super().__contains__(key)
+
+    def get(self, key: str, default: Any = None) -> Any:  # pyright: ignore
+        self._asked.add(key)
+        return super().get(key, default)
+
+    def check(self) -> None:
+        """Raises `UnknownName`: one that was not asked for is spelt nearly as one that was.
+
+        What a policy asks for later, or reads all together, nobody knows: it may be so called.
+        """
+        missing = sorted(self._asked - self.keys())
+        for key in sorted(self.keys() - self._asked):
+            if get_close_matches(key, missing, n=1):
+                raise UnknownName("option of the policy", key, self._asked)

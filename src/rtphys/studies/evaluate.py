@@ -41,7 +41,7 @@ from rtphys.policies import (
 )
 from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
-from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec, short_name
+from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec
 from rtphys.results.instances import (
     BenchmarkInstance,
     Fingerprint,
@@ -148,9 +148,9 @@ def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeri
         {study.spec.key: study.instances for study in studies},
         {study.spec.key: study.fingerprint for study in studies},
     )
-    policy, episode = short_name(spec.policy), spec.episode
-    what = {"policy": spec.policy, "split": episode.split, "sentences": spec.hears}
-    what |= {"embodiment": episode.embodiment}
+    policy, episode = spec.short_actor, spec.episode
+    what = {"policy": spec.policy, "policy_options": dict(spec.options), "policy_seed": spec.seed}
+    what |= {"split": episode.split, "sentences": spec.hears, "embodiment": episode.embodiment}
     files.replace_file(out / evaluation.SUMMARY, pretty({**what, **summary.to_json()}))
     for protocol, effects in summary.breaks.items():
         if effects:
@@ -277,14 +277,13 @@ def recording_header(
     spec: EvaluationSpec, instances: InstanceList, task: Task, pack: Pack
 ) -> TaskHeader:
     """The header of a task dataset that takes the episodes of these instances."""
-    options = "".join(f" {key}={value}" for key, value in sorted(spec.options.items()))
     kept = CollectionSpec(
         spec.episode,
         RecordingSpec(senses=spec.recording.senses),
         episodes=len(instances.feasible),
         first_seed=instances.first_seed,
         keep_failures="all",
-        policy=f"{spec.policy}{options}, seed {spec.seed}",
+        policy=f"{spec.actor}, seed {spec.seed}",
     )
     return header_of(kept, task, pack)
 

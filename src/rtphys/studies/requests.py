@@ -249,10 +249,13 @@ class EvaluationRun:
 
     def check(self, spec: EvaluationSpec) -> list[Task]:
         """The tasks. Raises UnknownName, BadValue, BadFile, NoRenderer before any work is done."""
-        from rtphys.policies import check_options  # imported here: its baselines need the simulator
+        # Imported here: its baselines need the simulator.
+        from rtphys.policies import check_options, check_task
 
         check_options(spec.policy, spec.options)
         tasks = [load_task(name) for name in self.tasks]
+        for task in tasks:
+            check_task(spec.policy, task, self.protocols)
         if drawn(spec.recording.senses):
             check_drawable("senses")
         elif self.video or self.record:
