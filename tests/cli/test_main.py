@@ -349,6 +349,8 @@ def test_a_field_is_spelled_as_the_flag_of_the_command(
 def test_an_unknown_name_says_where_others_are(kind: str, hint: str, failing: Failing) -> None:
     found = failing(UnknownName(kind, "mass", ["weight"])).output
     assert "Known: weight" in found and (hint in found if hint else "--" not in found)
+    if kind == "attribute":  # before the names, which may fill a screen
+        assert found.index(hint) < found.index("Known: ")
 
 
 def test_an_error_of_the_library_names_the_flag() -> None:

@@ -125,3 +125,11 @@ def test_the_command_takes_no_wish(copied: Path) -> None:
     done = CliRunner().invoke(app, ["collect", "--repair", "--out", str(copied)])
     assert done.exit_code == 0
     assert "0 files made again" in done.stdout
+    manifest = (copied / "manifest.json").read_bytes()
+    (copied / "manifest.json").unlink()
+    done = CliRunner().invoke(app, ["verify", str(copied)])
+    assert "a repair by `rtphys collect` writes it again" in " ".join(done.output.split())
+    done = CliRunner().invoke(app, ["collect", "--repair", "--out", str(copied)])
+    assert f"made again: {copied / 'manifest.json'}" in done.stdout.replace("\n", "")
+    assert "1 file made again" in done.stdout
+    assert (copied / "manifest.json").read_bytes() == manifest

@@ -168,7 +168,9 @@ class LazyGroup(TyperGroup):
                     each = ",".join(f"{value:g}" for value in error.value)
                     text += f"; `--sweep {error.key}={each}` collects the same with each value"
             elif kind in OF_LIBRARIES and not ctx.params.get("library"):
-                text += "; --library DIR, before the command's name, adds yours"
+                hint = " If it is yours: --library DIR, before the command's name, adds it."
+                before, known, names = text.partition(" Known: ")  # the names fill a screen
+                text = before + hint + known + names
             _stop(text, error.exit_code)
         except KeyboardInterrupt:
             _stop("stopped", Interrupted.exit_code)

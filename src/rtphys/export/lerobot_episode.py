@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from rtphys.core.errors import BadFile
 from rtphys.data.dataset import Episode
 from rtphys.data.files import make_folder, refusals
+from rtphys.data.schema import informs
 from rtphys.data.video import VideoWriter
 from rtphys.export.lerobot_plan import DEPTH_MOST, EXPORTED, PHYSICS, Plan, Video, physics_of
 
@@ -117,9 +118,8 @@ def labels(episode: Episode) -> dict[str, object]:
     The value is None where an attribute could not act or did not act, as in `Dataset.to_pandas`.
     """
     origin = {"task": episode.task, "protocol": episode.protocol, "seed": episode.seed}
-    values = {
-        key: None if label.note else label.value for key, label in episode.meta.attributes.items()
-    }
+    labels = episode.meta.attributes.items()
+    values = {key: label.value if informs(key, label) else None for key, label in labels}
     return {
         **{f"rtphys/{key}": value for key, value in origin.items()},
         **{f"phys/{key}": value for key, value in values.items()},

@@ -9,6 +9,7 @@ from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.episode import CAMERA_NAMES, FRAME_RATE, official_camera
+from rtphys.data.schema import informs
 from rtphys.senses import SENSES
 from rtphys.spec.option import Option, checked_dataclass, one_of
 
@@ -188,7 +189,7 @@ def physics_of(episode: Episode, acting: bool = False) -> dict[str, float | None
     """
     found: dict[str, float | None] = {}
     for key, label in episode.meta.attributes.items():
-        left_out = acting and bool(label.note)
+        left_out = acting and not informs(key, label)
         if isinstance(label.value, list):
             parts = zip("xyz", label.value, strict=True)
             found |= {f"{key}_{axis}": None if left_out else float(part) for axis, part in parts}

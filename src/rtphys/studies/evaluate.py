@@ -455,8 +455,10 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
     every = [entry for entry in Dataset(folder).task_datasets if entry.spec.episode.task == task]
     entries = [e for e in every if embodiment_folder(e.spec.episode.embodiment) == robot]
     if not entries:
-        apart = f" with the robot {robot}" if every else ""
-        raise BadValue("instances", str(folder), f"the dataset has no episodes of {task}{apart}")
+        others = sorted({entry.spec.episode.embodiment for entry in every})
+        apart = f" with the robot {robot}, only with {', '.join(others)}; set `embodiment`"
+        problem = f"the dataset has no episodes of {task}{apart if every else ''}"
+        raise BadValue("instances", str(folder), problem)
     own = [e for e in entries if protocol in (e.spec.episode.protocol, e.spec.name)]
     # Another protocol's seeds will do: the layout of a seed is the same under every one.
     entry = (own or entries)[0]
