@@ -71,6 +71,12 @@ class Silent(Listener):
         self.read.append(text)
 
 
+def test_a_policy_that_cannot_run_in_a_task_is_refused(tmp_path: Path) -> None:
+    search = SearchSpec(("friction",), "feels", seeds=1, steps=1)
+    with pytest.raises(BadValue, match="lift_pot has no `feel`"):
+        sensitivity(SensitivityPlan(("lift_pot",), search, tmp_path, 1), PACK)
+
+
 @pytest.mark.parametrize(
     ("task", "why"),
     [

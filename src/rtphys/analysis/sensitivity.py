@@ -25,7 +25,7 @@ from rtphys.physics.domain import Domain
 from rtphys.physics.idle import why_idle
 from rtphys.physics.load import domain_for_task
 from rtphys.physics.values import Value, Vector
-from rtphys.policies import PolicyGone, PolicySession, PolicySetup
+from rtphys.policies import PolicyGone, PolicySession, PolicySetup, check_task
 from rtphys.results.statistics import wilson
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import checked_dataclass
@@ -358,10 +358,11 @@ def sensitivity(
     with FolderLock(plan.out):
         tasks: list[TaskSensitivity] = []
         for name in plan.tasks:
-            ground = fingerprint_of(load_task(name), "phys_random", pack).to_json()
-            tasks.append(task := TaskSensitivity(plan, TaskSpec(name, plan.search, ground)))
+            check_task(plan.search.policy, loaded := load_task(name), (NOMINAL,))
+            ground = fingerprint_of(loaded, "phys_random", pack).to_json()
+            tasks.append(one := TaskSensitivity(plan, TaskSpec(name, plan.search, ground)))
             for key in plan.search.only or ():
-                if why := task.idle.get(key):
+                if why := one.idle.get(key):
                     listener.noticed(f"{key} could not act in {name}: {why}")
         results: list[Mapping[str, JSON]] = []
         listener.started([progress := Progress("tasks", len(tasks))])
