@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from collected import collect
 from evaluations import FINGERPRINT
 from still_life import FEW
 from typer.testing import CliRunner
@@ -39,6 +40,7 @@ from rtphys.results.instances import (
     list_file,
     write_lists,
 )
+from rtphys.results.summary import Counts as CountsOf
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import evaluate as module
 from rtphys.studies.certify import CertificationTask, CertifyWorker
@@ -379,6 +381,23 @@ def test_a_list_of_another_robot_is_refused_whatever_is_accepted(tmp_path: Path)
         ".* embodiment=franka-panda"
     )
     with pytest.raises(NotCertified, match=said):
+        module.certified(wish, "clean", TASK, panda)
+
+
+def test_the_rejects_of_a_dataset_are_those_of_its_protocol_alone(tmp_path: Path) -> None:
+    """Seeds 0, 1, 3 of four; nobody tried them under `clean`, or with another robot."""
+    collect(tmp_path / "data", 3)
+    wish = EvaluationRun((TASK,), ("clean",), instances=tmp_path / "data")
+    own, other = (
+        module.certified(wish, protocol, TASK, FINGERPRINT) for protocol in ("phys_random", "clean")
+    )
+    assert own.instances == other.instances and not own.certified
+    assert (own.tried_under, other.tried_under) == ("", "phys_random")
+    counts = [CountsOf.of([], [one]) for one in (own, other)]
+    assert [(one.feasible, one.tried) for one in counts] == [(3, 4), (3, None)]
+    panda = FINGERPRINT.model_copy(update={"embodiment": "franka-panda"})
+    said = "with the robot franka_panda, only with aloha-agilex; set `embodiment`"
+    with pytest.raises(BadValue, match=said):
         module.certified(wish, "clean", TASK, panda)
 
 

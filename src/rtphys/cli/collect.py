@@ -192,10 +192,12 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
     cpu, unknown = expected(missing)
     room = room_needed([one for one in there_not if one.episode.task not in unknown])
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
+    takes = f"takes about {_seconds(cpu)} of CPU and {_bytes(room)} by the tables in docs/scale.md"
+    if unknown and not cpu:
+        takes, apart = "takes what nobody has measured", ""
     say(
         f"{counted(wanted, 'episodes')} in {run.out}, at most {_bytes(room_needed(specs, MOST))}"
-        f"{workers}; what is missing takes about {_seconds(cpu)} of CPU and "
-        f"{_bytes(room)} by the tables in docs/scale.md{apart}; nothing was collected",
+        f"{workers}; what is missing {takes}{apart}; nothing was collected",
         err=as_json,
     )
 
