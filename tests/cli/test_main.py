@@ -365,6 +365,8 @@ def test_an_error_of_the_library_names_the_flag() -> None:
         ("collect click_bell --estimate", "--estimate is gone: `--dry-run` says what the table"),
         ("verify data --shader=rt", "--shader is gone: a dataset says itself"),
         ("verify-manifest data --signed-by me", "--signed-by is gone: `ssh-keygen -Y verify`"),
+        ("evaluate click_bell --set friction=0.2", "evaluate has no --set: physics follows from"),
+        ("evaluate click_bell --set=friction=0.2", "evaluate has no --set: physics follows from"),
         ("evaluate click_bell --no-resume", "--no-resume is gone: a folder of another run"),
         ("check click_bell --json found.json", "--json is a switch now"),
         ("compare a b --table", "--table is gone: `--json` has the rates"),
