@@ -27,7 +27,7 @@ from rtphys.policies.experts import OTHER
 from rtphys.results import Rate
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.task.rates import PROTOCOL, costs, rates
+from rtphys.task.rates import PROTOCOL, SHARES, costs, rates
 from rtphys.task.spec import load_task, task_names
 
 BASELINES = ("replay", "twin")  # columns of a certified list
@@ -38,14 +38,6 @@ BLIND = {
     "idle": "keeps its posture",
     "random": "moves both arms and grippers slowly at random",
     "jitter": "commands the present posture plus noise of 0.1 rad, grippers too",
-}
-# Of a protocol: CPU time and bytes of an episode as shares of those under `phys_random_all`; one
-# episode of each of six tasks, `rtphys bench`.
-SHARES = {
-    "clean": (0.85, 0.46),
-    "official_random": (0.95, 0.95),
-    "phys_random": (0.85, 0.49),
-    "phys_random_all": (1.0, 1.0),
 }
 EPISODES = 100  # of each task
 SHUFFLED = "expert:shuffled"

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from rtphys.analysis import sensitivity as module
 from rtphys.analysis.sensitivity import (
     Axis,
     Bisection,
@@ -17,6 +18,8 @@ from rtphys.analysis.sensitivity import (
     SensitivityPlan,
     SensitivityTask,
     SensitivityWorker,
+    TaskSensitivity,
+    TaskSpec,
     answer,
     axes,
     sensitivity,
@@ -27,10 +30,12 @@ from rtphys.cli.main import app
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data.faults import DatasetMismatch
+from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.physics.attribute import attributes
 from rtphys.physics.distribution import Fixed, SameAs
 from rtphys.physics.load import load_domain
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.task.spec import load_task
 
 PACK = default_pack()
 
@@ -54,6 +59,46 @@ class Killer(Listener):
 def plan(out: Path, workers: int = 1) -> SensitivityPlan:
     keys = ("camera_angle", "table_height")
     return SensitivityPlan(("click_bell",), SearchSpec(keys, seeds=2, steps=1), out, workers)
+
+
+class Silent(Listener):
+    """Keeps what it is given to read."""
+
+    def __init__(self) -> None:
+        self.read: list[str] = []
+
+    def noticed(self, text: str) -> None:
+        self.read.append(text)
+
+
+def test_a_policy_that_cannot_run_in_a_task_is_refused(tmp_path: Path) -> None:
+    search = SearchSpec(("friction",), "feels", seeds=1, steps=1)
+    with pytest.raises(BadValue, match="lift_pot has no `feel`"):
+        sensitivity(SensitivityPlan(("lift_pot",), search, tmp_path, 1), PACK)
+
+
+@pytest.mark.parametrize(
+    ("task", "why"),
+    [
+        (
+            "heavy_below",
+            "every object that can move has its own value (object_mass@first, object_mass@second)",
+        ),
+        ("click_bell", "there is no object that can move"),
+    ],
+)
+def test_what_could_not_act_is_said_and_has_no_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, task: str, why: str
+) -> None:
+    monkeypatch.setattr(module, "run_all", lambda *_: None)  # nobody acts: no paired seeds
+    monkeypatch.setattr(TaskSensitivity, "rounds", lambda self: iter(()))
+    search, heard = SearchSpec(("object_mass", "friction"), seeds=1, steps=1), Silent()
+    plan = SensitivityPlan((task,), search, tmp_path, 1)
+    sensitivity(plan, PACK, heard)
+    assert heard.read == [f"object_mass could not act in {task}: {why}"]
+    spec = TaskSpec(task, search, fingerprint_of(load_task(task), "phys_random", PACK).to_json())
+    asked = {one.axis.key for one in TaskSensitivity(plan, spec).bisections}
+    assert asked == {"friction"}
 
 
 @pytest.mark.sim

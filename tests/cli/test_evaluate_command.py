@@ -1,5 +1,6 @@
 """`rtphys evaluate`: what it refuses, and its tables: from 80 columns on, nothing is cut off."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from io import StringIO
@@ -28,7 +29,7 @@ from rtphys.results.evaluation import EpisodeRecord, Results, ledger_file
 from rtphys.results.statistics import Paired
 from rtphys.results.summary import Counts, Loads, PairSummary, ProtocolSummary, Summary, TaskSummary
 
-COUNTS = Counts(tried=574, infeasible=74, rollouts=500, successes=445, held=333)
+COUNTS = Counts(feasible=500, infeasible=74, rollouts=500, successes=445, held=333)
 LOADS = Loads((0.0, 21.4, 1012.0), (0.3, 0.89, 1.0), 12)
 REASONS = {"step_limit": 44, "policy_error": 11}
 TASK, BELL = "shake_bottle_horizontally", "click_bell"
@@ -98,11 +99,19 @@ def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -
 
 
 def test_heads_wrap_before_rates_do(capsys: pytest.CaptureFixture[str]) -> None:
-    counts = Counts(tried=40, infeasible=0, rollouts=40, successes=40, held=40)
+    counts = Counts(feasible=40, infeasible=0, rollouts=40, successes=40, held=40)
     row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {"gave_up": 26})
     print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,), overall=())))
     (line,) = (line for line in capsys.readouterr().out.splitlines() if BELL in line)
     assert "  100 % [91.2-100]  " in line and line.count("  100 % 40/40") == 2
+
+
+def test_what_nobody_tried_has_no_rate(capsys: pytest.CaptureFixture[str]) -> None:
+    counts = Counts(feasible=2, infeasible=None, rollouts=2, successes=2, held=2)
+    row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {})
+    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,), overall=())))
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if BELL in line)
+    assert re.search(r" 100 % \[34\.2-100\] 2/2 +- +100 % 2/2", line)
 
 
 def test_seeds_of_a_dataset_are_no_benchmark_instances() -> None:

@@ -349,6 +349,8 @@ def test_a_field_is_spelled_as_the_flag_of_the_command(
 def test_an_unknown_name_says_where_others_are(kind: str, hint: str, failing: Failing) -> None:
     found = failing(UnknownName(kind, "mass", ["weight"])).output
     assert "Known: weight" in found and (hint in found if hint else "--" not in found)
+    if kind == "attribute":  # before the names, which may fill a screen
+        assert found.index(hint) < found.index("Known: ")
 
 
 def test_an_error_of_the_library_names_the_flag() -> None:
@@ -363,6 +365,8 @@ def test_an_error_of_the_library_names_the_flag() -> None:
         ("collect click_bell --estimate", "--estimate is gone: `--dry-run` says what the table"),
         ("verify data --shader=rt", "--shader is gone: a dataset says itself"),
         ("verify-manifest data --signed-by me", "--signed-by is gone: `ssh-keygen -Y verify`"),
+        ("evaluate click_bell --set friction=0.2", "evaluate has no --set: physics follows from"),
+        ("evaluate click_bell --set=friction=0.2", "evaluate has no --set: physics follows from"),
         ("evaluate click_bell --no-resume", "--no-resume is gone: a folder of another run"),
         ("check click_bell --json found.json", "--json is a switch now"),
         ("compare a b --table", "--table is gone: `--json` has the rates"),

@@ -174,6 +174,7 @@ def test_where_a_failure_counts_as_well_the_solved_are_shown(capsys: pytest.Capt
     table = summary_table([progress])
     assert [str(column.header) for column in table.columns][3] == "solved"
     assert list(table.columns[3].cells) == ["33 %"]
+    assert len(table.columns) == 4, "a failure of a policy is no rejection"
     lines = Lines("episodes")
     lines.progresses = [progress]
     assert lines.sentence().startswith("3 of 3 episodes, 1 solved, ")

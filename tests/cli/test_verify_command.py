@@ -10,9 +10,12 @@ from collected import FOLDER, collect
 from typer.testing import CliRunner, Result
 
 from rtphys.cli.main import app
+from rtphys.data.check_episode import Problem
 from rtphys.data.dataset import Dataset
 from rtphys.data.state_digests import state_digest
 from rtphys.data.writer import DatasetWriter, Rejection
+from rtphys.studies import reproduce
+from rtphys.studies.reproduce import Reproduction
 
 
 @pytest.fixture
@@ -89,6 +92,21 @@ def test_the_digest_of_a_sound_dataset_is_told_though_another_is_expected(datase
     assert re.search(
         r"^digest sha256", verify(dataset, "--expect", f"sha256:{'0' * 64}").stdout, re.MULTILINE
     )
+
+
+def test_what_was_not_made_again_as_it_is_has_no_digest(
+    dataset: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = Reproduction(episodes=["click_bell, seed 0"])
+    monkeypatch.setattr(reproduce, "reproduced", lambda *_: found)
+    result = verify(dataset, "--reproduce", "1")
+    assert result.exit_code == 0
+    (digest,) = re.findall(r"^digest (sha256:[0-9a-f]{64})$", result.stdout, re.MULTILINE)
+    found.problems.append(Problem(dataset / "data.hdf5", "not as made again: left_arm"))
+    result = verify(dataset, "--reproduce", "1")
+    assert result.exit_code == 1
+    assert not re.search(r"^digest", result.output, re.MULTILINE)
+    assert f"its manifest is that of {digest}, but it was not made again as it is" in result.stdout
 
 
 def test_what_is_newer_than_the_manifest_is_covered_by_no_digest(dataset: Path) -> None:

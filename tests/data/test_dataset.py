@@ -57,6 +57,9 @@ def test_a_part_by_physics_and_by_seeds(dataset: Dataset) -> None:
     assert len(part.where(seeds=[one.seed for one in part][:1])) == 1
     with pytest.raises(UnknownName, match="did you mean 'friction'"):
         dataset.where(physics={"frictoin": (0, 1)})
+    said = "'object_mass@first' is not allowed; it could not act in any episode here"
+    with pytest.raises(BadValue, match=said):
+        dataset.where(physics={"object_mass@first": (0, 1)})
 
 
 @pytest.mark.parametrize(
@@ -135,6 +138,25 @@ def test_a_table_has_a_row_an_attempt(
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(RtphysError, match="pip install pandas"):
         Dataset(tmp_path).to_pandas()
+
+
+def test_a_camera_attribute_that_is_held_at_zero_keeps_its_number(
+    tmp_path: Path, pandas: None
+) -> None:
+    """The baseline of a sweep, in whose episode the camera happened to be displaced otherwise."""
+    with DatasetWriter(tmp_path) as writer:
+        task = writer.task(wanting(2))
+        for seed, source in enumerate(("set", "domain")):
+            episode = synthetic.episode(seed, FRAMES)
+            meta = copy.deepcopy(episode.phys_meta)
+            for key in ("camera_angle", "object_mass"):
+                changes = {"could_act": False, "acted": False, "value": 0.0, "source": source}
+                meta["attributes"][key].update(changes)  # type: ignore[index, union-attr]
+            made = replace(episode, phys_meta=meta)
+            task.record(stage_episode(task.staging(seed), made, task.header.spec.recording.layout))
+    first, second = Dataset(tmp_path).to_pandas()
+    assert first["camera_angle"] == 0.0 and math.isnan(second["camera_angle"])
+    assert math.isnan(first["object_mass"]), "a value that no object has says nothing"
 
 
 def test_a_table_has_every_attribute_and_a_number_only_where_it_acted(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sensing
 import synthetic
-from collected import FRAMES
+from collected import FRAMES, collect
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
@@ -21,11 +21,13 @@ from rtphys.data.manifest import TaskEntry
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter
 
+pa = pytest.importorskip("pyarrow", reason="the extra rtphys[lerobot] is not installed")
 pq = pytest.importorskip("pyarrow.parquet", reason="the extra rtphys[lerobot] is not installed")
 
 from groot_reader import Reader  # noqa: E402
 
 from rtphys.export import lerobot  # noqa: E402
+from rtphys.export.card import CardText, croissant  # noqa: E402
 from rtphys.export.lerobot import ExportSpec, Progress, export_lerobot  # noqa: E402
 from rtphys.export.lerobot_episode import (  # noqa: E402
     STRIDE,
@@ -116,6 +118,32 @@ def test_episode_rows_carry_the_physics(v3: Path, dataset: Dataset) -> None:
         assert row["tasks"] == ["ring the bell"]
         assert row["dataset_to_index"] - row["dataset_from_index"] == row["length"] == R
     assert sum(key.startswith("phys/") for key in rows[0]) == 13
+
+
+@pytest.mark.parametrize("version", ["v3.0", "v2.1"])
+def test_physics_that_could_not_act_is_null_in_every_table(tmp_path: Path, version: str) -> None:
+    """Also where no episode has a number: the column is there, and is one of numbers."""
+    collect(tmp_path / "data", 2)
+    for number, episode in enumerate(Dataset(tmp_path / "data")):
+        path = episode.paths.phys_meta
+        meta = json.loads(path.read_text())
+        for key, label in meta["attributes"].items():
+            label |= {"could_act": key != "object_mass"}
+            label |= {"acted": False} if key == "restitution" and not number else {}
+        path.write_text(json.dumps(meta))
+    own = Dataset(tmp_path / "data")
+    out = export_lerobot(own, tmp_path / "lr", ExportSpec(version=version))
+    if version == "v3.0":
+        table = pq.read_table(out / EPISODES)
+        assert table.schema.field("phys/object_mass").type == pa.float64()
+        rows = table.to_pylist()
+    else:
+        rows = [json.loads(line) for line in (out / "meta/episodes.jsonl").open()]
+    assert [row["phys/object_mass"] for row in rows] == [None, None]
+    assert [row["phys/restitution"] for row in rows] == [None, own[1].physics["restitution"]]
+    assert [row["phys/friction"] for row in rows] == [one.physics["friction"] for one in own]
+    (records,) = croissant(own, CardText("name"))["recordSet"]  # type: ignore[misc]
+    assert [one["episodes/object_mass"] for one in records["data"]] == [None, None]
 
 
 def test_videos_show_the_frames_at_their_times(v3: Path, dataset: Dataset) -> None:

@@ -44,6 +44,15 @@ def test_registering_loads_nothing_heavy() -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_a_held_value_that_changes_nothing_is_warned_of() -> None:
+    env = TaskEnv("heavy_below", physics={"object_mass": 2.0})
+    with pytest.warns(UserWarning, match="object_mass could not act in heavy_below: every object"):
+        env.reset(seed=0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env.reset(seed=0, options={"physics": {"object_mass@first": 2.0, "friction": 0.4}})
+
+
 @pytest.mark.parametrize("task", ["click_bell", "open_laptop"])
 @pytest.mark.parametrize("show_physics", [False, True])
 def test_gymnasiums_own_check(task: str, show_physics: bool) -> None:

@@ -38,7 +38,8 @@ def test_beliefs_by_key() -> None:
     [
         ("frition=0.2", "unknown attribute 'frition'; did you mean 'friction'"),
         ("friction=high", r"friction = 'high' .* a number"),
-        ("shufled", "write key=value"),
+        ("shufled", "unknown belief 'shufled'; did you mean 'shuffled'"),
+        ("belief", "unknown belief 'belief'.* Known: KEY=VALUE, nominal, shuffled"),
         ("frition=shuffled", "unknown attribute 'frition'"),
         ("friction=9", "friction = 9"),
     ],

@@ -1,5 +1,7 @@
 """Policies by specification: names, options, and policies of the user's own."""
 
+import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ from rtphys.policies import (
     PolicyGone,
     PolicySetup,
     check_options,
+    check_task,
     files_digest,
     open_policy,
     parse_spec,
@@ -18,6 +21,7 @@ from rtphys.policies import (
 from rtphys.policies.lerobot import LeRobotOptions
 from rtphys.policies.registry import split_options
 from rtphys.spec.option import from_words
+from rtphys.task.spec import load_task
 
 MINE = """
 from helper import SPEED
@@ -94,6 +98,46 @@ def test_a_wrong_option_is_named(given: str, problem: str) -> None:
         open_policy(f"lerobot:act?{given}")
 
 
+OPTIONAL = """
+class Mine:
+    needs_images = False
+    def __init__(self, setup):
+        self.low = float(setup.options.get("low", 0.85))
+        self.high = float(setup.options["high"]) if "high" in setup.options else 1.0
+        self.setup = setup
+    def play(self, episode): return self.setup.options.get("actions")
+    def close(self): ...
+
+def whole(setup):
+    return Mine(setup) if {**setup.options} else None
+"""
+
+
+def test_a_misspelt_option_of_the_users_own_policy_is_named(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(OPTIONAL)
+    spec = f"python:{tmp_path / 'mine.py'}:Mine"
+    for given in ({"low": "0.9"}, {"low": "0.9", "high": "2"}, {"actions": "3"}):  # read later
+        policy = open_policy(spec, PolicySetup(options=given))
+        assert policy.low == float(given.get("low", 0.85))  # type: ignore[attr-defined]
+        assert json.loads(json.dumps(policy.setup.options)) == given  # type: ignore[attr-defined]
+    for wrong, right in (("lwo", "low"), ("hihg", "high")):
+        said = f"unknown option of the policy '{wrong}'; did you mean '{right}'"
+        with pytest.raises(UnknownName, match=said):
+            open_policy(spec, PolicySetup(options={wrong: "0.9"}))
+
+
+def test_a_policy_of_the_script_that_cannot_run_in_a_task_is_refused() -> None:
+    pot, blocks = load_task("lift_pot"), load_task("heavy_below")
+    with pytest.raises(BadValue, match=r"policy = 'feels' .*lift_pot has no `feel`"):
+        check_task("feels", pot, ("clean",))
+    with pytest.raises(UnknownName, match="did you mean 'shuffled'"):
+        check_task("expert:shufled", pot, ("clean",))
+    with pytest.raises(UnknownName, match="physics of lift_pot 'object_mass@first'"):
+        check_task("expert:object_mass@first=2", pot, ("clean",))
+    for fine in ("feels", "expert", "expert:object_mass@first=2", "python:not_yet:make"):
+        check_task(fine, blocks, ("clean", "phys_random"))
+
+
 def test_a_policy_of_the_users_own_may_import_its_neighbours(tmp_path: Path) -> None:
     """Its file may be called as a module of Python's own, and as one in another folder."""
     (tmp_path / "helper.py").write_text("SPEED = 2.0\n")
@@ -148,3 +192,27 @@ def test_the_digest_follows_the_files_that_a_specification_names(tmp_path: Path)
         path.write_text("two")
         assert files_digest(spec) not in ("", before)
     assert files_digest("idle") == files_digest("python:package.module:make") == ""
+
+
+def test_a_module_that_was_edited_has_another_digest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the spelling of the documents, which names no file: `python:my_policy:make`."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    package = tmp_path / "own_package" / "inner"
+    package.mkdir(parents=True)
+    (package.parent / "__init__.py").write_text("raise ImportError('nobody imports it yet')")
+    (package / "__init__.py").write_text("")
+    for spec, path in [
+        ("python:edited_policy:make", tmp_path / "edited_policy.py"),
+        ("python:own_package.acting:make", package.parent / "acting.py"),
+        ("python:own_package.inner:make", package / "network.py"),
+    ]:
+        path.write_text("one")
+        before = files_digest(spec)
+        assert before and files_digest(spec) == before
+        path.write_text("two")
+        assert files_digest(spec) not in ("", before), spec
+    for nothing in ("python:make", "python::make", "python:.:make", "python:os.nothing:make"):
+        assert files_digest(nothing) == "", nothing

@@ -18,13 +18,16 @@ def test_a_page_has_every_failure_and_its_video(tmp_path: Path) -> None:
         record(3, False, detail="<b>bell</b>", physics={"friction": 0.4, "table_tilt": 2.0}),
     ]
     listed = instances("click_bell", "clean", 1, 2, 3)
-    write_results(tmp_path, EvaluationSpec("idle"), listed, records)
+    spec = EvaluationSpec("python:mine.py:make", options={"low": "0.905"})
+    write_results(tmp_path, spec, listed, records)
     video = video_file(tmp_path, "clean", "click_bell", 2, success=False)
     video.parent.mkdir(parents=True)
     video.write_bytes(b"mp4")
     done = CliRunner().invoke(app, ["report", str(tmp_path)])
     assert done.exit_code == 0, done.output
     page = (tmp_path / "report.html").read_text()
+    assert "<h1>python:mine.py:make low=0.905</h1>" in page
+    assert "<dt>table_tilt</dt><dd>2 deg</dd>" in page
     assert "1/3" in page and "click_bell, clean: 2 of 3" in page
     assert page.count("<video") == 1 and 'src="video/clean/click_bell/2_failure.mp4"' in page
     assert "seed 1," not in page and "seed 2," in page and "seed 3," in page
@@ -58,7 +61,7 @@ def test_attributes_stand_in_one_order_which_is_that_of_the_table(tmp_path: Path
     orders = [re.findall("<dt>(.*?)</dt>", box) for box in boxes]
     first = ["friction", "arm_joint_damping"]
     assert orders == [first, first, [*first, "center_of_mass"], first, first, first]
-    assert "<dd>0.03, 0, 0</dd>" in page
+    assert "<dd>0.03, 0, 0 m</dd>" in page and "<dd>0.6</dd>" in page
     assert "are in the order of the table above" in page
     assert "`rtphys sensitivity` moves one attribute alone" in page
 

@@ -36,6 +36,15 @@ def test_a_folder_of_results_is_read_again(tmp_path: Path) -> None:
     assert [one.seed for one in found.lists["clean", "click_bell"].feasible] == [1, 2]
 
 
+def test_an_actor_is_named_with_its_options() -> None:
+    spec = EvaluationSpec("python:mine.py:make", options={"b": "x/y", "a": "0.9"})
+    assert spec.actor == "python:mine.py:make a=0.9 b=x/y"
+    assert spec.short_actor == f"{short_name(spec.policy)}.a=0.9.b=x_y"
+    assert EvaluationSpec("idle").short_actor == EvaluationSpec("idle").actor == "idle"
+    long = EvaluationSpec("idle", options={"path": "é" * 300})
+    assert len(long.short_actor.encode()) <= 255
+
+
 def test_a_torn_last_line_is_passed_over(tmp_path: Path) -> None:
     write_results(tmp_path, EvaluationSpec("idle"), LISTED, [record(1), record(2)])
     path = ledger_file(tmp_path, "clean", "click_bell")

@@ -1,11 +1,14 @@
 """The summary of an evaluation, from its records and certified lists."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from evaluations import FINGERPRINT, instances, record
 
 from rtphys.results import summarise
+from rtphys.results.instances import BenchmarkInstance, read_list, write_lists
+from rtphys.results.statistics import Rate
 
 
 def test_a_summary_tells_both_denominators_and_pairs_seeds() -> None:
@@ -32,6 +35,29 @@ def test_a_summary_tells_both_denominators_and_pairs_seeds() -> None:
     (pair,) = found.pairs
     assert (pair.outcome.trials, pair.outcome.only_first, pair.outcome.both) == (2, 1, 1)
     assert found.to_json()["attributes"] == {"clean": [], "phys_random": []}
+
+
+def test_seeds_that_nobody_tried_under_a_protocol_have_no_second_denominator(
+    tmp_path: Path,
+) -> None:
+    """The rejects of a dataset's protocol say nothing of another's; a file keeps that."""
+    own = replace(instances("a", "clean", 1, 3), instances=())
+    rows = (BenchmarkInstance(1), BenchmarkInstance(2, "slipped"), BenchmarkInstance(3))
+    lists = {
+        ("clean", "a"): replace(own, instances=rows),
+        ("phys_random", "a"): replace(
+            own, protocol="phys_random", instances=rows, tried_under="clean"
+        ),
+    }
+    for (protocol, task), one in lists.items():
+        write_lists(tmp_path / f"{protocol}.jsonl", [one])
+        assert read_list(tmp_path / f"{protocol}.jsonl", task) == one
+    records = {key: [record(seed, task="a", protocol=key[0]) for seed in (1, 3)] for key in lists}
+    clean, physical = (row.counts for row in summarise(records, lists).tasks)
+    assert (clean.tried, clean.infeasible, clean.of_tried) == (3, 1, Rate(2, 3))
+    assert (physical.tried, physical.infeasible, physical.of_tried) == (None, None, None)
+    assert physical.complete and physical.of_feasible == Rate(2, 2)
+    assert physical.to_json()["of_tried"] is physical.to_json()["tried"] is None
 
 
 def test_the_order_of_records_does_not_matter() -> None:

@@ -75,6 +75,42 @@ def test_a_domain_that_is_named_varies_no_more_than_the_protocol_draws(
     assert "all 16 attributes but actuator_latency, gravity, linear_drag vary" in line
 
 
+@pytest.mark.parametrize(
+    ("episode", "said"),
+    [
+        (
+            {"only": ("friction",)},
+            "protocol only_friction: friction varies; object_mass@first, object_mass@second vary "
+            "too: the task draws that under every protocol; looks are nominal",
+        ),
+        (
+            {"only": ("friction", "restitution")},
+            "protocol clean: friction, restitution vary; object_mass@first, object_mass@second are "
+            "nominal, although the task draws that elsewhere; looks are nominal",
+        ),
+        (
+            {"only": ("object_mass@first",)},
+            "protocol clean: object_mass@first varies; object_mass@second is nominal, although the "
+            "task draws that elsewhere; looks are nominal",
+        ),
+        (
+            {"only": ("object_mass",)},
+            "protocol only_object_mass: object_mass, object_mass@first, object_mass@second vary; "
+            "looks are nominal",
+        ),
+    ],
+    ids=str,
+)
+def test_what_a_task_draws_of_single_props_is_named_apart(
+    episode: dict[str, object], said: str
+) -> None:
+    assert lines("heavy_below", **episode) == (said,)  # type: ignore[arg-type]
+    varied = EpisodeSpec("heavy_below", **episode).draw(7).varied  # type: ignore[arg-type]
+    drawn = said.partition("nominal, although")[0].rpartition(";")[0] or said
+    for key in ("object_mass@first", "object_mass@second"):
+        assert (key in varied) == (key in drawn)
+
+
 def test_a_twin_has_a_line_of_its_own() -> None:
     """One without physics holds nothing; one with physics holds the same."""
     held = {"protocol": "phys_random", "overrides": {"friction": 0.2}}

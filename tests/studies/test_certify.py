@@ -375,6 +375,9 @@ def test_one_factor_has_lists_where_it_acts(tmp_path: Path) -> None:
     assert run.left_out() == ["click_bell, only_object_joint_damping"]
     template, run = wish(tmp_path, protocols=("only_camera_angle", "only_camera_distance"))
     assert len([*run.specs(template)]) == 2 and not run.left_out()
+    suite = {"tasks": ("heavy_below",), "protocols": ("only_object_mass", "only_friction")}
+    _, run = wish(tmp_path, **suite)  # each of its blocks has a mass of its own
+    assert run.left_out() == ["heavy_below, only_object_mass"]
 
 
 # ---- whole runs with the expert ------------------------------------------------------------------

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from collected import collect
 from evaluations import FINGERPRINT
 from still_life import FEW
 from typer.testing import CliRunner
@@ -39,6 +40,7 @@ from rtphys.results.instances import (
     list_file,
     write_lists,
 )
+from rtphys.results.summary import Counts as CountsOf
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import evaluate as module
 from rtphys.studies.certify import CertificationTask, CertifyWorker
@@ -365,6 +367,38 @@ def test_a_folder_holds_one_evaluation(
         run(tmp_path, lists, pack, **CLEAN)
     (tmp_path / "run.json").unlink()
     assert len(run(tmp_path, lists, pack, **CLEAN)) == 2  # more of the same
+
+
+def test_a_list_of_another_robot_is_refused_whatever_is_accepted(tmp_path: Path) -> None:
+    """Nobody has certified these seeds for it."""
+    rows = (BenchmarkInstance(SEEDS[0], "", "0" * 16),)
+    write_lists(list_file(tmp_path, "clean"), [InstanceList(TASK, "clean", FINGERPRINT, rows)])
+    wish = EvaluationRun((TASK,), ("clean",), 1, instances=tmp_path, accept_changes=True)
+    assert module.certified(wish, "clean", TASK, FINGERPRINT).feasible == rows
+    panda = FINGERPRINT.model_copy(update={"embodiment": "franka-panda"})
+    said = (
+        "is certified for the robot aloha-agilex, which says nothing of franka-panda; to certify: "
+        ".* embodiment=franka-panda"
+    )
+    with pytest.raises(NotCertified, match=said):
+        module.certified(wish, "clean", TASK, panda)
+
+
+def test_the_rejects_of_a_dataset_are_those_of_its_protocol_alone(tmp_path: Path) -> None:
+    """Seeds 0, 1, 3 of four; nobody tried them under `clean`, or with another robot."""
+    collect(tmp_path / "data", 3)
+    wish = EvaluationRun((TASK,), ("clean",), instances=tmp_path / "data")
+    own, other = (
+        module.certified(wish, protocol, TASK, FINGERPRINT) for protocol in ("phys_random", "clean")
+    )
+    assert own.instances == other.instances and not own.certified
+    assert (own.tried_under, other.tried_under) == ("", "phys_random")
+    counts = [CountsOf.of([], [one]) for one in (own, other)]
+    assert [(one.feasible, one.tried) for one in counts] == [(3, 4), (3, None)]
+    panda = FINGERPRINT.model_copy(update={"embodiment": "franka-panda"})
+    said = "with the robot franka_panda, only with aloha-agilex; set `embodiment`"
+    with pytest.raises(BadValue, match=said):
+        module.certified(wish, "clean", TASK, panda)
 
 
 def test_a_recorded_dataset_is_of_the_robot_that_acts(tmp_path: Path, pack: Pack) -> None:

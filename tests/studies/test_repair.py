@@ -62,7 +62,8 @@ def test_what_is_damaged_comes_back_to_the_last_byte(honest: Path, copied: Path)
     seeds.unlink()
     sound = {path: path.stat().st_mtime_ns for path in second.paths.all()}
     done = repair(copied, damage(copied), workers=1)
-    assert (set(done.files), done.problems) == (set(first.paths.all()), [])
+    made = {*first.paths.all(), copied / "manifest.json"}
+    assert (set(done.files), done.problems) == (made, [])
     assert contents(copied) == contents(honest)
     assert sound == {path: path.stat().st_mtime_ns for path in second.paths.all()}
     assert verify(copied).sound
@@ -125,3 +126,11 @@ def test_the_command_takes_no_wish(copied: Path) -> None:
     done = CliRunner().invoke(app, ["collect", "--repair", "--out", str(copied)])
     assert done.exit_code == 0
     assert "0 files made again" in done.stdout
+    manifest = (copied / "manifest.json").read_bytes()
+    (copied / "manifest.json").unlink()
+    done = CliRunner().invoke(app, ["verify", str(copied)])
+    assert "a repair by `rtphys collect` writes it again" in " ".join(done.output.split())
+    done = CliRunner().invoke(app, ["collect", "--repair", "--out", str(copied)])
+    assert f"made again: {copied / 'manifest.json'}" in done.stdout.replace("\n", "")
+    assert "1 file made again" in done.stdout
+    assert (copied / "manifest.json").read_bytes() == manifest

@@ -8,7 +8,7 @@ import yaml
 from evaluations import FINGERPRINT
 
 from rtphys.results.instances import BenchmarkInstance, InstanceList, list_file, write_lists
-from rtphys.task.rates import Rate, costs, expected
+from rtphys.task.rates import PROTOCOL, SHARES, Rate, costs, expected, like
 from rtphys.task.spec import task_names
 
 SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "rates.py"
@@ -46,8 +46,14 @@ def test_a_file_of_check_gives_the_same_columns(tmp_path: Path) -> None:
 def test_every_task_has_a_measured_cost() -> None:
     known = costs()
     assert known.keys() >= {*task_names()}
-    cpu, megabytes, unknown = expected({"click_bell": 10, "no_task": 3})
+    cpu, unknown = expected({("click_bell", PROTOCOL): 10, ("no_task", "clean"): 3})
     assert unknown == ["no_task"]
     bell = known["click_bell"]
-    assert megabytes == 10 * bell.megabytes
     assert 10 * bell.pictures < cpu < 10 * (2 * bell.attempt + bell.pictures)
+    plain, _ = expected({("click_bell", "clean"): 10})
+    assert plain < 0.9 * cpu
+
+
+def test_every_protocol_costs_as_one_that_was_measured() -> None:
+    looks = [(False, False), (True, False), (False, True), (True, True)]
+    assert [like(*look) for look in looks] == [*SHARES]

@@ -222,12 +222,13 @@ def rank_agreements(columns: Sequence[Column]) -> list[RankAgreement]:
 
 
 def _labels(evaluations: Sequence[Results]) -> list[str]:
-    """Of each evaluation its policy; where two have the same, its folder's name, or its path.
+    """Of each evaluation its policy; where two have the same, with its options, then its folder.
 
     The robot too, where they have several.
     """
     choices = [
         [short_name(results.policy) for results in evaluations],
+        [results.spec.short_actor for results in evaluations],
         [results.path.name for results in evaluations],
         [str(results.path) for results in evaluations],
     ]

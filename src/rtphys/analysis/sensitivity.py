@@ -1,6 +1,6 @@
 """`sensitivity`: how far one attribute at a time may be from nominal before a task is lost."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -19,13 +19,13 @@ from rtphys.data.lock import FolderLock
 from rtphys.episode import begin
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.episode.generate import Attempt, prepare
-from rtphys.physics.attribute import Part, attribute
+from rtphys.physics.attribute import attribute
 from rtphys.physics.distribution import By, Distribution, SameAs, extremes
 from rtphys.physics.domain import Domain
+from rtphys.physics.idle import why_idle
 from rtphys.physics.load import domain_for_task
-from rtphys.physics.reach import reach
 from rtphys.physics.values import Value, Vector
-from rtphys.policies import PolicyGone, PolicySession, PolicySetup
+from rtphys.policies import PolicyGone, PolicySession, PolicySetup, check_task
 from rtphys.results.statistics import wilson
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import checked_dataclass
@@ -251,10 +251,6 @@ class SensitivityRow:
     success: bool
 
 
-def _can_act(key: str, has: Mapping[str, Collection[Part]]) -> bool:
-    return attribute(key).could_act(reach(key).parts(has), attribute(key).valid.high)
-
-
 class TaskSensitivity:
     """The bisections of one task, and the outcomes known so far, earlier runs' included.
 
@@ -268,10 +264,12 @@ class TaskSensitivity:
         self.path = plan.out / f"{spec.task}.json"
         self._ledger = Ledger(self.path.with_suffix(".jsonl"), spec, SensitivityRow, self._restore)
         domain, has = domain_for_task(spec.task), parts(load_task(spec.task).props(0))
+        why = {key: why_idle(key, domain.keys, has) for key in self.search.only or domain.keys}
+        self.idle = {key: clause for key, clause in why.items() if clause}  # with the reason
         self.bisections = [
             Bisection(axis, self.search.steps)
-            for key in self.search.only or tuple(domain.keys)
-            if key in domain.keys and _can_act(key, has)
+            for key in why
+            if key in domain.keys and key not in self.idle
             for axis in axes(domain, key)
         ]
 
@@ -360,8 +358,12 @@ def sensitivity(
     with FolderLock(plan.out):
         tasks: list[TaskSensitivity] = []
         for name in plan.tasks:
-            ground = fingerprint_of(load_task(name), "phys_random", pack).to_json()
-            tasks.append(TaskSensitivity(plan, TaskSpec(name, plan.search, ground)))
+            check_task(plan.search.policy, loaded := load_task(name), (NOMINAL,))
+            ground = fingerprint_of(loaded, "phys_random", pack).to_json()
+            tasks.append(one := TaskSensitivity(plan, TaskSpec(name, plan.search, ground)))
+            for key in plan.search.only or ():
+                if why := one.idle.get(key):
+                    listener.noticed(f"{key} could not act in {name}: {why}")
         results: list[Mapping[str, JSON]] = []
         listener.started([progress := Progress("tasks", len(tasks))])
         worker = SensitivityWorker(pack, plan.search.policy)

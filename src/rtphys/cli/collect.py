@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Sequence, Set
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Annotated
 
 import typer
@@ -31,6 +31,7 @@ from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.layout import TaskDataset
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.option import Option, Tasks, checked_dataclass
+from rtphys.spec.protocol import load_protocol
 from rtphys.spec.varies import what_varies
 from rtphys.studies.requests import (
     Run,
@@ -40,7 +41,7 @@ from rtphys.studies.requests import (
     shard_of,
     specs_for,
 )
-from rtphys.task.rates import expected
+from rtphys.task.rates import MOST, expected, like
 
 
 @checked_dataclass(frozen=True)
@@ -158,13 +159,19 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
 
     check(specs, run)
     table = fitting_table(["folder"], ("episodes", "there", "seeds from", "cameras", "domain"))
-    rows, missing, wanted = list[dict[str, object]](), Counter[str](), 0
+    rows, missing = list[dict[str, object]](), Counter[tuple[str, str]]()
+    wanted, there_not = 0, list[CollectionSpec]()
     for side in (side for spec in specs for side in spec.sides):
         place = TaskDataset.of(run.out, side)
         attempts = read_attempts(place.ledger) if place.ledger.exists() else ()
         there = sum(isinstance(row, Accepted) for row in attempts)
         wanted += side.episodes
-        missing[side.episode.task] += max(side.episodes - there, 0)
+        if there < side.episodes:
+            visual, varied = side.episode.visual(), load_protocol(side.episode.protocol).physics
+            textured = visual is not None and visual.textures
+            missing[side.episode.task, like(textured, varied)] += side.episodes - there
+            rest = replace(side, twin=None, episodes=side.episodes - there, keep_failures=None)
+            there_not.append(rest)
         rows.append(
             {
                 "folder": place.name,
@@ -182,13 +189,15 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
     except RtphysError as problem:
         workers = ""
         say(f"here and now it would be refused: {problem}", err=True)
-    (cpu, megabytes, unknown), room = expected(missing), room_needed(specs)
+    cpu, unknown = expected(missing)
+    room = room_needed([one for one in there_not if one.episode.task not in unknown])
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
+    takes = f"takes about {_seconds(cpu)} of CPU and {_bytes(room)} by the tables in docs/scale.md"
+    if unknown and not cpu:
+        takes, apart = "takes what nobody has measured", ""
     say(
-        f"{counted(wanted, 'episodes')} in {run.out}, at most "
-        f"{_bytes(room)}{workers}; what is missing takes about {_seconds(cpu)} of CPU and "
-        f"{_bytes(min(megabytes * 1e6, room))} by the table in docs/scale.md{apart}; nothing was "
-        "collected",  # the table is of varied looks, which take more room than nominal ones
+        f"{counted(wanted, 'episodes')} in {run.out}, at most {_bytes(room_needed(specs, MOST))}"
+        f"{workers}; what is missing {takes}{apart}; nothing was collected",
         err=as_json,
     )
 

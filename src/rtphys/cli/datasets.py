@@ -198,7 +198,7 @@ def verify(checks: Checks) -> None:
     memory = None if checks.fresh else checking.default_path()
     with progress_bar("verifying") as bar:
         report = checking.verify(out, effort, memory=memory, progress=bar)
-    whole = report.sound  # what follows asks whose dataset it is
+    doubt = "" if report.sound else "the dataset is not sound"  # what follows asks whose it is
     wrong, made = list[str](), ""
     if report.sound and not (report.episodes or report.failures):
         wrong.append("it holds no episode: the run was aborted, or no attempt was accepted")
@@ -223,6 +223,7 @@ def verify(checks: Checks) -> None:
             found = reproduced(out, checks.reproduce, checks.workers, listener)
         report.problems += found.problems
         report.notes += found.notes
+        doubt = "it was not made again as it is" if found.problems else ""
         for name in (*found.episodes, *found.rejections):
             say(printable(f"made again: {name}", one_line=True), err=True)
         made = f"; {counted(len(found.episodes), 'episodes')} made again"
@@ -231,10 +232,10 @@ def verify(checks: Checks) -> None:
         say(printable(str(problem), one_line=True))
     for note in report.notes:
         say(printable(f"note: {note}", one_line=True), err=True)
-    if report.digest and whole:
+    if report.digest and not doubt:
         say(f"digest {report.digest}")
     elif report.digest:
-        say(f"its manifest is that of {report.digest}, but the dataset is not sound")
+        say(f"its manifest is that of {report.digest}, but {doubt}")
     if report.damaged:
         cure = command_line("collect", "--repair", "--out", out)
         say(f"to make damaged and missing files again: {cure}", err=True)

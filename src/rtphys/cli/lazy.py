@@ -168,7 +168,9 @@ class LazyGroup(TyperGroup):
                     each = ",".join(f"{value:g}" for value in error.value)
                     text += f"; `--sweep {error.key}={each}` collects the same with each value"
             elif kind in OF_LIBRARIES and not ctx.params.get("library"):
-                text += "; --library DIR, before the command's name, adds yours"
+                hint = " If it is yours: --library DIR, before the command's name, adds it."
+                before, known, names = text.partition(" Known: ")  # the names fill a screen
+                text = before + hint + known + names
             _stop(text, error.exit_code)
         except KeyboardInterrupt:
             _stop("stopped", Interrupted.exit_code)
@@ -210,9 +212,19 @@ def _as_called_now(args: list[str]) -> list[str]:
         if command in ("bench", "check") and flag == "--json" and named:
             _stop("--json is a switch now, which prints: write `--json > FILE`", 2)
         if new := FORMER.get(command, {}).get(flag):
+            if (command, flag) == ("evaluate", "--set") and _holds(value or words[place + 1 :]):
+                _stop("evaluate has no --set: physics follows from the protocol and the seed", 2)
             words[place] = f"{new}{equals}{value}"
             say(f"note: `{flag}` of `rtphys {command}` is called `{new}` now", err=True)
     return words
+
+
+def _holds(given: str | list[str]) -> bool:
+    """Whether what follows `--set` holds an attribute, as in `collect`."""
+    from rtphys.physics.attribute import is_attribute
+
+    text = given if isinstance(given, str) else next(iter(given), "")
+    return is_attribute(text.partition("=")[0])
 
 
 @contextmanager

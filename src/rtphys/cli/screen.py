@@ -306,14 +306,15 @@ def summary_table(progresses: Sequence[Progress], noun: str = "episodes") -> Tab
     """One row a series."""
     judged = any(progress.solved is not None for progress in progresses)
     # Where a failure counts as well, nearly all are accepted, which tells nothing.
-    columns = (noun, "attempts", "solved" if judged else "accepted", "rejected, by reason")
-    table = fitting_table(["task"], columns)
+    heads = ("solved",) if judged else ("accepted", "rejected, by reason")
+    table = fitting_table(["task"], (noun, "attempts", *heads))
     for progress in progresses:
         tried = progress.accepted if judged else progress.new_attempts
         good = (progress.solved or 0) if judged else progress.new_accepted
         share = f"{100 * good / tried:.0f} %" if tried else "-"
         counts = f"{progress.accepted} / {progress.wanted}"
-        table.add_row(progress.name, counts, str(tried), share, reasons(progress.rejections))
+        why = () if judged else (reasons(progress.rejections),)
+        table.add_row(progress.name, counts, str(tried), share, *why)
     return table
 
 

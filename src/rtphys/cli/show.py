@@ -135,6 +135,9 @@ def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Sta
         "success": "-" if after is None else f"after {after:.2f} s",
         "still true": f"{'yes' if verdict.held else 'no'}, 0.5 s after the end",
     }
+    if after is None:
+        rows |= {"success": "never"}
+        del rows["still true"]
     strain = verdict.strain
     met, joint = (f" ({name})" if name else "" for name in (strain.pair, strain.joint))
     torque = f"largest torque {100 * strain.torque:.0f} % of its motor's{joint}"

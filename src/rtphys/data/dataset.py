@@ -29,6 +29,7 @@ from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset, embodiment_f
 from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
 from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
 from rtphys.physics import Physics, attributes
+from rtphys.physics.attribute import is_attribute
 from rtphys.physics.values import Value, plain_value
 from rtphys.spec.collection import families
 
@@ -197,11 +198,8 @@ class _Part:
             return row.physics
         kind = FailureMeta if isinstance(row, Rejected) else PhysMeta
         meta = schema.read(kind, held.paths(self.entry.below(self.path)).phys_meta)
-        return {
-            key: label.value
-            for key, label in meta.attributes.items()
-            if label.could_act and label.acted is not False
-        }
+        labels = meta.attributes.items()
+        return {key: label.value for key, label in labels if schema.informs(key, label)}
 
     def episodes(self, failed: bool = False) -> Iterator[Episode]:
         """Its episodes, or the failures that were kept. Raises `BadFile`."""
@@ -362,8 +360,11 @@ class Dataset(Sequence[Episode]):
         acting = {key for part in self._parts for key in part.entry.could_act}
         tests: list[Callable[[Row], bool]] = []
         for key, ends in (physics or {}).items():
+            if key not in acting and is_attribute(key):
+                allowed = f"it could not act in any episode here; {', '.join(sorted(acting))} could"
+                raise BadValue("physics", key, allowed)
             if key not in acting:
-                raise UnknownName("attribute that could act here", key, acting)
+                raise UnknownName("attribute", key, acting)
             tests.append(partial(_lies_within, key, *_range(key, ends)))
         if seeds is not None:
             tests.append(partial(_has_seed, _numbers_of("seeds", seeds)))

@@ -109,7 +109,10 @@ def read_bytes(out: Path) -> bytes:
     if not path.is_symlink() and not path.exists():
         above = next((one for one in out.absolute().parents if (one / MANIFEST).is_file()), None)
         begun = any(any(out.glob("*/" * depth + LEDGER)) for depth in range(4))
-        cure = " (a collection has only begun; resume it)" if begun else ""
+        again = (
+            "resume it; if the manifest was deleted, a repair by `rtphys collect` writes it again"
+        )
+        cure = f" (a collection has only begun; {again})" if begun else ""
         cure = f" (this is a part of {above})" if begun and above else cure
         raise BadFile(out, f"there is no {MANIFEST} here{cure}")
     return files.read(path)

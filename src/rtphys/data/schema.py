@@ -9,6 +9,7 @@ from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files
 from rtphys.data.json_text import Count, Model, Quaternion, Seed, Vector3, plain, pretty
 from rtphys.data.manifest import Manifest
+from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.spec.collection import DATASET_VERSION, CollectionSpec
 from rtphys.spec.stored import SchemaError, adapter, problems_of
 
@@ -49,6 +50,16 @@ class AttributeLabel(Model):
         if not self.could_act:
             return "could not act"
         return "did not act" if self.acted is False else ""
+
+
+def informs(key: str, label: AttributeLabel) -> bool:
+    """Whether an attribute's value says something about its episode: what a table has a number for.
+
+    A camera attribute that the user holds at 0 does, whatever mode was drawn beside it.
+    """
+    if label.could_act or label.source != "set" or not is_attribute(key):
+        return not label.note
+    return attribute(key).acts_on is None
 
 
 class Readback(Model):

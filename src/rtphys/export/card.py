@@ -227,7 +227,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
             "number": episode.number,
             "seed": episode.seed,
             "trajectory": episode.paths.hdf5.relative_to(dataset.path).as_posix(),
-            **physics_of(episode),
+            **physics_of(episode, acting=True),
         }
         for episode in dataset
     ]
@@ -239,7 +239,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
         "@type": "cr:RecordSet",
         "@id": "episodes",
         "name": "episodes",
-        "description": "One record per episode: seed, files, physics.",
+        "description": "One record per episode: seed, files, physics; null where it could not act.",
         "field": [
             {"@type": "cr:Field", "@id": f"episodes/{key}", "name": key, "dataType": kind}
             for key, kind in types.items()

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from rtphys.core.errors import BadFile
 from rtphys.data.dataset import Episode
 from rtphys.data.files import make_folder, refusals
+from rtphys.data.schema import informs
 from rtphys.data.video import VideoWriter
 from rtphys.export.lerobot_plan import DEPTH_MOST, EXPORTED, PHYSICS, Plan, Video, physics_of
 
@@ -112,12 +113,16 @@ def sentences_of(episode: Episode, which: str) -> list[str]:
 
 
 def labels(episode: Episode) -> dict[str, object]:
-    """Episode columns beyond LeRobot's own: physics as `phys/<key>`, origin as `rtphys/<key>`."""
+    """Episode columns beyond LeRobot's own: physics as `phys/<key>`, origin as `rtphys/<key>`.
+
+    The value is None where an attribute could not act or did not act, as in `Dataset.to_pandas`.
+    """
     origin = {"task": episode.task, "protocol": episode.protocol, "seed": episode.seed}
-    values = {key: episode.physics[key] for key in episode.meta.attributes}
+    labels = episode.meta.attributes.items()
+    values = {key: label.value if informs(key, label) else None for key, label in labels}
     return {
         **{f"rtphys/{key}": value for key, value in origin.items()},
-        **{f"phys/{k}": list(v) if isinstance(v, tuple) else v for k, v in values.items()},
+        **{f"phys/{key}": value for key, value in values.items()},
     }
 
 

@@ -9,6 +9,7 @@ from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.episode import CAMERA_NAMES, FRAME_RATE, official_camera
+from rtphys.data.schema import informs
 from rtphys.senses import SENSES
 from rtphys.spec.option import Option, checked_dataclass, one_of
 
@@ -180,15 +181,20 @@ def plan_for(dataset: Dataset, spec: ExportSpec) -> Plan:
     )
 
 
-def physics_of(episode: Episode) -> dict[str, float | None]:
-    """The attributes, vectors as a number an axis; None where the asset's own value holds."""
+def physics_of(episode: Episode, acting: bool = False) -> dict[str, float | None]:
+    """The attributes, vectors as a number an axis; None where the asset's own value holds.
+
+    Args:
+        acting: None, too, where an attribute could not act or did not act.
+    """
     found: dict[str, float | None] = {}
     for key, label in episode.meta.attributes.items():
+        left_out = acting and not informs(key, label)
         if isinstance(label.value, list):
             parts = zip("xyz", label.value, strict=True)
-            found |= {f"{key}_{axis}": float(value) for axis, value in parts}
+            found |= {f"{key}_{axis}": None if left_out else float(part) for axis, part in parts}
         else:
-            found[key] = None if label.value is None else float(label.value)
+            found[key] = None if label.value is None or left_out else float(label.value)
     return found
 
 

@@ -14,7 +14,9 @@ from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.control import ActionKind
 from rtphys.episode.policy_episode import joint_positions, object_poses
 from rtphys.gym import shapes
+from rtphys.physics.attribute import is_attribute
 from rtphys.physics.domain import check_overrides
+from rtphys.physics.idle import why_idle
 from rtphys.physics.values import plain_value
 from rtphys.plan.kinematics import check_robot
 from rtphys.results.instances import benchmark_file, read_list
@@ -22,6 +24,7 @@ from rtphys.senses import SENSES
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.protocol import load_protocol
 from rtphys.spec.recording import USUAL, RecordingSpec
+from rtphys.task.props import parts
 from rtphys.task.spec import load_task
 
 Obs = dict[str, object]
@@ -55,7 +58,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             speed, as on a real robot.
         embodiment: the robot, a name of the asset pack or LEFT,RIGHT,DISTANCE; it decides the
             length of an action.
-        physics: attributes that are held at a value, such as `{"friction": 0.2}`.
+        physics: attributes that are held at a value, such as `{"friction": 0.2}`; a warning says
+            which could not act.
         split: "seen" or "unseen" textures and sentences.
 
     Raises:
@@ -158,7 +162,17 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             except Infeasible:
                 if self._attempts == MAX_SEEDS:
                     raise
+        self._warn_of_idle(spec)
         return self._observation(), self._info()
+
+    def _warn_of_idle(self, spec: EpisodeSpec) -> None:
+        """Warns of values that change nothing, since the attribute could not act in the episode."""
+        instance = self._running().instance
+        for key, value in spec.overrides.items():
+            if not is_attribute(key):
+                continue
+            if why := why_idle(key, instance.physics, parts(instance.props), value):
+                gymnasium.logger.warn(f"{key} could not act in {spec.task}: {why}")
 
     def step(self, action: NDArray[np.float32]) -> tuple[Obs, float, bool, bool, Info]:
         """Carry out one action, clipped to the limits.

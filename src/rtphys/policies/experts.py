@@ -88,14 +88,16 @@ def open_expert(argument: str, setup: PolicySetup) -> Expert:
     A VALUE is a number, a vector, "nominal" or "shuffled"; a KEY names an attribute of all props
     or of one.
 
-    Raises `UnknownName`: no such attribute, or no prop of the task with one of its own; `BadValue`:
-    no such belief.
+    Raises `UnknownName`: no such belief or attribute, or no prop of the task with one of its own;
+    `BadValue`: a value that the attribute cannot have.
     """
     if argument in ("", NOMINAL, SHUFFLED):
         return Expert({"": argument} if argument else {})
     belief: dict[str, Value] = {}
     for part in argument.split("+"):
-        key, _, value = part.partition("=")
+        key, equals, value = part.partition("=")
+        if not equals:
+            raise UnknownName("belief", part, (NOMINAL, SHUFFLED, "KEY=VALUE"))
         if value in (NOMINAL, SHUFFLED):
             attribute(split(key)[0])
             belief[key] = value

@@ -2,12 +2,14 @@
 
 import ast
 import hashlib
-import importlib
+import importlib.util
 import sys
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 from urllib.parse import parse_qsl
 
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
@@ -18,6 +20,7 @@ from rtphys.physics.attribute import is_attribute
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
 from rtphys.sim import renderer
 from rtphys.spec.option import at_least
+from rtphys.task.spec import Task
 
 Opener = Callable[[str, PolicySetup], Policy]
 Seconds = Annotated[float, at_least(0.001, most=1e6)]
@@ -85,23 +88,71 @@ def check_options(spec: str, given: Mapping[str, str]) -> None:
             raise BadValue("policy_option", f"{key}={value}", f"the policy {name} has no options")
 
 
+def check_task(spec: str, task: Task, protocols: Iterable[str]) -> None:
+    """Refuses a policy of the task's own script that cannot run there.
+
+    Raises `BadValue`: `feels` in a task that cannot be felt, or no such belief of the expert;
+    `UnknownName`: a belief about something that the task does not have.
+    """
+    name, _ = parse_spec(spec)
+    if name == "feels" and task.feel is None:
+        cure = f"{task.name} has no `feel` to find physics out by; tasks of suite:physics have one"
+        raise BadValue("policy", name, cure)
+    if name == "expert":
+        for protocol in protocols:
+            open_policy(spec, PolicySetup(task.name, protocol)).close()
+
+
 def files_digest(spec: str) -> str:
     """SHA-256 over the local files that a specification names; empty if it names none.
 
     A file stands for itself, a folder for its JSON and weights (`*.safetensors`): so a dataset, or
-    a LeRobot checkpoint. What a Python file imports is not followed.
+    a LeRobot checkpoint. A dotted module stands for its file, a package for all its Python files.
+    What a Python file imports is not followed.
 
     Raises `UnknownName`: no such policy; `OSError`: a file cannot be read.
     """
-    argument = parse_spec(spec)[1].partition("?")[0]
+    name, argument = parse_spec(spec)
+    argument = argument.partition("?")[0]
     path = Path(argument)
     if not path.exists():  # `python:FILE:NAME`
         path = Path(argument.rpartition(":")[0])
     found = [path] if path.is_file() else []
+    if name == "python" and path.suffix != ".py":
+        found = _files_of_module(argument.rpartition(":")[0])
     if argument and path.is_dir() and path != Path():
         found = sorted([*path.glob("*.json"), *path.glob("*.safetensors")])
     digests = [f"{file.name} {facts_of(file.resolve()).sha256}" for file in found]
     return hashlib.sha256("\n".join(digests).encode()).hexdigest() if digests else ""
+
+
+def _files_of_module(name: str) -> list[Path]:
+    """The file of a dotted module, or all of a package; empty where Python finds none.
+
+    Nothing is imported, so a module that cannot be imported is reported where it is opened.
+    """
+    _search(Path.cwd())
+    first, *rest = name.split(".")
+    try:
+        found = importlib.util.find_spec(first)
+        for number, _ in enumerate(rest, start=2):
+            inside = found and found.submodule_search_locations
+            part = ".".join(name.split(".")[:number])
+            found = PathFinder.find_spec(part, inside) if inside else None
+    except (ImportError, ValueError):  # such as an empty name
+        return []
+    if found is None:
+        return []
+    inside = [Path(folder) for folder in found.submodule_search_locations or ()]
+    files = sorted(file for folder in inside for file in folder.rglob("*.py"))
+    origin = Path(found.origin or "")
+    return files or ([origin] if origin.is_file() else [])
+
+
+def _search(folder: Path) -> None:
+    """Lets modules of a folder be imported, last: a user's random.py must not hide Python's."""
+    if str(folder) not in sys.path:
+        sys.path.append(str(folder))
 
 
 def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
@@ -169,15 +220,14 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
 
     Raises `BadValue`: not `python:MODULE:ATTRIBUTE`, no such module, or its result is no policy;
     `BadFile`: the file does not exist, or raises when it is imported; `UnknownName`: the module has
-    no such attribute.
+    no such attribute, or an option is misspelt.
     """
     name, _, attribute = argument.rpartition(":")
     if not name or not attribute:
         raise BadValue("policy", f"python:{argument}", "write python:MODULE:ATTRIBUTE")
     path = Path(name)
     folder = path.resolve().parent if path.suffix == ".py" else Path.cwd()
-    if str(folder) not in sys.path:  # a file may import its neighbours
-        sys.path.append(str(folder))  # last: a user's random.py must not hide Python's
+    _search(folder)  # a file may import its neighbours
     try:
         module = (
             load_file(path, "policy") if path.suffix == ".py" else importlib.import_module(name)
@@ -188,8 +238,40 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
     if not hasattr(module, attribute):
         known = [name for name in vars(module) if not name.startswith("_")]
         raise UnknownName(f"attribute of {name}", attribute, known)
-    policy = getattr(module, attribute)(setup)
+    options = _Asked(setup.options)
+    policy = getattr(module, attribute)(replace(setup, options=options))
+    options.check()
     if not callable(getattr(policy, "play", None)):
         problem = f"it returned type {type(policy).__name__}, which has no play(episode)"
         raise BadValue("policy", f"python:{argument}", problem)
     return policy
+
+
+class _Asked(dict[str, str]):
+    """Options of a user's policy, and which of them it asked for by name."""
+
+    def __init__(self, options: Mapping[str, str]) -> None:
+        super().__init__(options)
+        self._asked = set[str]()
+
+    def __getitem__(self, key: str) -> str:
+        self._asked.add(key)
+        return super().__getitem__(key)
+
+    def __contains__(self, key: object) -> bool:
+        self._asked.add(str(key))
+        return super().__contains__(key)
+
+    def get(self, key: str, default: Any = None) -> Any:  # pyright: ignore
+        self._asked.add(key)
+        return super().get(key, default)
+
+    def check(self) -> None:
+        """Raises `UnknownName`: one that was not asked for is spelt nearly as one that was.
+
+        What a policy asks for later, or reads all together, nobody knows: it may be so called.
+        """
+        missing = sorted(self._asked - self.keys())
+        for key in sorted(self.keys() - self._asked):
+            if get_close_matches(key, missing, n=1):
+                raise UnknownName("option of the policy", key, self._asked)

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from rtphys.core.errors import counted
 from rtphys.data.files import read, replace_file
 from rtphys.data.layout import REPORT
-from rtphys.physics.attribute import is_attribute
+from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.results.breaks import TOGETHER, Break
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
 from rtphys.results.statistics import rate_text
@@ -41,7 +41,7 @@ def write_evaluation_report(results: Results) -> Path:
         for effect in effects
     ]  # fmt: skip
     parts = [
-        f"<h1>{escape(results.policy)}</h1><p class=soft>{escape(results.robot)}</p>",
+        f"<h1>{escape(results.spec.actor)}</h1><p class=soft>{escape(results.robot)}</p>",
         _table(("protocol", "task", "success of " + ("benchmark instances" if summary.certified
                 else "these seeds"), "of all seeds tried", "failures"), rates),
         f"<p>{escape(summary.stale)}</p>" if summary.stale else "",
@@ -73,7 +73,7 @@ def _failures(results: Results, key: tuple[str, str], effects: Sequence[Break]) 
     boxes: list[str] = []
     for one in (record for record in records if not record.success):
         physics = "".join(
-            f"<dt>{escape(name)}</dt><dd>{_number(one.physics[name])}</dd>"
+            f"<dt>{escape(name)}</dt><dd>{_number(one.physics[name])}{_unit(name)}</dd>"
             for name in shown
             if name in one.physics and name not in one.inert
         )
@@ -101,6 +101,12 @@ def _number(value: object) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(_number, value))
     return f"{value:.4g}" if isinstance(value, int | float) else escape(str(value))
+
+
+def _unit(name: str) -> str:
+    """Behind a number; nothing for a plain one."""
+    unit = attribute(name).unit
+    return f" {escape(unit)}" if unit != "1" else ""
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -26,6 +26,8 @@ SUMMARY = "summary.json"
 LEDGERS = "*/*.ledger"
 INSTANCES = "instances"  # folder of the certified lists that were run
 DIGITS = 8  # of a digest that is shown
+UNFIT = r"[^A-Za-z0-9._=-]+"  # in the name of a file
+LONGEST_NAME = 150  # characters that a file system takes in any case, with room for more
 
 
 @checked_dataclass(frozen=True, config=CLOSED)
@@ -89,6 +91,21 @@ class EvaluationSpec:
     def hears(self) -> str:
         """The split of the sentences that the policy gets."""
         return self.sentences or self.episode.split
+
+    @property
+    def actor(self) -> str:
+        """The policy as it is named, and its options: `python:mine:make low=0.9`."""
+        return " ".join([self.policy, *(f"{key}={value}" for key, value in self._options)])
+
+    @property
+    def short_actor(self) -> str:
+        """The same for paths and tables: `python_mine_make.low=0.9`."""
+        more = (re.sub(UNFIT, "_", f"{key}={value}") for key, value in self._options)
+        return ".".join([short_name(self.policy), *more])[:LONGEST_NAME]
+
+    @property
+    def _options(self) -> list[tuple[str, str]]:
+        return sorted(self.options.items())
 
     def of(self, protocol: str, task: str) -> "EvaluationSpec":
         """The same in another task or under another protocol."""

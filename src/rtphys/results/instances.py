@@ -93,6 +93,8 @@ class InstanceList:
     fingerprint: Fingerprint
     instances: tuple[BenchmarkInstance, ...]
     baselines: tuple[str, ...] = ()  # names of those that were measured
+    # Of a dataset's seeds: the protocol under which the expert tried them, where it is another.
+    tried_under: str = ""
 
     @property
     def first_seed(self) -> int:
@@ -137,6 +139,7 @@ class _Header(Model):
     baselines: list[str]
     columns: list[str]
     format: Literal[2]
+    tried_under: str = ""
 
 
 _ROW = TypeAdapter(BenchmarkInstance)
@@ -176,6 +179,7 @@ def write_lists(path: Path, lists: Iterable[InstanceList]) -> None:
             baselines=list(one.baselines),
             columns=list(BenchmarkInstance._fields),
             format=FORMAT,
+            tried_under=one.tried_under,
         ).model_dump(mode="json", exclude_defaults=True)
         rows = [row if row.feasible else row[:2] for row in one.instances]
         texts[one.task] = [json.dumps(line).encode() for line in (header, *rows)]
@@ -232,7 +236,8 @@ def _read(where: str, head: _Header, lines: list[bytes]) -> InstanceList:
         rows = tuple(_ROW.validate_json(line) for line in lines[1:])
     if any(after.seed != before.seed + 1 for before, after in pairwise(rows)):
         raise BadFile(where, "a seed is missing or occurs twice; certify it again")
-    found = InstanceList(head.task, head.protocol, head.fingerprint, rows, tuple(head.baselines))
+    of = head.task, head.protocol, head.fingerprint
+    found = InstanceList(*of, rows, tuple(head.baselines), head.tried_under)
     if head.feasible != len(found.feasible):
         raise BadFile(where, f"{head.feasible} are feasible, but it holds {len(found.feasible)}")
     return found

@@ -14,13 +14,15 @@ def result_folder(out: Path, task: str, policy: str, protocol: str) -> Path:
     return out / "eval_result" / task / policy / protocol / "rtphys"
 
 
-def write_result(folder: Path, protocol: str, split: str, counts: tuple[int, int, int]) -> Path:
+def write_result(
+    folder: Path, protocol: str, split: str, counts: tuple[int, int | None, int]
+) -> Path:
     """Writes a result as RoboTwin does, and its counts (rollouts, seeds tried, successes).
 
     Its last line is successes over episodes, which scripts multiply by the number of episodes.
-    Infeasible seeds are in `COUNTS`. The file has both names that RoboTwin's versions have given
-    it, and that sweeps look for; returns the one that says whether the protocol is clean. Raises
-    `CannotWrite`.
+    Infeasible seeds are in `COUNTS`; where nobody tried the seeds under the protocol, it has null.
+    The file has both names that RoboTwin's versions have given it, and that sweeps look for;
+    returns the one that says whether the protocol is clean. Raises `CannotWrite`.
     """
     files.make_folder(folder)
     rollouts, tried, successes = counts

@@ -26,23 +26,29 @@ Records = Mapping[Key, Sequence[EpisodeRecord]]
 class Counts:
     """Numbers of rollouts and successes, and of the certified seeds they were taken from."""
 
-    tried: int  # seeds that certification tried
-    infeasible: int  # of these, seeds that the expert could not solve
+    feasible: int
+    infeasible: int | None  # seeds that the expert could not solve; None: it did not try them here
     rollouts: int
     successes: int
     held: int  # successes that still held 0.5 s after the policy had stopped
 
     @staticmethod
     def of(records: Sequence[EpisodeRecord], lists: Sequence[InstanceList]) -> "Counts":
-        tried = sum(one.attempts for one in lists)
-        infeasible = tried - sum(len(one.feasible) for one in lists)
+        feasible = sum(len(one.feasible) for one in lists)
+        infeasible = sum(one.attempts for one in lists) - feasible
+        known = not any(one.tried_under for one in lists)
         successes, held = sum(r.success for r in records), sum(r.held for r in records)
-        return Counts(tried, infeasible, len(records), successes, held)
+        return Counts(feasible, infeasible if known else None, len(records), successes, held)
+
+    @property
+    def tried(self) -> int | None:
+        """Number of seeds that the expert tried under this protocol; None: it did not."""
+        return None if self.infeasible is None else self.feasible + self.infeasible
 
     @property
     def complete(self) -> bool:
         """Whether every feasible seed has been run."""
-        return self.rollouts == self.tried - self.infeasible
+        return self.rollouts == self.feasible
 
     @property
     def of_feasible(self) -> Rate:
@@ -51,8 +57,13 @@ class Counts:
 
     @property
     def of_tried(self) -> Rate | None:
-        """Success rate among all seeds tried, infeasible ones included; None until complete."""
-        return Rate(self.successes, self.tried) if self.complete else None
+        """Success rate among all seeds tried, infeasible ones included.
+
+        None until complete, and where nobody tried them under this protocol.
+        """
+        if self.tried is None or not self.complete:
+            return None
+        return Rate(self.successes, self.tried)
 
     def to_json(self) -> dict[str, JSON]:
         return {

@@ -8,7 +8,7 @@ from rtphys.physics.domain import Domain
 from rtphys.physics.reach import split
 from rtphys.physics.values import Value
 from rtphys.spec.collection import CollectionSpec
-from rtphys.spec.protocol import VisualRandomization
+from rtphys.spec.protocol import VisualRandomization, load_protocol
 
 Values = dict[str, list[Value]]  # key -> the values at which specs hold it
 
@@ -54,11 +54,17 @@ def _line(side: CollectionSpec, held: Values) -> str:
     for key in sorted(physics.varied):
         by_source[rules.source(key, physics)].append(key)
     drawn = [key for key in by_source["domain"] if not isinstance(_rule(rules.domain, key), Fixed)]
-    parts: list[str] = []
+    beside = _of_the_task(drawn, (*(episode.only or ()), *load_protocol(episode.protocol).only))
+    drawn, parts = [key for key in drawn if key not in beside], list[str]()
     if drawn:
         width = f" in {100 * rules.domain.width:g} % of their ranges" * (rules.domain.width < 1)
         of = f" (domain {episode.ranges.name})" if episode.ranges is not None else ""
         parts.append(f"{_many(drawn)}{width}{of}")
+    if beside:
+        parts.append(f"{_many(beside)} too: the task draws that under every protocol")
+    if absent := sorted(set(rules.domain.by_prop.keys) - physics.varied):
+        are = "is" if len(absent) == 1 else "are"
+        parts.append(f"{', '.join(absent)} {are} nominal, although the task draws that elsewhere")
     several = [key for key in episode.overrides if len(held[key]) > 1]
     parts += [f"{key} is swept: {', '.join(map(_text, held[key]))}" for key in several]
     one = [key for key in episode.overrides if key not in several]
@@ -72,6 +78,12 @@ def _line(side: CollectionSpec, held: Values) -> str:
         parts.append(f"nothing {'else ' * bool(parts)}varies but the layout")
     what = "protocol" if side.twin_of is None else "twin"
     return f"{what} {episode.protocol}: {'; '.join(parts)}"
+
+
+def _of_the_task(drawn: Sequence[str], named: Sequence[str]) -> list[str]:
+    """What the task draws of single props beside the attributes that are named, if any are."""
+    others = [key for key in drawn if not {key, split(key)[0]} & {*named}]
+    return [key for key in others if split(key)[1]] if named else []
 
 
 def _rule(domain: Domain, key: str) -> Distribution | None:

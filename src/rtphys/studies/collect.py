@@ -19,14 +19,14 @@ from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
-from rtphys.physics.attribute import Part, attribute, is_attribute
-from rtphys.physics.reach import reach
+from rtphys.physics.attribute import Part, is_attribute
+from rtphys.physics.idle import why_idle
 from rtphys.physics.values import Value
 from rtphys.plan.kinematics import check_robot
 from rtphys.senses import drawn
 from rtphys.sim import renderer
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader, families
-from rtphys.spec.episode import check_varies
+from rtphys.spec.episode import EpisodeSpec, check_varies
 from rtphys.spec.protocol import load_protocol
 from rtphys.spec.recording import HEAD
 from rtphys.studies.collect_worker import (
@@ -264,30 +264,29 @@ def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
 
     By `only`, by a value that is held or swept, or by a protocol that varies it alone.
     """
-    asked, idle = defaultdict[str, set[str]](set), defaultdict[str, list[str]](list)
-    lacking = {"bodies": "object that can move", "joints": "object with joints"}
+    asked = defaultdict[str, set[str]](set)
+    idle = defaultdict[tuple[str, str], dict[str, None]](dict[str, None])
     for spec in specs:
         task, has = spec.episode.task, dict[str, frozenset[Part]]()
         with suppress(Infeasible):
             has = parts(load_task(task).props(spec.first_seed))
-        for key, value in sorted(_asked(spec).items()):
-            asked[key].add(task)
-            able = attribute(key).could_act(reach(key).parts(has), value)
-            if not able and task not in idle[key]:
-                idle[key].append(task)
+        for episode in (side.episode for side in spec.sides):
+            asks = _asked(episode)
+            keys = episode.draw(spec.first_seed).keys() if asks else ()
+            for key, value in sorted(asks.items()):
+                asked[key].add(task)
+                if why := why_idle(key, keys, has, value):
+                    idle[key, why][task] = None
     sentences: list[str] = []
-    for key, tasks in idle.items():
-        many = f"{len(tasks)} of {counted(len(asked[key]), 'tasks')}, among them {tasks[0]}"
-        place = tasks[0] if len(tasks) == 1 else many
-        what = lacking.get(str(attribute(key).acts_on), "effect")
-        sentences.append(f"{key} could not act in {place}: there is no {what}")
+    for (key, why), tasks in idle.items():
+        first = next(iter(tasks))
+        many = f"{len(tasks)} of {counted(len(asked[key]), 'tasks')}, among them {first}"
+        sentences.append(f"{key} could not act in {first if len(tasks) == 1 else many}: {why}")
     return sentences
 
 
-def _asked(spec: CollectionSpec) -> dict[str, Value]:
+def _asked(episode: EpisodeSpec) -> dict[str, Value]:
     """Attributes that are named, and the values at which they are held; None: drawn."""
-    found: dict[str, Value] = {}
-    for episode in (side.episode for side in spec.sides):
-        named = (*(episode.only or ()), *load_protocol(episode.protocol).only)
-        found |= dict.fromkeys(named) | dict(episode.overrides)
+    named = (*(episode.only or ()), *load_protocol(episode.protocol).only)
+    found = dict.fromkeys(named) | dict(episode.overrides)
     return {key: value for key, value in found.items() if is_attribute(key)}

@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.campaign.local import run_here
 from rtphys.campaign.pool import WorkerFailure
@@ -40,7 +41,7 @@ from rtphys.policies import (
 )
 from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
-from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec, short_name
+from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec
 from rtphys.results.instances import (
     BenchmarkInstance,
     Fingerprint,
@@ -133,7 +134,9 @@ def _check_others(out: Path, now: EvaluationHeader) -> None:
         same = stored(now.spec.of(*before.spec.key))
         clauses = differences(stored(before.spec), same)
         if before.policy_files != now.policy_files:
-            clauses.append("the files of the policy were edited since")
+            edited = "the files of the policy were edited since"
+            unknown = "it does not record the files of the policy, which may have been edited since"
+            clauses.append(edited if before.policy_files else unknown)
         if clauses:
             raise DatasetMismatch(out, clauses)
 
@@ -145,9 +148,9 @@ def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeri
         {study.spec.key: study.instances for study in studies},
         {study.spec.key: study.fingerprint for study in studies},
     )
-    policy, episode = short_name(spec.policy), spec.episode
-    what = {"policy": spec.policy, "split": episode.split, "sentences": spec.hears}
-    what |= {"embodiment": episode.embodiment}
+    policy, episode = spec.short_actor, spec.episode
+    what = {"policy": spec.policy, "policy_options": dict(spec.options), "policy_seed": spec.seed}
+    what |= {"split": episode.split, "sentences": spec.hears, "embodiment": episode.embodiment}
     files.replace_file(out / evaluation.SUMMARY, pretty({**what, **summary.to_json()}))
     for protocol, effects in summary.breaks.items():
         if effects:
@@ -274,14 +277,13 @@ def recording_header(
     spec: EvaluationSpec, instances: InstanceList, task: Task, pack: Pack
 ) -> TaskHeader:
     """The header of a task dataset that takes the episodes of these instances."""
-    options = "".join(f" {key}={value}" for key, value in sorted(spec.options.items()))
     kept = CollectionSpec(
         spec.episode,
         RecordingSpec(senses=spec.recording.senses),
         episodes=len(instances.feasible),
         first_seed=instances.first_seed,
         keep_failures="all",
-        policy=f"{spec.policy}{options}, seed {spec.seed}",
+        policy=f"{spec.actor}, seed {spec.seed}",
     )
     return header_of(kept, task, pack)
 
@@ -380,11 +382,14 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
 
 
 class NotCertified(RtphysError):
-    """There is no list, or it holds too few feasible seeds (`wanted` are)."""
+    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are)."""
 
-    def __init__(self, where: Path, problem: str, spec: tuple[str, str], wanted: int) -> None:
+    def __init__(
+        self, where: Path, problem: str, spec: tuple[str, str], wanted: int, robot: str = DEFAULT
+    ) -> None:
         task, protocol = spec
         fields = f"task={task} protocol={protocol} feasible={wanted} out=FOLDER"
+        fields += f" embodiment={robot}" if robot != DEFAULT else ""
         super().__init__(
             f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
         )
@@ -400,7 +405,7 @@ def certified(
     """The instances to evaluate: the list up to the last episode that is asked for.
 
     They come from the file, folder or dataset that is given, else from the newest library. Raises
-    `NotCertified`: there is none, or too few in it; `ChangedSinceCertified`: and
+    `NotCertified`: there is none for the robot, or too few in it; `ChangedSinceCertified`: and
     `run.accept_changes` is false; `BadFile`: it is damaged, or another task's or protocol's.
     """
     given, cell, least = run.instances, (task, protocol), run.episodes or 1
@@ -416,6 +421,9 @@ def certified(
             raise NotCertified(where, problem, cell, run.episodes or 100)
         if found.protocol != protocol:  # accepted changes must not hide it
             raise BadFile(where, f"is the list of {found.task}, {found.protocol}")
+        if (robot := found.fingerprint.embodiment) != (own := fingerprint.embodiment):
+            problem = f"is certified for the robot {robot}, which says nothing of {own}"
+            raise NotCertified(where, problem, cell, run.episodes or 100, own)
     if (feasible := len(found.feasible)) < least:
         problem = f"{task}, {protocol}: holds {feasible} feasible seeds, not {least}"
         raise NotCertified(where, problem, cell, least)
@@ -447,8 +455,10 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
     every = [entry for entry in Dataset(folder).task_datasets if entry.spec.episode.task == task]
     entries = [e for e in every if embodiment_folder(e.spec.episode.embodiment) == robot]
     if not entries:
-        apart = f" with the robot {robot}" if every else ""
-        raise BadValue("instances", str(folder), f"the dataset has no episodes of {task}{apart}")
+        others = sorted({entry.spec.episode.embodiment for entry in every})
+        apart = f" with the robot {robot}, only with {', '.join(others)}; set `embodiment`"
+        problem = f"the dataset has no episodes of {task}{apart if every else ''}"
+        raise BadValue("instances", str(folder), problem)
     own = [e for e in entries if protocol in (e.spec.episode.protocol, e.spec.name)]
     # Another protocol's seeds will do: the layout of a seed is the same under every one.
     entry = (own or entries)[0]
@@ -466,4 +476,5 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
         BenchmarkInstance(row.seed, row.reason if isinstance(row, Rejected) else "")
         for row in islice(read_attempts(entry.below(folder).ledger), entry.attempts)
     )
-    return InstanceList(task, protocol, fingerprint, instances)
+    under = "" if own else entry.spec.name
+    return InstanceList(task, protocol, fingerprint, instances, tried_under=under)

@@ -36,6 +36,7 @@ from rtphys.spec.stored import load
 from rtphys.studies.requests import RenderSpec
 from rtphys.studies.resources import check_drawable, check_fits, check_space, episode_bytes
 from rtphys.studies.worker import StudyWorker
+from rtphys.task.rates import Cost, costs
 from rtphys.task.spec import load_task
 
 
@@ -103,7 +104,7 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     """The packs by digest; refuses all that cannot work."""
     if wanted.out.resolve() == wanted.data.resolve():
         raise BadValue("out", str(wanted.out), "it is the dataset itself; name another folder")
-    needed, packs, shaders = 0.0, dict[str, Pack](), set[str]()
+    needed, packs, shaders, known = 0.0, dict[str, Pack](), set[str](), costs()
     for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
         recording = wanted.recording(entry)
@@ -111,7 +112,8 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         check_fits(recording)
         if drawn(recording.senses):
             renderer.check_senses(recording.shader)
-        needed += entry.episodes * episode_bytes(recording, _visual(wanted, entry))
+        cost = known.get(entry.spec.episode.task, Cost(0, 0, 0))
+        needed += entry.episodes * episode_bytes(cost, recording, _visual(wanted, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
             name = entry.resolved.assets.get("pack", "unknown")

@@ -76,10 +76,10 @@ def repair(
             place = TaskDataset.of(out, header.spec)
             rows = (row for row in read_attempts(ledger) if isinstance(row, Rejected))
             write_side_files(place, any(row.kept for row in rows))
+    done = Repaired()
     if not (out / MANIFEST).exists():
         with DatasetWriter(out):  # derives it from the ledgers
-            pass
-    done = Repaired()
+            done.files.append(out / MANIFEST)
     for number, problems in sorted(results.items()):
         refused = {problem.path for problem in problems}
         done.files += [path for path in damaged[number].wanted if path not in refused]
@@ -127,7 +127,10 @@ def _check(damaged: Sequence[Damage]) -> None:
     """Refuses what cannot come out as it was, once for each task dataset, before any work."""
     for recorded in {one.recorded.place.name: one.recorded for one in damaged}.values():
         if (policy := recorded.header.spec.policy) is not None:
-            raise OtherVersions(f"{recorded.place.name}: {policy} acted, who is not here")
+            raise OtherVersions(
+                f"{recorded.place.name} is a recording of the policy {policy}, which only "
+                "`rtphys evaluate` makes again, with the option `record`"
+            )
         if clauses := changed_since(scene_of(recorded, Path())):
             raise OtherVersions(
                 f"{recorded.place.name} cannot be made again as it was: {'; '.join(clauses)}"

@@ -12,10 +12,9 @@ from rtphys.core import library
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.selection import DataFolder, Selection
-from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY, check_key
-from rtphys.physics.load import parse_overrides
-from rtphys.physics.reach import reach
+from rtphys.physics.idle import why_idle
+from rtphys.physics.load import domain_for_task, parse_overrides
 from rtphys.results.evaluation import EvaluationSpec, short_name
 from rtphys.results.instances import FIRST_SEED
 from rtphys.senses import REDRAWN, SENSES, drawn
@@ -38,6 +37,7 @@ from rtphys.spec.recording import CAMERAS, SHADERS, CameraType, RecordingSpec, S
 from rtphys.spec.stored import CLOSED, Extent
 from rtphys.studies.resources import check_drawable, episode_bytes
 from rtphys.task.props import parts
+from rtphys.task.rates import Cost, costs
 from rtphys.task.spec import Task, load_task
 
 if TYPE_CHECKING:
@@ -104,8 +104,8 @@ def _acts(task: str, protocol: str) -> bool:
     alone = load_protocol(protocol).only
     if not alone:
         return True
-    has = reach("").parts(parts(load_task(task).props(FIRST_SEED)))
-    return any(attribute(key).could_act(has, attribute(key).valid.high) for key in alone)
+    has, keys = parts(load_task(task).props(FIRST_SEED)), domain_for_task(task).keys
+    return not all(why_idle(key, keys, has) for key in alone)
 
 
 @checked_dataclass(frozen=True)
@@ -249,10 +249,13 @@ class EvaluationRun:
 
     def check(self, spec: EvaluationSpec) -> list[Task]:
         """The tasks. Raises UnknownName, BadValue, BadFile, NoRenderer before any work is done."""
-        from rtphys.policies import check_options  # imported here: its baselines need the simulator
+        # Imported here: its baselines need the simulator.
+        from rtphys.policies import check_options, check_task
 
         check_options(spec.policy, spec.options)
         tasks = [load_task(name) for name in self.tasks]
+        for task in tasks:
+            check_task(spec.policy, task, self.protocols)
         if drawn(spec.recording.senses):
             check_drawable("senses")
         elif self.video or self.record:
@@ -303,11 +306,19 @@ class Run:
         return connect(self.address, self.workers)
 
 
-def room_needed(specs: Sequence[CollectionSpec]) -> float:
-    """Disk space that the specs' episodes need at most [bytes]."""
+def room_needed(specs: Sequence[CollectionSpec], most: float = 1.0) -> float:
+    """Disk space that the specs' episodes need on average [bytes]; at most, with `MOST`.
+
+    A task that was not measured counts as the mean of those that were, or as the largest of them.
+    """
+    known = costs()
+    sizes = [cost.megabytes for cost in known.values()] or [0.0]
+    other = Cost(0, 0, sum(sizes) / len(sizes) if most == 1 else max(sizes))
     return sum(
         (spec.episodes + spec.failures_expected)
-        * episode_bytes(side.recording, side.episode.visual())
+        * episode_bytes(
+            known.get(side.episode.task, other), side.recording, side.episode.visual(), most
+        )
         for spec in specs
         for side in spec.sides
     )

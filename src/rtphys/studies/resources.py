@@ -13,10 +13,11 @@ from rtphys.doctor import CAUSES, PROBE, check_disk, check_renderer
 from rtphys.spec.protocol import VisualRandomization
 from rtphys.spec.recording import RecordingSpec
 from rtphys.task.props import Prop
+from rtphys.task.rates import SHARES, Cost, like
 from rtphys.task.spec import Task
 
-PICTURES = 2e6  # [bytes] a camera; measured: 9 kB a picture, 60 to 250 pictures
-TEXTURED = 3  # times as many bytes where table and wall are drawn: 30 kB a picture with a tartan
+CAMERAS = 3  # with which the costs of tasks are measured
+FRAME = 6e4  # [bytes] of three pictures with textures, as a task's cost tells its frames
 MAX_FRAMES = 250  # of most episodes
 PACKED = 0.25  # what compressing leaves of depth and ids; measured: 0.11
 BUFFERED = 4e7  # [bytes] of an episode's scene and of pictures on their way to the encoder
@@ -49,11 +50,21 @@ def drawn_at_once(recording: RecordingSpec) -> int:
     return max(1, min(GROUP, int(LARGEST / each)))
 
 
-def episode_bytes(recording: RecordingSpec, visual: VisualRandomization | None) -> float:
-    """What one episode takes at most [bytes]. `visual`: the rules of its look."""
-    share = TEXTURED if visual is not None and visual.textures else 1
-    pictures = len(recording.official) * share * PICTURES * recording.picture_scale()
-    return pictures + PACKED * MAX_FRAMES * recording.frame_bytes()
+def episode_bytes(
+    cost: Cost, recording: RecordingSpec, visual: VisualRandomization | None, most: float = 1.0
+) -> float:
+    """What one episode takes on average [bytes].
+
+    Args:
+        cost: of its task.
+        visual: the rules of its look.
+        most: times as much as its pictures may take; `MOST` gives an upper bound.
+    """
+    textured = visual is not None and visual.textures
+    whole = most * cost.megabytes * 1e6
+    pictures = SHARES[like(textured, varied=True)][1] * whole
+    scale = len(recording.official) / CAMERAS * recording.picture_scale()
+    return pictures * scale + PACKED * whole / FRAME * recording.frame_bytes()
 
 
 def check_space(out: Path, needed: float) -> None:

@@ -1,6 +1,7 @@
 """`collect --dry-run`: what would be collected and where, what could not act; nothing is done."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,8 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
 from rtphys.studies.collect import without_effect
-from rtphys.studies.requests import swept
+from rtphys.studies.requests import room_needed, swept
+from rtphys.task.rates import MOST, SHARES, costs
 
 
 @pytest.fixture(autouse=True)
@@ -52,8 +54,10 @@ def test_it_names_every_folder_and_writes_nothing(
     own, twin = list(found.values())[:2]
     assert (own[-1], twin[-1]) != ("nominal", "nominal")
     assert twin[-1] == "nominal"
-    assert last.startswith(f"28 episodes in {out}, at most 168 MB")
-    assert "nothing was collected" in last and "of CPU and 168 MB by the table" in last
+    each = costs()["click_bell"].megabytes + costs()["lift_pot"].megabytes
+    table = 7 * each * 2 * SHARES["phys_random"][1]
+    assert last.startswith(f"28 episodes in {out}, at most {MOST * table:.0f} MB")
+    assert "nothing was collected" in last and f"of CPU and {table:.0f} MB by the table" in last
     assert not list(tmp_path.iterdir())
 
 
@@ -132,6 +136,49 @@ def test_few_episodes_are_told_in_minutes_and_megabytes(tmp_path: Path) -> None:
     assert re.search(r"at most \d+\.\d GB.* about \d\.\d h of CPU and \d+\.\d GB by", many), many
 
 
+@pytest.mark.parametrize(
+    ("episode", "measured"),
+    [  # [MB] of the files that were collected; the largest that anybody has met
+        ({"task": "stack_bowls_three", "protocol": "phys_random_all"}, 44.3),
+        ({"task": "stack_bowls_three", "protocol": "phys_random"}, 25.5),
+        ({"task": "open_laptop", "protocol": "phys_random_all"}, 15.8),
+        ({"task": "click_bell", "protocol": "phys_random_all"}, 7.2),
+        (
+            {
+                "task": "beat_block_hammer",
+                "protocol": "clean",
+                "overrides": {"friction": 0.15},
+            },
+            4.95,
+        ),
+        ({"task": "lift_pot", "protocol": "clean", "overrides": {"friction": 0.02}}, 5.34),
+        ({"task": "soap_on_notebook", "protocol": "clean"}, 4.1),  # a task of a user's own
+    ],
+    ids=str,
+)
+def test_no_episode_that_was_measured_is_larger_than_the_bound(
+    episode: dict[str, object], measured: float
+) -> None:
+    spec = CollectionSpec(EpisodeSpec(**episode), episodes=1)  # type: ignore[arg-type]
+    assert measured * 1e6 < room_needed([spec], MOST) < 50 * measured * 1e6
+    assert room_needed([spec]) < room_needed([spec], MOST)
+
+
+def test_the_bound_holds_for_every_measured_mean_with_room_for_its_spread() -> None:
+    for task, cost in costs().items():
+        spec = CollectionSpec(EpisodeSpec(task, "phys_random_all"), episodes=1)
+        assert room_needed([spec]) == pytest.approx(cost.megabytes * 1e6)
+        assert room_needed([spec], MOST) > 2 * cost.megabytes * 1e6
+
+
+def test_time_and_space_depend_on_the_protocol() -> None:
+    def last(protocol: str) -> str:
+        words = ("click_bell", "--episodes", "5000", "--protocol", protocol, "--out", "/nowhere/x")
+        return rows(*words)[1]
+
+    assert last("phys_random") != last("phys_random_all")
+
+
 def specs(*tasks: str, **changes: object) -> list[CollectionSpec]:
     return [CollectionSpec(EpisodeSpec(task, "phys_random", **changes)) for task in tasks]  # pyright: ignore
 
@@ -162,6 +209,26 @@ def test_it_is_one_line_by_whatever_way_one_asks(spec: CollectionSpec) -> None:
     (line,) = without_effect([spec.of_task("click_bell")])
     assert line == "object_mass could not act in click_bell: there is no object that can move"
     assert without_effect([spec.of_task("lift_pot")]) == []
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        CollectionSpec(EpisodeSpec(only=("object_mass",))),
+        CollectionSpec(EpisodeSpec(protocol="clean", overrides={"object_mass": 1.0})),
+        *swept(CollectionSpec(EpisodeSpec(protocol="clean")), "object_mass=0.5,2"),
+    ],
+    ids=lambda spec: spec.name,
+)
+def test_what_every_prop_has_of_its_own_is_left_with_nothing(spec: CollectionSpec) -> None:
+    (line,) = without_effect([spec.of_task("heavy_below")])
+    assert line == (
+        "object_mass could not act in heavy_below: every object that can move has its own value "
+        "(object_mass@first, object_mass@second)"
+    )
+    held = replace(spec.episode, only=None, protocol="clean", overrides={"object_mass@first": 1.0})
+    assert without_effect([replace(spec, episode=held).of_task("heavy_below")]) == []
+    assert without_effect([spec.of_task("bin_the_slippery")]) == []  # of masses it has no own
 
 
 def test_what_nobody_asked_for_is_not_told() -> None:

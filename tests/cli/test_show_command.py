@@ -1,0 +1,30 @@
+"""What `rtphys show` prints of an episode and of a failure."""
+
+import json
+from pathlib import Path
+
+import pytest
+import synthetic
+from collected import collect
+from typer.testing import CliRunner
+
+from rtphys.cli.main import app
+from rtphys.data.dataset import Dataset
+
+
+@pytest.mark.parametrize("succeeded", [0.12, None])
+def test_what_never_was_true_is_not_called_no_longer_true(
+    tmp_path: Path, succeeded: float | None
+) -> None:
+    collect(tmp_path, 9, synthetic.header(keep_failures="all"), attempts=3)
+    (failure,) = Dataset(tmp_path).failures()
+    path = failure.paths.phys_meta
+    meta = json.loads(path.read_text())
+    meta["verdict"] |= {"first_success_time": succeeded, "held": False}
+    path.write_text(json.dumps(meta))
+    words = ["show", str(tmp_path), "--failure", "0"]
+    done = CliRunner().invoke(app, words, env={"COLUMNS": "120"})
+    assert done.exit_code == 0, done.output
+    told = " ".join(done.stdout.split())
+    assert ("success never" in told) is (succeeded is None)
+    assert ("still true no, 0.5 s after the end" in told) is (succeeded is not None)
