@@ -446,7 +446,8 @@ def test_twins(tmp_path: Path) -> None:
     assert {p.text for p in report.problems} <= {lie}
     assert not [note for note in report.notes if "twin" in note]
     twins(tmp_path / "ahead", (4, 2))
-    note = f"{FOLDER}: some episodes have no twin yet; resume it"
+    other = FOLDER.replace("phys_random", "phys_random.twin=phys_random_all")
+    note = f"{FOLDER}: some episodes are not in {other} yet; resume it"
     assert note in verify(tmp_path / "ahead").notes
     subset(tmp_path / "both", tmp_path / "one", lambda entry: entry.spec.twin is not None)
     assert "its twin phys_random.twin=phys_random_all" in "".join(verify(tmp_path / "one").notes)

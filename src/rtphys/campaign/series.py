@@ -36,6 +36,7 @@ class Progress:
     fruitless: int = 0  # attempts since the last one that counted
     stopped: str = ""  # why it was given up
     solved: int | None = None  # of `accepted`; None in studies in which only successes count
+    each: int = 1  # episodes that a result which counts stands for: one a twin, one a value
     new_accepted: int = field(default=0, init=False)  # of this run
     new_attempts: int = field(default=0, init=False)  # likewise
 

@@ -53,7 +53,7 @@ class Request(AsJson):
         str, Option("A file that says what to collect, or its name in a library.")
     ] = ""
     sweep: Annotated[
-        str, Option("key=value,value: a dataset with each of these, from the same first seed.")
+        str, Option("key=value,value: a dataset with each of these, all of the same seeds.")
     ] = ""
     dry_run: Annotated[
         bool, Option("Only say what would be collected and where; nothing is simulated.")
@@ -119,7 +119,7 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
         say_json([count | end for count, end in zip(counts, ends, strict=True)])
     else:
         print_table(summary_table(done))
-    new = sum(progress.new_accepted for progress in done)
+    new = sum(progress.new_accepted * progress.each for progress in done)
     minutes = (time.monotonic() - began) / 60
     say(f"{new} new episodes in {minutes:.1f} min, in {run.out}", err=request.as_json)
     say_digest(run.out, err=request.as_json)

@@ -30,7 +30,8 @@ from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
 from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
 from rtphys.physics import Physics, attributes
 from rtphys.physics.attribute import is_attribute
-from rtphys.physics.values import plain_value
+from rtphys.physics.values import Value, plain_value
+from rtphys.spec.collection import families
 
 if TYPE_CHECKING:
     from pandas import DataFrame  # type: ignore[import-untyped]
@@ -406,6 +407,23 @@ class Dataset(Sequence[Episode]):
             for one in (*part.episodes(), *part.episodes(failed=True)):
                 found.setdefault((one.task, one.seed), []).append(one)
         return {key: tuple(found[key]) for key in sorted(found)}
+
+    def sweep(self) -> tuple[dict[Value, Episode], ...]:
+        """Of every seed of a sweep its episodes by value, such as {0.05: ..., 0.2: ...}.
+
+        Only the attribute that is swept differs between them. A seed has all values; or, where
+        failures were kept, those that were, with their failures among them (`Episode.failed`).
+        """
+        found: list[dict[Value, Episode]] = []
+        parts = {id(part.entry.spec): part for part in self._parts if part.entry.spec.sweep}
+        for family in families([part.entry.spec for part in parts.values()]):
+            by_seed: dict[int, dict[Value, Episode]] = {}
+            for spec in family:
+                part, (_, value) = parts[id(spec)], spec.swept
+                for one in (*part.episodes(), *part.episodes(failed=True)):
+                    by_seed.setdefault(one.seed, {})[value] = one
+            found += [by_seed[seed] for seed in sorted(by_seed)]
+        return tuple(found)
 
     def to_pandas(self, attempts: bool = False, raw: bool = False) -> "DataFrame":
         """One row an episode or kept failure: what it is, its length and outcome, its physics.

@@ -48,7 +48,7 @@ from rtphys.data.manifest import (
 )
 from rtphys.data.writer import scene_pieces
 from rtphys.physics import attributes
-from rtphys.spec.collection import TaskHeader
+from rtphys.spec.collection import TaskHeader, paired
 from rtphys.spec.stored import differences, stored
 
 CHECKS = "5"  # raised when a check is added or changed: old findings then count no more
@@ -347,16 +347,19 @@ def _check_manifest(
         report.problem(
             path, "differs from what the ledgers say: it was changed after it was written"
         )
-    for name, check in checks.items():
-        if check.entry.spec.twin is None:
-            continue
-        other = TaskDataset.of(out, check.entry.spec.sides[1]).name
-        if (twin := checks.get(other)) is None:
-            report.notes.append(f"{name}: its twin {other} is not here")
-        elif any(a != b for a, b in zip(check.seeds, twin.seeds, strict=False)):
-            report.problem(path, f"{name} and its twin {other} pair other seeds")
-        elif len(check.seeds) != len(twin.seeds):  # a run that was cut off leaves one ahead
-            report.notes.append(f"{name}: some episodes have no twin yet; resume it")
+    names = {id(check.entry.spec): name for name, check in checks.items()}
+    for group in paired([check.entry.spec for check in checks.values()]):
+        first, *others = (names[id(spec)] for spec in group)
+        missing = [TaskDataset.of(out, side).name for spec in group for side in spec.sides[1:]]
+        for name in missing:
+            if name not in checks:
+                report.notes.append(f"{first}: its twin {name} is not here")
+        seeds = checks[first].seeds
+        for other in others:
+            if any(a != b for a, b in zip(seeds, checks[other].seeds, strict=False)):
+                report.problem(path, f"{first} and {other} pair other seeds")
+            elif len(seeds) != len(checks[other].seeds):  # a run that was cut off leaves one ahead
+                report.notes.append(f"{first}: some episodes are not in {other} yet; resume it")
 
 
 def _check_folder(out: Path, manifest: Manifest, report: Report) -> None:

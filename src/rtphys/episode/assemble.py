@@ -128,6 +128,12 @@ def rejection(tried: Attempt) -> Rejection:
     return Rejection(recipe.seed, tried.reason, tried.detail, known)
 
 
+def unpaired(accepted: Attempt, failed: Attempt) -> Attempt:
+    """A success that gives no episode: its seed failed under another protocol, or value."""
+    why = f"under {failed.recipe.spec.variation}: {failed.reason}"
+    return replace(accepted, reason="unpaired", detail=why)
+
+
 def label(instance: Instance, happened: Happened | None = None) -> dict[str, object]:
     """The part of a label file that is known before anyone acts, and which attributes did act."""
     recipe, physics = instance.recipe, instance.physics

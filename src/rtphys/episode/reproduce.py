@@ -18,7 +18,7 @@ from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.staging import HDF5, PHYS_META, stage_episode, targets
-from rtphys.episode.assemble import assemble, kept, rejection, values, with_pictures
+from rtphys.episode.assemble import assemble, kept, rejection, unpaired, values, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, attempt
 from rtphys.episode.render import StateTrajectory, render_frames
@@ -37,7 +37,7 @@ class RecordedAttempt:
     out: Path
     header: TaskHeader
     row: Accepted | Rejected
-    twin: TaskHeader | None = None  # under which the same seed had to succeed too
+    others: tuple[TaskHeader, ...] = ()  # under which the same seed had to succeed too
 
     @property
     def place(self) -> TaskDataset:
@@ -173,15 +173,13 @@ def _accepted(scene: Scene, row: Accepted) -> Comparison:
 
 
 def _rejected(scene: Scene, row: Rejected) -> Comparison:
-    """Tries a rejected seed again; half a pair of twins may have been accepted."""
+    """Tries a rejected seed again; it may have succeeded, and failed under another protocol."""
     recorded, ledger = scene.recorded, scene.recorded.place.ledger
     first = again = scene.attempt()
-    if again.accepted and recorded.twin is not None:
-        twin = _recipe(recorded.twin, row.seed)
-        other = attempt(twin, scene.task, scene.pack)
-        if not other.accepted:
-            why = f"under {twin.protocol}: {other.reason}"
-            again = replace(again, reason="untwinned", detail=why)
+    for header in recorded.others:
+        if again.accepted:
+            other = attempt(_recipe(header, row.seed), scene.task, scene.pack)
+            again = again if other.accepted else unpaired(again, other)
     said = f"seed {row.seed} is recorded as rejected ({row.reason})"
     if again.accepted:
         return Comparison([(ledger, f"{said}, tried again it is accepted")])

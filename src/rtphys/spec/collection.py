@@ -5,7 +5,7 @@ A `CollectionSpec` is a run of `rtphys collect` for one task: the command line, 
 `manifest.json`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import field, replace
 from typing import Annotated, Any, Literal
 
@@ -13,6 +13,8 @@ from rtphys.core.bounds import EPISODES, SHARDS
 from rtphys.core.errors import BadValue
 from rtphys.core.untrusted import plain_name
 from rtphys.physics.domain import Domain
+from rtphys.physics.load import parse_overrides
+from rtphys.physics.values import Value
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import NumberOrAll, Option, Positive, Seed, at_least, checked_dataclass
 from rtphys.spec.protocol import VisualRandomization
@@ -45,6 +47,7 @@ class CollectionSpec:
         NumberOrAll,
         Option("Draw and keep failed attempts too, so many of each task, or `all`."),
     ] = None
+    sweep: str | None = None  # "friction=0.05,0.2": this holds one of these, on the same seeds
     config: str | None = None  # name of the folder; None: after what varies
     twin_of: str | None = None  # configuration of the task dataset whose twin this is
     policy: str | None = None  # who acts, where it is not the expert
@@ -54,6 +57,8 @@ class CollectionSpec:
     made_by: Literal["collect", "merge", "subset"] = "collect"
 
     def __post_init__(self) -> None:
+        if self.sweep and (key := self.sweep.partition("=")[0]) not in self.episode.overrides:
+            raise BadValue("sweep", self.sweep, f"`set` holds {key} at one of its values")
         if self.shard > self.shards:
             raise BadValue("shard", self.shard, f"it is one of {self.shards}")
         for key, name in (("config", self.config), ("twin_of", self.twin_of)):
@@ -81,6 +86,32 @@ class CollectionSpec:
         twin = replace(self, episode=episode, config=self.twin_name, twin=None, twin_of=self.name)
         return self, twin
 
+    @property
+    def unswept(self) -> "CollectionSpec":
+        """Without its sweep, and the value that it holds for it; that of all values is equal."""
+        if self.sweep is None:
+            return self
+        key, overrides = self.sweep.partition("=")[0], dict(self.episode.overrides)
+        del overrides[key]
+        config = self.config and self.config.partition(f".{key}=")[0]
+        episode = replace(self.episode, overrides=overrides)
+        return replace(self, episode=episode, config=config, sweep=None)
+
+    @property
+    def swept(self) -> tuple[str, Value]:
+        """Attribute of its sweep, and the value at which this holds it. It is one of a sweep."""
+        assert self.sweep is not None
+        key = self.sweep.partition("=")[0]
+        return key, self.episode.overrides[key]
+
+    @property
+    def paired(self) -> bool:
+        """Whether a seed gives episodes only if it succeeds under its twin, or with every value.
+
+        A sweep that keeps failures has every seed with every value instead.
+        """
+        return self.made_by != "subset" and (self.sweep is None or self.keep_failures is None)
+
     def of_task(self, task: str) -> "CollectionSpec":
         """The same for one task."""
         episode, recording = replace(self.episode, task=task), self.recording.of_task(task)
@@ -101,6 +132,43 @@ class CollectionSpec:
     def failures_expected(self) -> int:
         """How many failed attempts are kept at most; of all, no more than episodes are expected."""
         return self.episodes if self.keep_failures == "all" else self.max_failures
+
+
+def families(specs: Sequence[CollectionSpec]) -> list[list[CollectionSpec]]:
+    """The specs in groups that try the same seeds: the values of a sweep, in the sweep's order, or
+    one alone."""
+    found: list[list[CollectionSpec]] = []
+    for spec in specs:
+        alike = [one for one in found if spec.sweep and _alike(one[0], spec)]
+        if alike:
+            alike[0].append(spec)
+        else:
+            found.append([spec])
+    return [sorted(family, key=_place) if family[0].sweep else family for family in found]
+
+
+def _alike(one: CollectionSpec, other: CollectionSpec) -> bool:
+    return one.sweep == other.sweep and one.unswept == other.unswept
+
+
+def _place(spec: CollectionSpec) -> int:
+    (key, value), values = spec.swept, (spec.sweep or "").partition("=")[2]
+    parts = values.split(";" if ";" in values else ",")
+    return [parse_overrides([f"{key}={part}"])[key] for part in parts].index(value)
+
+
+def paired(specs: Sequence[CollectionSpec]) -> list[list[CollectionSpec]]:
+    """The specs in groups that have the same seeds, each twin among them."""
+    found = families([spec for spec in specs if spec.twin_of is None])
+    for twin in specs:
+        if twin.twin_of is None:
+            continue
+        place = twin.episode.task, twin.episode.embodiment, twin.twin_of
+        for group in found:
+            mains = [(one.episode.task, one.episode.embodiment, one.name) for one in group]
+            if place in mains:
+                group.insert(mains.index(place) + 1, twin)
+    return [group for group in found if group[0].paired]
 
 
 @checked_dataclass(frozen=True, config=CLOSED)

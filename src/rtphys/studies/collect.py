@@ -1,7 +1,7 @@
 """`collect`: accepted episodes of many task datasets, on a campaign of worker processes."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -11,6 +11,7 @@ from rtphys.campaign.pool import Limits, WorkerFailure, WorkerPool
 from rtphys.campaign.series import QUIET, Listener, Progress, Series, run_all
 from rtphys.campaign.two_stages import TwoStagePool
 from rtphys.core.errors import BadValue, Infeasible, MissingAsset, counted
+from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.layout import TaskDataset
 from rtphys.data.lock import check_unlocked
@@ -24,7 +25,7 @@ from rtphys.physics.values import Value
 from rtphys.plan.kinematics import check_robot
 from rtphys.senses import drawn
 from rtphys.sim import renderer
-from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
+from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader, families
 from rtphys.spec.episode import EpisodeSpec, check_varies
 from rtphys.spec.protocol import load_protocol
 from rtphys.spec.recording import HEAD
@@ -73,9 +74,14 @@ def collect(
         check_assets(own, tasks, pack)
         series = [
             CollectionSeries(
-                spec, [dataset.task(header_of(side, task, pack)) for side in spec.sides]
+                family,
+                [
+                    dataset.task(header_of(side, tasks[side.episode.task], pack))
+                    for spec in family
+                    for side in spec.sides
+                ],
             )
-            for spec, task in zip(own, tasks, strict=True)
+            for family in families(own)
         ]
         worker = CollectWorker(pack, own[0].recording.shader)
         with pool_of(run, worker, own, size, listener) as workers:
@@ -122,33 +128,43 @@ def header_of(spec: CollectionSpec, task: Task, pack: Pack) -> TaskHeader:
 
 
 class CollectionSeries(Series[CollectionTask, Results]):
-    """One task dataset, and its twin if it has one: a writer each, in step.
+    """Task datasets of the same seeds, such as a twin's or a sweep's: a writer each, in step.
 
-    A kill between two commits leaves one writer ahead of the other; the seed is then tried again
-    for the one that lacks it.
+    A kill between two commits leaves one writer ahead of the others; the seed is then tried again
+    for those that lack it.
+
+    Args:
+        family: a spec, or one for each value of a sweep; `writers`: one for each of their sides.
     """
 
-    def __init__(self, spec: CollectionSpec, writers: Sequence[TaskWriter]) -> None:
-        self.spec, self.writers = spec, writers
+    def __init__(self, family: Sequence[CollectionSpec], writers: Sequence[TaskWriter]) -> None:
+        spec = self.spec = family[0]
+        self.writers = writers
+        self.sides = [side for one in family for side in one.sides]
         behind = min(writers, key=lambda writer: writer.totals.attempts)
         name = spec.episode.task
-        name += f", {spec.name}" if spec.name != spec.episode.protocol else ""
-        progress = Progress(name, behind.wanted, behind.totals.episodes, behind.totals.attempts)
-        progress.fruitless = behind.totals.since_accepted
+        if len(family) > 1:
+            name += f", {spec.sweep}"
+        elif spec.name != spec.episode.protocol:
+            name += f", {spec.name}"
+        complete = behind.totals.episodes if spec.paired else accepted_by_all(writers)
+        progress = Progress(name, behind.wanted, complete, behind.totals.attempts)
+        progress.fruitless, progress.each = behind.totals.since_accepted, len(self.sides)
         step = spec.seed(1) - spec.seed(0)
         end = spec.first_seed + (spec.max_attempts or MAX_SEEDS)
         super().__init__(progress, range(behind.next_seed, end, step))
 
     def job(self, seed: int) -> CollectionTask:
         return CollectionTask(
-            tuple(side.episode.at(seed) for side in self.spec.sides),
+            tuple(side.episode.at(seed) for side in self.sides),
             tuple(writer.staging(seed) for writer in self.writers),
             self.spec.recording,
             tuple(writer.wants_failures for writer in self.writers),
+            self.spec.paired,
         )
 
     def reason(self, result: Results) -> str:
-        return result[0].reason if isinstance(result[0], Rejection) else ""
+        return next((one.reason for one in result if isinstance(one, Rejection)), "")
 
     def arrived(self, seed: int, result: Results) -> Results:
         """Files from other machines are put where those of this one are."""
@@ -168,7 +184,7 @@ class CollectionSeries(Series[CollectionTask, Results]):
         return ""
 
     def lost(self, seed: int, loss: WorkerFailure) -> Results:
-        recipes = [side.episode.at(seed) for side in self.spec.sides]
+        recipes = [side.episode.at(seed) for side in self.sides]
         return tuple(rejection(Attempt(recipe, loss.reason, loss.detail)) for recipe in recipes)
 
     def dropped(self, seed: int) -> None:
@@ -176,18 +192,27 @@ class CollectionSeries(Series[CollectionTask, Results]):
             writer.discard(seed)
 
 
+def accepted_by_all(writers: Sequence[TaskWriter]) -> int:
+    """How many seeds gave an episode in each; reads the ledgers."""
+    seeds = [
+        {row.seed for row in read_attempts(place.ledger) if isinstance(row, Accepted)}
+        for place in (writer.task_dataset for writer in writers)
+    ]
+    return len(set.intersection(*seeds))
+
+
 # ---- what is refused before any work -----------------------------------------------------------
 
 
-def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
-    """The tasks, one a spec; refuses what no machine could collect.
+def check(specs: Sequence[CollectionSpec], run: Run) -> dict[str, Task]:
+    """The tasks by name; refuses what no machine could collect.
 
     Raises `RtphysError`: names the nearest match, the place, or the cure.
     """
     folders = [TaskDataset.of(run.out, spec).name for spec in specs]
     if twice := next((folder for folder in folders if folders.count(folder) > 1), None):
         raise BadValue("task", twice, "it is collected twice")
-    tasks = list[Task]()
+    tasks = dict[str, Task]()
     shader = specs[0].recording.shader
     for spec in specs:
         episode, recording = spec.episode, spec.recording
@@ -205,7 +230,7 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> list[Task]:
         with suppress(Infeasible):  # another seed has a layout
             check_props([*episode.draw(0), *(episode.only or ())], task.props(spec.first_seed))
         check_templates(task.sentences(), task.info, str(task.source))
-        tasks.append(task)
+        tasks[task.name] = task
     if any(drawn(spec.recording.senses) for spec in specs):
         renderer.check_senses(shader)
     return tasks
@@ -222,10 +247,11 @@ def check_machine(specs: Sequence[CollectionSpec], run: Run) -> int:
     return run.size()
 
 
-def check_assets(specs: Sequence[CollectionSpec], tasks: Sequence[Task], pack: Pack) -> None:
+def check_assets(specs: Sequence[CollectionSpec], tasks: Mapping[str, Task], pack: Pack) -> None:
     """Reads every model of each task's first layouts. Raises `MissingAsset`, `BadFile`."""
     read = describer(pack)
-    for spec, task in zip(specs, tasks, strict=True):
+    for spec in specs:
+        task = tasks[spec.episode.task]
         try:
             for prop in props_of(task, spec.first_seed):
                 read(prop)

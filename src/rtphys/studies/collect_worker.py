@@ -18,7 +18,7 @@ from rtphys.data import files
 from rtphys.data.episode import Episode, Images
 from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO, StagedEpisode, stage_episode
 from rtphys.data.writer import Rejection
-from rtphys.episode.assemble import assemble, kept, rejection, with_pictures
+from rtphys.episode.assemble import assemble, kept, rejection, unpaired, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
 from rtphys.episode.render import (
@@ -51,6 +51,7 @@ class CollectionTask(NamedTuple):
     folders: tuple[Path, ...]
     recording: RecordingSpec
     keep: tuple[bool, ...]
+    paired: bool = True  # whether all must succeed
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,15 +92,15 @@ class CollectWorker(StudyWorker[CollectionTask, Results]):
         return tuple(side.outcome(self.draw) for side in self.simulate(job))
 
     def simulate(self, job: CollectionTask) -> tuple[Simulated, ...]:
-        """Attempts all recipes; nothing is drawn unless all succeed: half a pair is no episode."""
+        """Attempts all recipes; of what is paired, nothing is drawn unless all succeed."""
         attempts = [
             self.demonstrate(recipe, job.recording.touch, happened=True) for recipe in job.recipes
         ]
         failed, results = next((one for one in attempts if not one.accepted), None), []
+        failed = failed if job.paired else None
         for one, folder, keep in zip(attempts, job.folders, job.keep, strict=True):
             if failed is not None and one.accepted:
-                why = f"under {failed.recipe.protocol}: {failed.reason}"
-                results.append(Simulated(rejection(replace(one, reason="untwinned", detail=why))))
+                results.append(Simulated(rejection(unpaired(one, failed))))
             else:
                 results.append(self.simulated(one, folder, job.recording, keep))
         return tuple(results)

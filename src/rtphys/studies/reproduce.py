@@ -17,9 +17,11 @@ from rtphys.core.seeds import stream
 from rtphys.data.attempts import Accepted, Rejected, read_attempts
 from rtphys.data.check_episode import Problem
 from rtphys.data.compare import Comparison
+from rtphys.data.layout import TaskDataset
 from rtphys.data.manifest import Manifest, read_manifest
 from rtphys.episode.reproduce import RecordedAttempt, reproduce
 from rtphys.sim import renderer
+from rtphys.spec.collection import TaskHeader, paired
 
 
 @dataclass
@@ -84,17 +86,18 @@ def recorded_attempts(
 ) -> Iterator[RecordedAttempt]:
     """What the dataset says of each seed; what cannot be read is a problem of the reproduction."""
     entries = manifest.task_datasets
-    twins = {(e.spec.episode.task, e.spec.twin_of): e.header for e in entries.values()}
-    mains = {(e.spec.episode.task, e.spec.name): e.header for e in entries.values()}
+    headers = {TaskDataset.of(out, entry.spec).name: entry.header for entry in entries.values()}
+    others = dict[str, list[TaskHeader]]()
+    for group in paired([entry.spec for entry in entries.values()]):
+        names = [TaskDataset.of(out, spec).name for spec in group]
+        others |= {name: [headers[one] for one in names if one != name] for name in names}
     for name, entry in entries.items():
-        spec, task = entry.spec, entry.spec.episode.task
-        if spec.policy is not None:
-            found.notes.append(f"{name}: what {spec.policy} did cannot be made again without it")
+        if (policy := entry.spec.policy) is not None:
+            found.notes.append(f"{name}: what {policy} did cannot be made again without it")
             continue
-        twin = twins.get((task, spec.name)) if spec.twin else mains.get((task, spec.twin_of or ""))
         try:
             for row in islice(read_attempts(entry.below(out).ledger), entry.attempts):
-                yield RecordedAttempt(out, entry.header, row, twin)
+                yield RecordedAttempt(out, entry.header, row, tuple(others.get(name, ())))
         except BadFile as error:
             text = f"{name} cannot be made again: {error.problem}"
             found.problems.append(Problem(error.path, text))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
@@ -18,7 +18,7 @@ from rtphys.physics.load import domain_for_task, parse_overrides
 from rtphys.results.evaluation import EvaluationSpec, short_name
 from rtphys.results.instances import FIRST_SEED
 from rtphys.senses import REDRAWN, SENSES, drawn
-from rtphys.spec.collection import CollectionSpec
+from rtphys.spec.collection import CollectionSpec, families
 from rtphys.spec.episode import EpisodeSpec, check_varies
 from rtphys.spec.option import (
     Offers,
@@ -333,7 +333,7 @@ def specs_for(
 
 
 def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
-    """The same again with one attribute held at each value, in folders of their own.
+    """The same again with one attribute held at each value, in folders of their own; same seeds.
 
     Args:
         text: "friction=0.05,0.1", or ';' between vectors: "center_of_mass=0,0,0.01;0,0,0.02".
@@ -343,7 +343,8 @@ def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
     """
     key, equals, spelt = text.partition("=")
     key, episode = key.strip(), spec.episode
-    parts = [part.strip() for part in spelt.split(";" if ";" in spelt else ",")]
+    mark = ";" if ";" in spelt else ","
+    parts = [part.strip() for part in spelt.split(mark)]
     if not equals or not all(parts):
         raise BadValue("sweep", text, "write key=value,value, such as friction=0.1,0.2")
     if len(set(parts)) < len(parts):
@@ -356,7 +357,7 @@ def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
         overrides = {**episode.overrides, **parse_overrides([f"{key}={part}"])}
         config = spec.config and f"{spec.config}.{key}={part}"
         held = replace(episode, only=only, overrides=overrides)
-        found.append(replace(spec, episode=held, config=config))
+        found.append(replace(spec, episode=held, config=config, sweep=f"{key}={mark.join(parts)}"))
     return tuple(found)
 
 
@@ -404,10 +405,10 @@ def read_specs(path: Path) -> tuple[CollectionSpec, ...]:
 def shard_of(specs: Sequence[CollectionSpec], text: str) -> Sequence[CollectionSpec]:
     """What shard "i/n" makes of a collection; all of it where the text is empty.
 
-    Where there are as many task datasets as shards or more, each shard makes whole ones. Otherwise
-    the shards form as many equal groups as possible, and the m shards of a group share each of
-    their task datasets: every m-th seed, and 1/m of the episodes, each. Raises `BadValue`: it is
-    not spelled so.
+    Where there are as many task datasets as shards or more, each shard makes whole ones; all values
+    of a sweep belong to one. Otherwise the shards form as many equal groups as possible, and the m
+    shards of a group share each of their task datasets: every m-th seed, and 1/m of the episodes,
+    each. Raises `BadValue`: it is not spelled so.
     """
     if not text:
         return specs
@@ -416,9 +417,9 @@ def shard_of(specs: Sequence[CollectionSpec], text: str) -> Sequence[CollectionS
     if not (spelt and 1 <= int(first) <= int(last) <= SHARDS):
         raise BadValue("shard", text, f"write i/n, from 1/n to n/n, n at most {SHARDS}")
     index, of = int(first) - 1, int(last)
-    ordered = sorted(specs, key=lambda spec: (spec.name, spec.episode.task))
+    ordered = families(sorted(specs, key=lambda spec: (spec.name, spec.episode.task)))
     sharing = 1 if len(ordered) >= of else of // math.gcd(len(ordered), of)
-    own = ordered[index // sharing :: of // sharing]
+    own = list(chain.from_iterable(ordered[index // sharing :: of // sharing]))
     if sharing == 1:
         return own
     shard = index % sharing + 1

@@ -37,7 +37,7 @@ def slow_disk(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def _do_without_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        collect_module, "check", lambda plans, run: [plan.episode for plan in plans]
+        collect_module, "check", lambda plans, run: {one.episode.task: one for one in plans}
     )
     monkeypatch.setattr(collect_module, "check_drawable", lambda shader: 0)
     monkeypatch.setattr(collect_module, "check_assets", lambda plans, tasks, pack: None)

@@ -18,7 +18,7 @@ from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.studies.collect import collect as collect_plans
 from rtphys.studies.collect_worker import CollectionTask, Results
-from rtphys.studies.requests import Run, specs_for
+from rtphys.studies.requests import Run, specs_for, swept
 
 TASKS = ("click_bell", "lift_pot", "stamp_seal")
 RARE = TASKS[0]
@@ -47,6 +47,12 @@ def variants(specs: Sequence[CollectionSpec]) -> dict[str, Sequence[CollectionSp
         "plain": specs,
         "failures": tuple(replace(spec, keep_failures="2") for spec in specs),
         "twin": tuple(replace(spec, twin="phys_random") for spec in specs),
+        "sweep": tuple(one for spec in specs for one in swept(spec, "friction=0.1,0.2,1")),
+        "sweep with failures": tuple(
+            one
+            for spec in specs
+            for one in swept(replace(spec, keep_failures="all"), "friction=0.1,0.2,1")
+        ),
     }
 
 
@@ -65,7 +71,7 @@ class QuickCollector:
         solved = [_chance(recipe)[1] for recipe in job.recipes]
         return tuple(
             _staged(recipe, folder, {})
-            if all(solved)
+            if (all(solved) if job.paired else own)
             else _rejected(recipe, folder, draw and not own)
             for recipe, folder, draw, own in zip(
                 job.recipes, job.folders, job.keep, solved, strict=True
@@ -93,7 +99,7 @@ class SlowCollector(QuickCollector):
 
 def _chance(recipe: Recipe) -> tuple[Generator, bool]:
     """Whether a recipe succeeds, and what else of it is random."""
-    chance = stream(recipe.seed, recipe.task)
+    chance = stream(recipe.seed, recipe.task, *map(str, recipe.spec.overrides.values()))
     return chance, chance.random() <= (0.2 if recipe.task == HARD else 0.7)
 
 

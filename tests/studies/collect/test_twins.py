@@ -131,7 +131,7 @@ def test_half_a_pair_is_no_episode(hard: CollectionSpec, tmp_path: Path) -> None
         config: Dataset(out).manifest.task_datasets[f"{config}/hard/aloha_agilex"].rejections
         for config in ("phys_random", "phys_random.twin=clean")
     }
-    assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"untwinned": 2}}
+    assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"unpaired": 2}}
     first = next(read_attempts(out / "phys_random.twin=clean/hard/aloha_agilex/ledger.jsonl"))
     assert isinstance(first, Rejected) and first.detail == "under phys_random: slipped"
 
@@ -145,7 +145,7 @@ def test_an_attempt_that_comes_out_otherwise_is_an_error(pairs: Path, tmp_path: 
     task, pack = load_task("click_bell"), default_pack()
     with DatasetWriter(out) as data:
         writers = tuple(data.task(header_of(p, task, pack)) for p in TWINNED.sides)
-        series = CollectionSeries(TWINNED, writers)
+        series = CollectionSeries([TWINNED], writers)
         assert series.progress.accepted == 1
         seed = series.begin()
         recipes = series.job(seed).recipes
