@@ -192,11 +192,8 @@ def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (
-            "--set friction=0.05",
-            "--policy-option = 'friction=0.05' is not allowed; physics follows",
-        ),
-        ("--set friction=0.05", "`--set` of `rtphys evaluate` is called `--policy-option` now"),
+        ("--set friction=0.05", "evaluate has no --set: physics follows from the protocol"),
+        ("--set speed=2", "`--set` of `rtphys evaluate` is called `--policy-option` now"),
         ("--policy-option friction=0.05", "--policy-option = 'friction=0.05' is not allowed"),
         ("--policy-option speed=2", "the policy idle has no options"),
     ],

@@ -1,7 +1,6 @@
 """`collect --dry-run`: what would be collected and where, what could not act; nothing is done."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -226,8 +225,8 @@ def test_what_every_prop_has_of_its_own_is_left_with_nothing(spec: CollectionSpe
         "object_mass could not act in heavy_below: every object that can move has its own value "
         "(object_mass@first, object_mass@second)"
     )
-    held = replace(spec.episode, only=None, protocol="clean", overrides={"object_mass@first": 1.0})
-    assert without_effect([replace(spec, episode=held).of_task("heavy_below")]) == []
+    held = EpisodeSpec("heavy_below", "clean", overrides={"object_mass@first": 1.0})
+    assert without_effect([CollectionSpec(held)]) == []
     assert without_effect([spec.of_task("bin_the_slippery")]) == []  # of masses it has no own
 
 
