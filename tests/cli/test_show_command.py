@@ -25,6 +25,6 @@ def test_what_never_was_true_is_not_called_no_longer_true(
     words = ["show", str(tmp_path), "--failure", "0"]
     done = CliRunner().invoke(app, words, env={"COLUMNS": "120"})
     assert done.exit_code == 0, done.output
-    told = " ".join(done.stdout.split())
-    assert ("success never" in told) is (succeeded is None)
-    assert ("still true no, 0.5 s after the end" in told) is (succeeded is not None)
+    shown = " ".join(done.stdout.split())
+    assert ("success never" in shown) is (succeeded is None)
+    assert ("still true no, 0.5 s after the end" in shown) is (succeeded is not None)

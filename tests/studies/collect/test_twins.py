@@ -127,11 +127,11 @@ def test_half_a_pair_is_no_episode(hard: CollectionSpec, tmp_path: Path) -> None
     progresses = collect([hard], Run(out, workers=1))
     assert not complete(progresses)
     assert verify(out).problems == []
-    told = {
+    reasons = {
         config: Dataset(out).manifest.task_datasets[f"{config}/hard/aloha_agilex"].rejections
         for config in ("phys_random", "phys_random.twin=clean")
     }
-    assert told == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"unpaired": 2}}
+    assert reasons == {"phys_random": {"slipped": 2}, "phys_random.twin=clean": {"unpaired": 2}}
     first = next(read_attempts(out / "phys_random.twin=clean/hard/aloha_agilex/ledger.jsonl"))
     assert isinstance(first, Rejected) and first.detail == "under phys_random: slipped"
 
