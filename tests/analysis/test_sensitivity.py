@@ -138,13 +138,14 @@ def test_a_policy_that_crashes_fails_and_its_error_is_said(
     file.write_text(
         "class Policy:\n"
         "    needs_images = False\n"
-        "    def __init__(self, setup): ...\n"
-        "    def play(self, episode): raise ValueError('no weights')\n"
+        "    def __init__(self, setup): self.weights = setup.options['weights']\n"
+        "    def play(self, episode): raise ValueError(f'no {self.weights}')\n"
         "    def close(self): ...\n"
     )
-    worker = SensitivityWorker(PACK, f"python:{file}:Policy")
+    search = SearchSpec(policy=f"python:{file}:Policy", options={"weights": "act.pt"})
+    worker = SensitivityWorker(PACK, search)
     assert not worker.do(SensitivityTask("click_bell", 3))
-    said = "click_bell, seed 3: the policy fails by ValueError: no weights\n"
+    said = "click_bell, seed 3: the policy fails by ValueError: no act.pt\n"
     assert capsys.readouterr().out == said
 
 
@@ -155,6 +156,8 @@ def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:
         SensitivityPlan(("click_bell",), SearchSpec(policy="replay:data"))
     with pytest.raises(UnknownName, match="policy"):
         SensitivityPlan(("click_bell",), SearchSpec(policy="repaly"))
+    with pytest.raises(BadValue, match=r"policy_option = 'speed=2' .*the policy expert has no opt"):
+        SensitivityPlan(("click_bell",), SearchSpec(policy="expert", options={"speed": "2"}))
 
 
 DOMAINS = tuple(library.names("domains"))

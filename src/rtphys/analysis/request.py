@@ -1,12 +1,13 @@
 """What `sensitivity` is asked for. Nothing here loads the simulator, for its help."""
 
+from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
 from rtphys.core.errors import BadValue
 from rtphys.physics.attribute import attributes
 from rtphys.spec import option
-from rtphys.spec.option import Option, Positive, Tasks, Workers, at_least, one_of
+from rtphys.spec.option import Option, PolicyOptions, Positive, Tasks, Workers, at_least, one_of
 from rtphys.studies.requests import FirstSeed
 from rtphys.task.spec import load_task
 
@@ -31,6 +32,7 @@ class SearchSpec:
         int, at_least(0, most=10), Option("Halvings of the part of the range that is open.")
     ] = 4
     first_seed: FirstSeed = 0
+    options: PolicyOptions = field(default_factory=dict[str, str])
 
 
 @option.checked_dataclass(frozen=True)
@@ -46,9 +48,9 @@ class SensitivityPlan:
         for name in self.tasks:
             load_task(name)
         if self.search.policy != DEMONSTRATION:
-            from rtphys.policies import parse_spec
+            from rtphys.policies import check_options
 
-            parse_spec(self.search.policy)
+            check_options(self.search.policy, self.search.options)
         if self.search.policy.startswith(f"{DEMONSTRATION}:"):
             problem = "replay alone: it makes its own demonstrations"
             raise BadValue("policy", self.search.policy, problem)

@@ -184,11 +184,11 @@ class SensitivityTask(NamedTuple):
 class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
     """Tries whether an actor succeeds; keeps the demonstrations that it replays."""
 
-    policy: str
+    search: SearchSpec
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._session = PolicySession(self.policy)
+        self._session = PolicySession(self.search.policy)
         self._demonstrations: dict[tuple[str, int], Attempt] = {}
 
     def finish(self) -> None:
@@ -208,15 +208,16 @@ class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
                     drawn = value
                 overrides = axis.overrides(job.share, drawn)
             recipe = replace(spec, overrides=overrides).at(job.seed)
-            if self.policy == EXPERT:
+            if self.search.policy == EXPERT:
                 return self.demonstrate(recipe).accepted
-            if self.policy == DEMONSTRATION:
+            if self.search.policy == DEMONSTRATION:
                 key = job.task, job.seed
                 if key not in self._demonstrations:
                     tried = self.demonstrate(spec.at(job.seed))
                     self._demonstrations[key] = replace(tried, instance=None)  # worlds are large
                 return bool(self.replay(recipe, self._demonstrations[key]))
-            policy = self._session.policy(PolicySetup(job.task, NOMINAL))
+            setup = PolicySetup(job.task, NOMINAL, options=self.search.options)
+            policy = self._session.policy(setup)
             episode = begin(recipe, task, self.pack, keep="nothing")
         except Infeasible:
             return False
@@ -366,7 +367,7 @@ def sensitivity(
                     listener.noticed(f"{key} could not act in {name}: {why}")
         results: list[Mapping[str, JSON]] = []
         listener.started([progress := Progress("tasks", len(tasks))])
-        worker = SensitivityWorker(pack, plan.search.policy)
+        worker = SensitivityWorker(pack, plan.search)
         with LocalPool(worker, plan.workers or cores()) as pool:
             for task in tasks:  # one by one: its demonstrations stay in memory, its file is written
                 for trials in task.rounds():

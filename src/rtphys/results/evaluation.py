@@ -18,7 +18,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data.ledger import read_header, read_rows
 from rtphys.results.instances import ENFORCED, Fingerprint, InstanceList, read_lists
 from rtphys.spec.episode import SPLITS, EpisodeSpec
-from rtphys.spec.option import Offers, Option, Seed, checked_dataclass, one_of
+from rtphys.spec.option import Offers, Option, PolicyOptions, Seed, checked_dataclass, one_of
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import CLOSED
 
@@ -78,9 +78,7 @@ class EvaluationSpec:
     episode: Annotated[EpisodeSpec, Offers("split", "embodiment")] = EpisodeSpec(split="unseen")
     recording: Annotated[RecordingSpec, Offers("senses", "size")] = RecordingSpec()
     seed: Annotated[Seed, Option("Seed of the policy's own chance.", "policy_seed")] = 0
-    options: Annotated[
-        Mapping[str, str], Option("key=value for the policy; repeatable.", "policy_option")
-    ] = field(default_factory=dict[str, str])
+    options: PolicyOptions = field(default_factory=dict[str, str])
     sentences: Annotated[
         str | None,
         one_of("split of sentences", SPLITS),
