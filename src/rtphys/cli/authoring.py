@@ -426,12 +426,12 @@ def _show_scores(scores: "Sequence[Score]") -> None:
     columns = ("accepted", "replay", *BASELINES, "CPU-s", "rejected")
     table = fitting_table(["task", "protocol"], columns)
     for score in scores:
-        rates = [score.rate(name) for name in ("expert", *BASELINES)]
+        counts = [(score.solved(name), score.played(name)) for name in ("expert", *BASELINES)]
         table.add_row(
             score.spec.task,
             score.spec.protocol,
             f"{len(score.accepted)} / {len(score.tried('expert'))}",
-            *("-" if rate is None else f"{100 * rate:.0f} %" for rate in rates),
+            *(f"{solved} / {played}" if played else "-" for solved, played in counts),
             f"{score.cpu_seconds:.2f}",
             reasons(score.rejected),
         )

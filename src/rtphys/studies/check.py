@@ -73,10 +73,14 @@ class Score:
         """Number of their successes."""
         return sum(one.success for one in self.tried(role))
 
+    def played(self, role: Role) -> int:
+        """Number of a baseline's episodes; of the expert's accepted actions, replayed."""
+        return len(self.accepted) if role == "expert" else len(self.tried(role))
+
     def rate(self, role: Role) -> float | None:
-        """Share of their successes; of the expert's accepted actions, replayed."""
-        tried = len(self.accepted) if role == "expert" else len(self.tried(role))
-        return self.solved(role) / tried if tried else None
+        """Share of `solved` in `played`; None: nothing was played."""
+        played = self.played(role)
+        return self.solved(role) / played if played else None
 
     @property
     def accepted(self) -> list[int]:
