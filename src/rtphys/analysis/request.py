@@ -6,8 +6,9 @@ from typing import Annotated
 
 from rtphys.core.errors import BadValue
 from rtphys.physics.attribute import attributes
+from rtphys.results.evaluation import PolicyOptions
 from rtphys.spec import option
-from rtphys.spec.option import Option, PolicyOptions, Positive, Tasks, Workers, at_least, one_of
+from rtphys.spec.option import Option, Positive, Tasks, Workers, at_least, one_of
 from rtphys.studies.requests import FirstSeed
 from rtphys.task.spec import load_task
 

@@ -18,7 +18,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data.ledger import read_header, read_rows
 from rtphys.results.instances import ENFORCED, Fingerprint, InstanceList, read_lists
 from rtphys.spec.episode import SPLITS, EpisodeSpec
-from rtphys.spec.option import Offers, Option, PolicyOptions, Seed, checked_dataclass, one_of
+from rtphys.spec.option import Offers, Option, Seed, checked_dataclass, one_of
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import CLOSED
 
@@ -68,6 +68,11 @@ class EpisodeRecord:
         frames = [n for n, line in enumerate(lines) if line.startswith('  File "')]
         rest = lines[frames[-1] + 1 :] if frames else lines[-1:]
         return next((line for line in rest if not line.startswith(" ")), self.detail.strip())
+
+
+PolicyOptions = Annotated[
+    Mapping[str, str], Option("key=value for the policy; repeatable.", "policy_option")
+]
 
 
 @checked_dataclass(frozen=True, config=CLOSED)

@@ -108,9 +108,6 @@ RobotName = Annotated[  # refuses what cannot be one; packs know the names
     AfterValidator(lambda name: canonical(name)),
     Option("The robot: a name of the asset pack, or LEFT,RIGHT,DISTANCE (arms, and m between)."),
 ]
-PolicyOptions = Annotated[
-    Mapping[str, str], Option("key=value for the policy; repeatable.", "policy_option")
-]
 Workers = Annotated[  # processes of 0.5 GB; more than the most is a slip of the finger
     int | None, at_least(1, most=1000), Option("Worker processes; default one a core.")
 ]
