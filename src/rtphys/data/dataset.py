@@ -31,7 +31,7 @@ from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
 from rtphys.physics import Physics, attributes
 from rtphys.physics.attribute import is_attribute
 from rtphys.physics.values import Value, plain_value
-from rtphys.spec.collection import families
+from rtphys.spec.sweep import families
 
 if TYPE_CHECKING:
     from pandas import DataFrame  # type: ignore[import-untyped]

@@ -48,8 +48,9 @@ from rtphys.data.manifest import (
 )
 from rtphys.data.writer import scene_pieces
 from rtphys.physics import attributes
-from rtphys.spec.collection import TaskHeader, paired
+from rtphys.spec.collection import TaskHeader
 from rtphys.spec.stored import differences, stored
+from rtphys.spec.sweep import paired
 
 CHECKS = "5"  # raised when a check is added or changed: old findings then count no more
 OURS = (MANIFEST, LOCK, LOCK + HELD, REPORT)  # that rtphys writes beside the datasets

@@ -5,7 +5,7 @@ A `CollectionSpec` is a run of `rtphys collect` for one task: the command line, 
 `manifest.json`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import field, replace
 from typing import Annotated, Any, Literal
 
@@ -13,7 +13,6 @@ from rtphys.core.bounds import EPISODES, SHARDS
 from rtphys.core.errors import BadValue
 from rtphys.core.untrusted import plain_name
 from rtphys.physics.domain import Domain
-from rtphys.physics.load import parse_overrides
 from rtphys.physics.values import Value
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import NumberOrAll, Option, Positive, Seed, at_least, checked_dataclass
@@ -132,43 +131,6 @@ class CollectionSpec:
     def failures_expected(self) -> int:
         """How many failed attempts are kept at most; of all, no more than episodes are expected."""
         return self.episodes if self.keep_failures == "all" else self.max_failures
-
-
-def families(specs: Sequence[CollectionSpec]) -> list[list[CollectionSpec]]:
-    """The specs in groups that try the same seeds: the values of a sweep, in the sweep's order, or
-    one alone."""
-    found: list[list[CollectionSpec]] = []
-    for spec in specs:
-        alike = [one for one in found if spec.sweep and _alike(one[0], spec)]
-        if alike:
-            alike[0].append(spec)
-        else:
-            found.append([spec])
-    return [sorted(family, key=_place) if family[0].sweep else family for family in found]
-
-
-def _alike(one: CollectionSpec, other: CollectionSpec) -> bool:
-    return one.sweep == other.sweep and one.unswept == other.unswept
-
-
-def _place(spec: CollectionSpec) -> int:
-    (key, value), values = spec.swept, (spec.sweep or "").partition("=")[2]
-    parts = values.split(";" if ";" in values else ",")
-    return [parse_overrides([f"{key}={part}"])[key] for part in parts].index(value)
-
-
-def paired(specs: Sequence[CollectionSpec]) -> list[list[CollectionSpec]]:
-    """The specs in groups that have the same seeds, each twin among them."""
-    found = families([spec for spec in specs if spec.twin_of is None])
-    for twin in specs:
-        if twin.twin_of is None:
-            continue
-        place = twin.episode.task, twin.episode.embodiment, twin.twin_of
-        for group in found:
-            mains = [(one.episode.task, one.episode.embodiment, one.name) for one in group]
-            if place in mains:
-                group.insert(mains.index(place) + 1, twin)
-    return [group for group in found if group[0].paired]
 
 
 @checked_dataclass(frozen=True, config=CLOSED)

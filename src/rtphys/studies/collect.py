@@ -25,10 +25,11 @@ from rtphys.physics.values import Value
 from rtphys.plan.kinematics import check_robot
 from rtphys.senses import drawn
 from rtphys.sim import renderer
-from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader, families
+from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec, check_varies
 from rtphys.spec.protocol import load_protocol
 from rtphys.spec.recording import HEAD
+from rtphys.spec.sweep import families
 from rtphys.studies.collect_worker import (
     CollectionTask,
     CollectWorker,

@@ -21,7 +21,8 @@ from rtphys.data.layout import TaskDataset
 from rtphys.data.manifest import Manifest, read_manifest
 from rtphys.episode.reproduce import RecordedAttempt, reproduce
 from rtphys.sim import renderer
-from rtphys.spec.collection import TaskHeader, paired
+from rtphys.spec.collection import TaskHeader
+from rtphys.spec.sweep import paired
 
 
 @dataclass

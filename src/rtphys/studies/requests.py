@@ -14,11 +14,11 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.selection import DataFolder, Selection
 from rtphys.physics.domain import AUXILIARY, check_key
 from rtphys.physics.idle import why_idle
-from rtphys.physics.load import domain_for_task, parse_overrides
+from rtphys.physics.load import domain_for_task
 from rtphys.results.evaluation import EvaluationSpec, short_name
 from rtphys.results.instances import FIRST_SEED
 from rtphys.senses import REDRAWN, SENSES, drawn
-from rtphys.spec.collection import CollectionSpec, families
+from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec, check_varies
 from rtphys.spec.option import (
     Offers,
@@ -35,6 +35,7 @@ from rtphys.spec.option import (
 from rtphys.spec.protocol import Protocols, load_look, load_protocol
 from rtphys.spec.recording import CAMERAS, SHADERS, CameraType, RecordingSpec, Size
 from rtphys.spec.stored import CLOSED, Extent
+from rtphys.spec.sweep import families, swept
 from rtphys.studies.resources import check_drawable, episode_bytes
 from rtphys.task.props import parts
 from rtphys.task.rates import Cost, costs
@@ -330,35 +331,6 @@ def specs_for(
     """One spec a task, or one for each task and each value of a sweep, which see `swept`."""
     variants = swept(template, sweep) if sweep else (template,)
     return tuple(variant.of_task(task) for variant in variants for task in tasks)
-
-
-def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
-    """The same again with one attribute held at each value, in folders of their own; same seeds.
-
-    Args:
-        text: "friction=0.05,0.1", or ';' between vectors: "center_of_mass=0,0,0.01;0,0,0.02".
-
-    Raises:
-        UnknownName, BadValue: as `parse_overrides`; a value that is named twice; one that is held.
-    """
-    key, equals, spelt = text.partition("=")
-    key, episode = key.strip(), spec.episode
-    mark = ";" if ";" in spelt else ","
-    parts = [part.strip() for part in spelt.split(mark)]
-    if not equals or not all(parts):
-        raise BadValue("sweep", text, "write key=value,value, such as friction=0.1,0.2")
-    if len(set(parts)) < len(parts):
-        raise BadValue("sweep", text, "name each value once")
-    if key in episode.overrides:
-        raise BadValue("sweep", key, "it is held at a value already")
-    only = None if episode.only is None else tuple(dict.fromkeys((*episode.only, key)))
-    found: list[CollectionSpec] = []
-    for part in parts:
-        overrides = {**episode.overrides, **parse_overrides([f"{key}={part}"])}
-        config = spec.config and f"{spec.config}.{key}={part}"
-        held = replace(episode, only=only, overrides=overrides)
-        found.append(replace(spec, episode=held, config=config, sweep=f"{key}={mark.join(parts)}"))
-    return tuple(found)
 
 
 def find_collection(text: str) -> Path:

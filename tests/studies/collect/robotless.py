@@ -16,9 +16,10 @@ from rtphys.data.staging import HDF5, INSTRUCTION, VIDEO, StagedEpisode
 from rtphys.data.writer import Rejection
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec, Recipe
+from rtphys.spec.sweep import swept
 from rtphys.studies.collect import collect as collect_plans
 from rtphys.studies.collect_worker import CollectionTask, Results
-from rtphys.studies.requests import Run, specs_for, swept
+from rtphys.studies.requests import Run, specs_for
 
 TASKS = ("click_bell", "lift_pot", "stamp_seal")
 RARE = TASKS[0]

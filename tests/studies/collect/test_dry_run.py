@@ -13,10 +13,11 @@ from rtphys.cli.main import app
 from rtphys.doctor import Finding
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.sweep import swept
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
 from rtphys.studies.collect import without_effect
-from rtphys.studies.requests import room_needed, swept
+from rtphys.studies.requests import room_needed
 from rtphys.task.rates import MOST, SHARES, costs
 
 

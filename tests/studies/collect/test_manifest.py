@@ -13,7 +13,8 @@ from rtphys.physics.load import domain_for_task
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
-from rtphys.studies.requests import find_collection, read_specs, specs_for, swept
+from rtphys.spec.sweep import swept
+from rtphys.studies.requests import find_collection, read_specs, specs_for
 from rtphys.task.spec import task_names
 
 

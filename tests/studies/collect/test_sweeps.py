@@ -14,9 +14,10 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.layout import TaskDataset
 from rtphys.data.rewrite import subset
 from rtphys.data.verify import verify
-from rtphys.spec.collection import CollectionSpec, families, paired
+from rtphys.spec.collection import CollectionSpec
+from rtphys.spec.sweep import families, paired, swept
 from rtphys.studies.collect import collect
-from rtphys.studies.requests import Run, shard_of, specs_for, swept
+from rtphys.studies.requests import Run, shard_of, specs_for
 
 VALUES = (0.1, 0.2, 1.0)
 SWEEP = "friction=0.1,0.2,1"
