@@ -69,6 +69,7 @@ def digests_of(dataset: Dataset, cpu: float) -> TaskDigests:
         attempts=len(rows),
         rejections=dict(sorted(reasons.items())),
         frames=sum(row.frames for row in rows if isinstance(row, Accepted)),
+        sentences=len({text for one in dataset for text in one.instructions.seen}),
         bytes=sum(facts.size for _, facts in dataset.files()),
         cpu_seconds=round(cpu, 1),
         episodes={str(one.seed): state_digest(one)[:DIGITS] for one in dataset},

@@ -37,6 +37,7 @@ class TaskDigests(Model):
     attempts: Count
     rejections: dict[str, Count] = Key(description="reason -> attempts")
     frames: Count
+    sentences: Count = Key(description="different ones among those for training")
     bytes: Count
     cpu_seconds: float
     episodes: dict[str, Digest] = Key(description="seed -> state digest, in order")
