@@ -85,6 +85,9 @@ def act(what: str) -> None:
         raise BadValue("friction", -1, "it is a number in [0, 4]")
     elif what == "leak":
         hoard.append(bytearray(200_000_000))
+    elif what == "hoard":
+        hoard.append(bytearray(b"1") * 400_000_000)
+        time.sleep(60)
 
 
 hoard: list[bytearray] = []

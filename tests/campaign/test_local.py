@@ -95,6 +95,20 @@ def test_a_job_that_computes_for_ever_is_ended_twice_and_then_given_up(tmp_path:
     assert len(list(tmp_path.iterdir())) == 2
 
 
+def test_a_job_that_needs_too_much_memory_is_ended_twice_and_then_given_up(tmp_path: Path) -> None:
+    limits = Limits(seconds=20, max_memory=350e6)
+    found = run([Trouble("hoard", str(tmp_path)), Trouble()], limits=limits)
+    assert found[0] == WorkerFailure("worker_crash", "used more than 0.35 GB")
+    assert isinstance(found[1], int)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_what_scale_md_says_that_a_job_may_use() -> None:
+    limits = Limits()
+    assert (limits.seconds, limits.patience, limits.max_memory) == (600, 6000, 6e9)
+    assert local.FOREIGN_RETRIES + 1 == 6, "losses, after which the command stops"
+
+
 # ---- what comes from outside ---------------------------------------------------------------------
 
 

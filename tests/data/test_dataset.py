@@ -266,7 +266,7 @@ def test_physics_is_what_was_drawn(dataset: Dataset) -> None:
 def test_pickles_small_after_use(dataset: Dataset) -> None:
     episode = dataset[0]
     assert (episode.images("head_camera") == episode.images("head")).all()
-    assert len(pickle.dumps(episode)) < 1500 + 4 * len(str(episode.paths.hdf5))
+    assert len(pickle.dumps(episode)) < 400 + 4 * len(str(episode.paths.hdf5))
     assert pickle.loads(pickle.dumps(episode)).image("head_camera", 0).any()
 
 

@@ -234,6 +234,26 @@ def test_foreign_manifest_is_refused(tmp_path: Path, text: str, problem: str) ->
     assert set(content(tmp_path)) == {"manifest.json"}
 
 
+def test_every_file_is_synced_before_its_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that a power cut leaves no row without its files."""
+    synced, rows, fsync = set[int](), 0, os.fsync
+
+    def watched(handle: int) -> None:
+        nonlocal rows
+        fsync(handle)
+        synced.add(os.fstat(handle).st_ino)
+        if Path(f"/proc/self/fd/{handle}").readlink().name == "ledger.jsonl":
+            rows += 1
+            placed = [path for path in (tmp_path / FOLDER).glob("*/episode_*") if path.is_file()]
+            assert {path.stat().st_ino for path in placed} <= synced
+
+    monkeypatch.setattr(os, "fsync", watched)
+    collect(tmp_path, 3)
+    assert rows >= 4
+
+
 @pytest.mark.parametrize("calls", [*range(16), 20, 25, 31, 40])
 def test_full_disk_at_any_moment_loses_nothing(
     tmp_path: Path, reference: dict[str, bytes], monkeypatch: pytest.MonkeyPatch, calls: int

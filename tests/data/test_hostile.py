@@ -1,5 +1,6 @@
 """A corpus of hostile datasets through the readers: an error of ours, soon, and nothing outside."""
 
+import ast
 import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -13,6 +14,7 @@ from hostile import Hostile, corpus
 from time_limit import Hang, at_most
 from typer.testing import CliRunner
 
+import rtphys
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.dataset import Dataset
@@ -140,6 +142,27 @@ def test_some_hostile_datasets(reader: str, sound: Path, tmp_path: Path) -> None
     """A case in ten, each by one reader; few by `show`, which draws a plot."""
     step = (100 if reader == "show" else 10) * len(READERS)
     check(CASES[10 * list(READERS).index(reader) :: step], reader, sound, tmp_path)
+
+
+@pytest.mark.parametrize("layer", ["data", "results", "policies"])
+def test_nothing_that_reads_can_unpickle_or_run_what_it_reads(layer: str) -> None:
+    able = {"pickle", "marshal", "shelve", "dill", "eval", "exec", "compile", "allow_pickle=True"}
+    sources = [*(Path(rtphys.__file__).parent / layer).rglob("*.py")]
+    assert sources
+    for source in sources:
+        for node in ast.walk(ast.parse(source.read_text())):
+            match node:
+                case ast.Import():
+                    used = {name.name for name in node.names}
+                case ast.ImportFrom():
+                    used = {node.module}
+                case ast.Call(func=ast.Name()):
+                    used = {node.func.id}
+                case ast.keyword():
+                    used = {ast.unparse(node)}
+                case _:
+                    continue
+            assert not used & able, f"{source}, line {node.lineno}"
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sensing
 import synthetic
-from collected import FRAMES, collect
+from collected import FRAMES, collect, keep
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
@@ -342,6 +342,13 @@ def test_refusals_leave_nothing(
     with pytest.raises(error, match=problem):
         export(dataset, tmp_path / "out", **of)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_failures_are_not_exported(tmp_path: Path) -> None:
+    keep(tmp_path / "kept")
+    kept = Dataset(tmp_path / "kept")
+    assert len(kept.failures()) == 2
+    assert info(export(kept, tmp_path / "out"))["total_episodes"] == len(kept) == 5
 
 
 def test_a_folder_that_is_not_empty_is_left_alone(dataset: Dataset, tmp_path: Path) -> None:

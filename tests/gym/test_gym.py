@@ -16,13 +16,15 @@ from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
-from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.episode.control import actions_of
 from rtphys.episode.generate import attempt
+from rtphys.episode.policy_episode import PolicyEpisode, begin
 from rtphys.gym import FlatObservation
+from rtphys.gym import env as env_module
 from rtphys.gym.env import TaskEnv
 from rtphys.physics import attributes
-from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.task.spec import load_task
 
 pytestmark = pytest.mark.sim
@@ -197,6 +199,16 @@ def test_resets_without_a_seed_differ_and_repeat() -> None:
         runs.append([env.reset()[1]["seed"] for _ in range(2)])
     assert runs[0] == runs[1]
     assert len(set(runs[0])) == 2
+
+
+def test_a_world_that_does_not_come_to_rest_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
+    def restless(recipe: Recipe, *rest: object) -> PolicyEpisode:
+        if recipe.seed == 4:
+            raise Infeasible("unsettled", "the bell still moved after 3 s")
+        return begin(recipe, *rest)
+
+    monkeypatch.setattr(env_module, "begin", restless)
+    assert TaskEnv("click_bell").reset(seed=4)[1]["seed"] == 5
 
 
 @pytest.mark.parametrize(

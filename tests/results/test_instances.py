@@ -78,6 +78,13 @@ def test_a_fingerprint_says_what_keeps_a_list_from_being_used() -> None:
     clauses = ["assets was '%s', now 'a'" % ("1" * 64), "versions.code was None, now 'b'"]
     versions = {**versions, "code": "b"}
     assert FINGERPRINT.changes(now(assets="a", versions=versions)) == clauses
+    for key in ("task", "dataset"):
+        (clause,) = FINGERPRINT.changes(now(versions={**FINGERPRINT.versions, key: "c"}))
+        assert clause.startswith(f"versions.{key} was")
+    domain = DomainDigest(name="global", digest="2" * 64)
+    for changed in ({"domain": domain}, {"look": "d"}, {"embodiment": "piper"}):
+        (clause,) = FINGERPRINT.changes(now(**changed))
+        assert clause.startswith(next(iter(changed)))
 
 
 def test_counts() -> None:

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
+from rtphys.assets.pack import default_pack
 from rtphys.campaign.series import Listener, Progress
 from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.data.check_episode import Effort
@@ -16,7 +17,7 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import render as module
 from rtphys.studies.collect import collect
-from rtphys.studies.render import MissingPack, RenderTask, RenderWorker, render
+from rtphys.studies.render import LostStates, MissingPack, RenderTask, RenderWorker, render
 from rtphys.studies.requests import RenderSpec, Run
 
 TASK = "click_bell"
@@ -124,8 +125,6 @@ class TestDrawnAgain:
 
 
 def _pack_and_packs(source: Path):
-    from rtphys.assets.pack import default_pack
-
     pack = default_pack()
     return pack, {Dataset(source).task_datasets[0].resolved.assets["digest"]: pack}
 
@@ -150,6 +149,18 @@ def test_missing_assets_are_named_with_their_digest(tmp_path: Path) -> None:
     with pytest.raises(MissingPack, match="a" * 64):
         render(RenderSpec(data=data, out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.sim
+def test_states_that_are_not_those_of_the_label_are_not_drawn(tmp_path: Path) -> None:
+    """Nobody has simulated this episode."""
+    data = Dataset(synthetic_dataset(tmp_path / "data"))
+    paths, pack = data[0].paths, default_pack()
+    job = RenderTask(paths, "native", {"info": {}}, RecordingSpec(), True, "a", tmp_path / "new")
+    worker = RenderWorker(pack, {"a": pack}, "slim")
+    with pytest.raises(LostStates, match=r"simulated again it gives states \w+, not "):
+        worker.do(job)
+    assert not (tmp_path / "new").exists()
 
 
 def test_the_dataset_itself_is_no_place_for_the_new_one(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import synthetic
 from forger import Forger, forge
 from forgeries import FORGERIES
 
@@ -19,7 +20,9 @@ from rtphys.data.check_episode import Effort, Problem
 from rtphys.data.dataset import Dataset
 from rtphys.data.manifest import read_manifest
 from rtphys.data.rewrite import convert
+from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
+from rtphys.data.writer import DatasetWriter
 from rtphys.episode import reproduce as reproducing
 from rtphys.episode.generate import Attempt
 from rtphys.physics import load_domain
@@ -157,6 +160,15 @@ def test_what_cannot_be_made_again_is_named(forged: Forge) -> None:
     text = words(reproduce_here(forged(change)).problems)
     assert text.count("cannot be made again") == 3
     assert "visual = " in text and "protocol phys_random_all has" in text
+
+
+def test_what_a_policy_did_is_left_out(tmp_path: Path) -> None:
+    with DatasetWriter(tmp_path) as dataset:
+        task = dataset.task(synthetic.header(policy="random"))
+        task.record(stage_episode(task.staging(0), synthetic.episode(0)))
+    found = Reproduction()
+    assert not [*recorded_attempts(tmp_path, read_manifest(tmp_path), found)]
+    assert not found.problems and "what random did cannot be made again" in found.notes[0]
 
 
 def test_another_renderer_is_told_from_a_change(once: None, forged: Forge) -> None:
