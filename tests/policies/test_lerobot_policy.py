@@ -2,10 +2,12 @@
 
 import json
 import os
+import random
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from rtphys.episode import CameraView, PolicyEpisode, View, begin
 from rtphys.episode.observation import Mirror
 from rtphys.policies import PolicyGone, PolicySetup, ServerFailed, open_policy
 from rtphys.policies.lerobot import LeRobot, observed, open_lerobot
-from rtphys.policies.lerobot_server import pack, unpack
+from rtphys.policies.lerobot_server import Checkpoint, pack, unpack
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
 
@@ -72,6 +74,17 @@ def test_a_message_survives_the_socket() -> None:
 
 
 @pytest.mark.sim
+def test_all_chance_of_an_episode_follows_from_its_seed() -> None:
+    seeds, checkpoint = list[int](), object.__new__(Checkpoint)
+    checkpoint.torch = SimpleNamespace(manual_seed=seeds.append)
+    checkpoint.policy = checkpoint.before = checkpoint.after = SimpleNamespace(reset=lambda: None)
+    drawn = list[tuple[float, float]]()
+    for seed in (5, 6, 5):
+        checkpoint.reset(seed)
+        drawn.append((random.random(), np.random.random()))  # noqa: NPY002
+    assert seeds == [5, 6, 5] and drawn[0] == drawn[2] != drawn[1]
+
+
 def test_a_checkpoint_acts(stub: Opener, episode: PolicyEpisode) -> None:
     episode.step_limit = 4
     start = episode.observe().vector

@@ -10,6 +10,7 @@ import io
 import json
 import os
 import pkgutil
+import random
 import sys
 import traceback
 from importlib import import_module, metadata
@@ -86,6 +87,8 @@ class Checkpoint:
 
     def reset(self, seed: int) -> None:
         """Begin an episode; all chance in it follows from the seed."""
+        random.seed(seed)
+        np.random.seed(seed % 2**32)  # noqa: NPY002  # what other people's policies draw from
         self.torch.manual_seed(seed)
         for part in (self.policy, self.before, self.after):
             part.reset()
