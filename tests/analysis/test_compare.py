@@ -126,7 +126,7 @@ def test_only_the_same_instances_are_paired(
     assert (pair.outcome.trials, pair.unpaired) == (0 if why else 2, told)
     line = f"not paired: {pair.first}, {pair.second}, clean, click_bell:"
     assert (line in said(*folders)) is bool(why)
-    (row,) = [row for row in said(*folders).splitlines() if row.startswith(f"{pair.first}  ")]
+    (row,) = [row for row in said(*folders).splitlines() if row.startswith("[1]    [2] ")]
     assert row.split()[-1] == ("-" if why else "1"), "nothing was compared"
 
 
@@ -238,3 +238,12 @@ def test_the_papers_table_3() -> None:
     printed = {method: row["phys_random_all"] for method, row in paper_means().items()}
     off = {m: round(printed[m] - means[m], 2) for m in means if printed[m] != means[m]}
     assert off == {"Motus": 0.04, "pi0.5": 0.1}
+
+
+def test_columns_of_other_instances_say_how_many(tmp_path: Path) -> None:
+    few = written(tmp_path / "few", "idle", {BELL: {0: True, 1: True}})
+    many = written(tmp_path / "many", "alpha", {BELL: dict.fromkeys(range(3), True)})
+    lines = said(few, many).splitlines()
+    assert ["instances", "2", "3"] in [line.split() for line in lines]
+    assert any("Not all were run on the same instances" in line for line in lines)
+    assert "instances  " not in said(many).split("on the same instances")[0]

@@ -8,7 +8,7 @@ import typer
 from rich.table import Table
 
 from rtphys.analysis import compare as analysis
-from rtphys.analysis.compare import Column, Comparison, unfinished
+from rtphys.analysis.compare import Column, Comparison, PairedComparison, RankAgreement, unfinished
 from rtphys.analysis.estimators import short_name
 from rtphys.analysis.identify import Result, read_result
 from rtphys.assets.pack import default_pack
@@ -24,7 +24,6 @@ from rtphys.results.summary import Counts, Summary
 from rtphys.studies.requests import CertificationRun, CertificationSpec, EvaluationRun
 
 SHOWN = 5  # attributes per protocol, those with the smallest p-values
-MAX_NAMED = 3  # evaluations whose names fit above their columns
 
 
 @takes(
@@ -307,14 +306,19 @@ def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
         low, high = rate.interval
         return f"{100 * rate.value:.0f} ({100 * low:.0f}-{100 * high:.0f})" + "*" * partial
 
-    heads = [f"{column.label}, {column.protocol}" for column in columns]
     title = "success [%], in brackets its 95 % interval"
-    if len(heads) > MAX_NAMED:
-        title += "".join(f"\n[{number}] {head}" for number, head in enumerate(heads, start=1))
-        heads = [f"[{number}]" for number in range(1, len(heads) + 1)]
-    table = fitting_table(["task"], heads, title, justify="right")
+    heads = [f"[{number}]" for number in range(1, len(columns) + 1)]
+    for head, column in zip(heads, columns, strict=True):
+        title += f"\n{head} {column.label}, {column.protocol}"
+    table, differ = fitting_table(["task"], heads, title, justify="right"), False
     for task in tasks:
+        rates = [column.rates.get(task) for column in columns]
         table.add_row(task, *(cell(c.rates.get(task), task in c.unfinished) for c in columns))
+        if len({rate.trials for rate in rates if rate is not None}) > 1:
+            table.add_row(
+                "  instances", *("-" if rate is None else str(rate.trials) for rate in rates)
+            )
+            differ = True
     table.add_section()
     means = [column.mean(tasks) for column in columns]
     shown = ["-" if mean is None else f"{100 * mean:.2f}" for mean in means]
@@ -322,12 +326,20 @@ def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
     totals = [cell(column.total(tasks), bool(column.unfinished)) for column in columns]
     table.add_row("all their rollouts", *totals)
     print_table(table)
+    if differ:
+        say("Not all were run on the same instances; the next table compares those they share.")
     for clause in unfinished(columns):
         say(f"* unfinished: {clause}")
 
 
 def _show_pairs(comparison: Comparison) -> None:
+    """Policies by the numbers of their columns in the table of rates."""
+    shown = [(column.label, column.protocol) for column in comparison.columns]
     names = ["first", "second", "protocol"]
+
+    def numbers(pair: PairedComparison | RankAgreement) -> list[str]:
+        return [f"[{shown.index((one, pair.protocol)) + 1}]" for one in (pair.first, pair.second)]
+
     if comparison.pairs:
         title = "on the same instances (p: McNemar's exact test)"
         columns = ("instances", "only first", "only second", "second - first", "p")
@@ -337,7 +349,7 @@ def _show_pairs(comparison: Comparison) -> None:
             gap = "-" if outcome.difference is None else f"{100 * outcome.difference:+.1f} points"
             counts = map(str, (outcome.trials, outcome.only_first, outcome.only_second))
             p = f"{outcome.p:.2g}" if outcome.trials else "-"
-            table.add_row(pair.first, pair.second, pair.protocol, *counts, gap, p)
+            table.add_row(*numbers(pair), pair.protocol, *counts, gap, p)
         print_table(table)
     for pair in comparison.pairs:
         for reason in pair.unpaired:
@@ -348,7 +360,7 @@ def _show_pairs(comparison: Comparison) -> None:
         for rank in comparison.ranks:
             rho = "-" if rank.rho is None else f"{rank.rho:+.2f}"
             p = "-" if rank.p is None else f"{rank.p:.2g}"
-            table.add_row(rank.first, rank.second, rank.protocol, str(rank.tasks), rho, p)
+            table.add_row(*numbers(rank), rank.protocol, str(rank.tasks), rho, p)
         print_table(table)
 
 
