@@ -251,6 +251,8 @@ docs/physics.md
     test_reach::test_only_names_a_prop_or_the_whole_attribute
   `--set object_mass=2` changes nothing there, and `collect` says so
     test_dry_run::test_what_every_prop_has_of_its_own_is_left_with_nothing
+  A `--sweep` of it is refused
+    test_dry_run::test_a_sweep_without_effect_is_refused
   so another value leaves every bit
     test_audit_repeated::test_what_did_not_act_leaves_every_bit
   No look moves the head camera

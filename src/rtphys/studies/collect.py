@@ -229,7 +229,11 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> dict[str, Task]:
             raise BadValue("twin", spec.twin, "it is the protocol itself; name another")
         task = load_task(episode.task)
         with suppress(Infeasible):  # another seed has a layout
-            check_props([*episode.draw(0), *(episode.only or ())], task.props(spec.first_seed))
+            props = task.props(spec.first_seed)
+            check_props([*episode.draw(0), *(episode.only or ())], props)
+            if spec.sweep and (why := why_idle(spec.swept[0], episode.draw(0), parts(props))):
+                clause = f"it could not act in {task.name}, whose episodes would be equal: {why}"
+                raise BadValue("sweep", spec.sweep, clause)
         check_templates(task.sentences(), task.info, str(task.source))
         tasks[task.name] = task
     if any(drawn(spec.recording.senses) for spec in specs):
@@ -263,7 +267,7 @@ def check_assets(specs: Sequence[CollectionSpec], tasks: Mapping[str, Task], pac
 def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
     """One sentence for each attribute that is asked for by name where it could not act.
 
-    By `only`, by a value that is held or swept, or by a protocol that varies it alone.
+    By `only`, by a value that is held, or by a protocol that varies it alone; a sweep is refused.
     """
     asked = defaultdict[str, set[str]](set)
     idle = defaultdict[tuple[str, str], dict[str, None]](dict[str, None])
@@ -272,7 +276,8 @@ def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
         with suppress(Infeasible):
             has = parts(load_task(task).props(spec.first_seed))
         for episode in (side.episode for side in spec.sides):
-            asks = _asked(episode)
+            swept = [spec.swept[0]] if spec.sweep else []
+            asks = {key: value for key, value in _asked(episode).items() if key not in swept}
             keys = episode.draw(spec.first_seed).keys() if asks else ()
             for key, value in sorted(asks.items()):
                 asked[key].add(task)

@@ -10,14 +10,15 @@ from robotless import plans
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
+from rtphys.core.errors import BadValue
 from rtphys.doctor import Finding
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.sweep import swept
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
-from rtphys.studies.collect import without_effect
-from rtphys.studies.requests import room_needed
+from rtphys.studies.collect import check, without_effect
+from rtphys.studies.requests import Run, room_needed
 from rtphys.task.rates import MOST, SHARES, costs
 
 
@@ -201,7 +202,6 @@ def test_one_line_for_each_attribute() -> None:
         CollectionSpec(EpisodeSpec(only=("object_mass",))),
         CollectionSpec(EpisodeSpec(protocol="only_object_mass")),
         CollectionSpec(EpisodeSpec(protocol="clean"), twin="only_object_mass"),
-        *swept(CollectionSpec(EpisodeSpec(protocol="clean")), "object_mass=1,2"),
     ],
     ids=lambda spec: f"{spec.name} {spec.twin}",
 )
@@ -216,7 +216,6 @@ def test_it_is_one_line_by_whatever_way_one_asks(spec: CollectionSpec) -> None:
     [
         CollectionSpec(EpisodeSpec(only=("object_mass",))),
         CollectionSpec(EpisodeSpec(protocol="clean", overrides={"object_mass": 1.0})),
-        *swept(CollectionSpec(EpisodeSpec(protocol="clean")), "object_mass=0.5,2"),
     ],
     ids=lambda spec: spec.name,
 )
@@ -229,6 +228,15 @@ def test_what_every_prop_has_of_its_own_is_left_with_nothing(spec: CollectionSpe
     held = EpisodeSpec("heavy_below", "clean", overrides={"object_mass@first": 1.0})
     assert without_effect([CollectionSpec(held)]) == []
     assert without_effect([spec.of_task("bin_the_slippery")]) == []  # of masses it has no own
+
+
+@pytest.mark.parametrize("task", ["heavy_below", "click_bell"])
+def test_a_sweep_without_effect_is_refused(task: str, tmp_path: Path) -> None:
+    clean = CollectionSpec(EpisodeSpec(task, "clean"))
+    with pytest.raises(BadValue, match=f"object_mass=0.5,2.* could not act in {task}, whose episo"):
+        check(swept(clean, "object_mass=0.5,2"), Run(tmp_path))
+    check(swept(clean, "friction=0.5,1"), Run(tmp_path))
+    assert without_effect(swept(clean, "object_mass=0.5,2")) == []  # said once
 
 
 def test_what_nobody_asked_for_is_not_told() -> None:
