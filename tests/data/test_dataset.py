@@ -263,6 +263,17 @@ def test_physics_is_what_was_drawn(dataset: Dataset) -> None:
     assert dataset[0].meta.readback.bodies["bell"]["mass"] == 0.25
 
 
+def test_factors_are_what_could_act_and_did(dataset: Dataset) -> None:
+    for episode in dataset:
+        labels = episode.meta.attributes
+        known = {
+            key for key, label in labels.items() if label.could_act and label.acted is not False
+        }
+        assert episode.factors.keys() == known
+        assert all(episode.factors[key] == episode.physics[key] for key in known)
+    assert any(episode.factors.keys() < episode.meta.attributes.keys() for episode in dataset)
+
+
 def test_pickles_small_after_use(dataset: Dataset) -> None:
     episode = dataset[0]
     assert (episode.images("head_camera") == episode.images("head")).all()

@@ -90,6 +90,13 @@ class Episode:
             raise BadFile(self.paths.phys_meta, str(error)) from error
         return Physics(draws | values, [key for key, label in labels.items() if label.varied])
 
+    @property
+    def factors(self) -> Mapping[str, Value]:
+        """The attributes that could act here, and did as far as that was measured: what a
+        correlation may be asked about. Raises `BadFile`."""
+        physics, labels = self.physics, self.meta.attributes
+        return {key: physics[key] for key, label in labels.items() if schema.informs(key, label)}
+
     @cached_property
     def instructions(self) -> Instructions:
         """Sentences, `seen` and `unseen`."""
