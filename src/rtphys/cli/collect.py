@@ -184,20 +184,22 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
         )
         table.add_row(*map(str, rows[-1].values()))
     print_rows(table, rows, as_json)
+    workers = run.workers or 0
     try:
-        workers = f", with {counted(check_machine(specs, run), 'workers')}"
+        workers = check_machine(specs, run)
     except RtphysError as problem:
-        workers = ""
         say(f"here and now it would be refused: {problem}", err=True)
     cpu, unknown = expected(missing)
     room = room_needed([one for one in there_not if one.episode.task not in unknown])
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
-    takes = f"takes about {_seconds(cpu)} of CPU and {_bytes(room)} by the tables in docs/scale.md"
+    wall = f" ({_seconds(cpu / workers)} with {counted(workers, 'workers')})" if workers else ""
+    takes = f"takes about {_seconds(cpu)} of CPU{wall} and {_bytes(room)}"
+    takes += " by the tables in docs/scale.md"
     if unknown and not cpu:
         takes, apart = "takes what nobody has measured", ""
     say(
         f"{counted(wanted, 'episodes')} in {run.out}, at most {_bytes(room_needed(specs, MOST))}"
-        f"{workers}; what is missing {takes}{apart}; nothing was collected",
+        f"; what is missing {takes}{apart}; nothing was collected",
         err=as_json,
     )
 
