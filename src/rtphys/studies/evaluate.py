@@ -37,7 +37,9 @@ from rtphys.policies import (
     PolicyGone,
     PolicySession,
     PolicySetup,
+    edited,
     files_digest,
+    unread_options,
 )
 from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
@@ -110,7 +112,9 @@ def evaluate(
         for cell, one in zip(cells, lists, strict=True):
             writer = None
             if dataset is not None:
-                writer = dataset.task(recording_header(cell.spec, one, tasks[one.task], pack))
+                writer = dataset.task(
+                    recording_header(cell.spec, one, tasks[one.task], pack, digest)
+                )
             studies.append(EvaluationSeries(out, cell, one, run.video, writer, joints))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
@@ -122,6 +126,8 @@ def evaluate(
         run_here(
             studies, worker, run.workers, listener, out, user_seconds=run.timeout, committed=saved
         )
+        if note := unread_options(spec.policy, [one for study in studies for one in study.unread]):
+            listener.noticed(note)
         return _conclude(out, spec, studies)
 
 
@@ -133,11 +139,7 @@ def _check_others(out: Path, now: EvaluationHeader) -> None:
     for before in evaluation.headers(out).values():
         same = stored(now.spec.of(*before.spec.key))
         clauses = differences(stored(before.spec), same)
-        if before.policy_files != now.policy_files:
-            edited = "the files of the policy were edited since"
-            unknown = "it does not record the files of the policy, which may have been edited since"
-            clauses.append(edited if before.policy_files else unknown)
-        if clauses:
+        if clauses := clauses + edited(before.policy_files, now.policy_files):
             raise DatasetMismatch(out, clauses)
 
 
@@ -181,6 +183,7 @@ class EvaluationResult(NamedTuple):
 
     record: EpisodeRecord
     outcome: StagedEpisode | Rejection | None = None
+    unread: frozenset[str] | None = None  # options that its policy had not read by then, if known
 
 
 class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
@@ -209,6 +212,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         self._out, self._video = out, video
         count = int(video) if video and video.isdecimal() else len(instances.feasible)
         self._shown = {one.seed for one in instances.feasible[:count]} if video else set[int]()
+        self.unread = list[frozenset[str]]()  # options, of each episode of this run
         self._all: list[EpisodeRecord] = []
         path = evaluation.ledger_file(out, *spec.key)
         self._ledger = Ledger(path, header, EpisodeRecord, self._all.append)
@@ -257,6 +261,8 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
                 self.writer.record(result.outcome)
         self._ledger.append(result.record)
         self._all.append(result.record)
+        if result.unread is not None:
+            self.unread.append(result.unread)
         return ""
 
     def success(self, result: EvaluationResult) -> bool:
@@ -274,16 +280,22 @@ def unplayed(recipe: Recipe, reason: str, detail: str) -> EvaluationResult:
 
 
 def recording_header(
-    spec: EvaluationSpec, instances: InstanceList, task: Task, pack: Pack
+    spec: EvaluationSpec, instances: InstanceList, task: Task, pack: Pack, policy_files: str = ""
 ) -> TaskHeader:
-    """The header of a task dataset that takes the episodes of these instances."""
+    """The header of a task dataset that takes the episodes of these instances.
+
+    A policy that was edited, of other `policy_files`, adds nothing to it.
+    """
+    acts = f"{spec.actor}, seed {spec.seed}"
+    if policy_files:
+        acts += f", files {policy_files[: evaluation.DIGITS]}"
     kept = CollectionSpec(
         spec.episode,
         RecordingSpec(senses=spec.recording.senses),
         episodes=len(instances.feasible),
         first_seed=instances.first_seed,
         keep_failures="all",
-        policy=f"{spec.actor}, seed {spec.seed}",
+        policy=acts,
     )
     return header_of(kept, task, pack)
 
@@ -308,6 +320,9 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         Raises `RtphysError`: the policy cannot be opened, cannot be closed after its last episode,
         or is gone: no result of anybody's; `NoRenderer`: it needs pictures, and there is no device.
         """
+        return self._play(job)._replace(unread=self._session.unread)
+
+    def _play(self, job: EvaluationTask) -> EvaluationResult:
         recipe, task = job.recipe, self.tasks[job.recipe.task]
         policy = self._session.policy(job.setup)
         try:
