@@ -334,11 +334,16 @@ def test_what_cannot_be_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> N
     def tried(policy: str = FEW, **changes) -> None:
         run(tmp_path / "out", changes.pop("instances", lists), pack, policy, **changes)
 
-    certify = r"rtphys certify task=click_bell protocol=clean feasible=2"
+    certify = r"rtphys certify task=click_bell protocol=clean,phys_random feasible=2"
     with pytest.raises(NotCertified, match=f"does not exist.*{certify}"):
         tried(instances=tmp_path)
-    with pytest.raises(NotCertified, match="has no list of lift_pot"):
-        tried(tasks=("lift_pot",))
+    every = r"clean.jsonl: .* task=click_bell,lift_pot protocol=clean,phys_random feasible=2 out"
+    with pytest.raises(NotCertified, match=every):
+        tried(instances=tmp_path, tasks=("click_bell", "lift_pot"))
+    with pytest.raises(
+        NotCertified, match=r"has no list of lift_pot; .* task=lift_pot protocol=cl"
+    ):
+        tried(tasks=("click_bell", "lift_pot"), protocols=("clean",))
     with pytest.raises(NotCertified, match="holds 2 feasible seeds, not 3"):
         tried(episodes=3)
     with pytest.raises(BadValue, match=r"episodes = 0 .*at least 1"):

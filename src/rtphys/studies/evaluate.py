@@ -93,7 +93,7 @@ def evaluate(
         for protocol in run.protocols
         for name, task in tasks.items()
     ]
-    lists = [certified(run, *cell.spec.key, cell.fingerprint) for cell in cells]
+    lists = _every_list(run, cells)
     if clauses := {clause for one in lists for clause in other_versions(one.fingerprint)}:
         text = "the lists were certified with other versions, last bits of states may differ: "
         listener.noticed(text + "; ".join(sorted(clauses)))
@@ -397,17 +397,48 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
 
 
 class NotCertified(RtphysError):
-    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are)."""
+    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are).
+
+    Args:
+        cell: the task and the protocol.
+        more: others that lack a list as well, which the command to certify names too.
+    """
 
     def __init__(
-        self, where: Path, problem: str, spec: tuple[str, str], wanted: int, robot: str = DEFAULT
+        self,
+        where: Path,
+        problem: str,
+        cell: tuple[str, str],
+        wanted: int,
+        robot: str = DEFAULT,
+        more: Sequence[tuple[str, str]] = (),
     ) -> None:
-        task, protocol = spec
-        fields = f"task={task} protocol={protocol} feasible={wanted} out=FOLDER"
+        self.cell, self._but_others = cell, (where, problem, cell, wanted, robot)
+        tasks, protocols = (
+            ",".join(dict.fromkeys(names)) for names in zip(cell, *more, strict=True)
+        )
+        fields = f"task={tasks} protocol={protocols} feasible={wanted} out=FOLDER"
         fields += f" embodiment={robot}" if robot != DEFAULT else ""
         super().__init__(
             f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
         )
+
+    def with_others(self, others: "Sequence[NotCertified]") -> "NotCertified":
+        """The same, whose command also certifies what others lack."""
+        return NotCertified(*self._but_others, [one.cell for one in others])
+
+
+def _every_list(run: EvaluationRun, cells: Sequence[EvaluationHeader]) -> list[InstanceList]:
+    """The instances of every cell; raises what `certified` raises, of all that lack a list."""
+    found, missing = list[InstanceList](), list[NotCertified]()
+    for cell in cells:
+        try:
+            found.append(certified(run, *cell.spec.key, cell.fingerprint))
+        except NotCertified as error:
+            missing.append(error)
+    if missing:
+        raise missing[0].with_others(missing[1:])
+    return found
 
 
 class ChangedSinceCertified(RtphysError):
