@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from rtphys.policies import PolicySession, PolicySetup, unread_options
-from rtphys.policies.options import AskedOptions
+from rtphys.policies import PolicySession, PolicySetup
+from rtphys.policies.options import AskedOptions, unread_options
 
 GIVEN = {"low": "0.9", "height": "0.03"}
 WHOLE: list[Callable[[Any], Mapping[str, str]]] = [

@@ -395,7 +395,7 @@ def test_a_folder_holds_one_evaluation(
         with pytest.raises(DatasetMismatch, match=clause):
             run(tmp_path, lists, pack, **{**CLEAN, **changes})
     with monkeypatch.context() as edited:
-        edited.setattr(module, "files_digest", lambda _: "of a later edit")
+        edited.setattr(module, "files_digest", lambda *_: "of a later edit")
         with pytest.raises(DatasetMismatch, match="files of the policy were edited"):
             run(tmp_path, lists, pack, **CLEAN)
     (tmp_path / "run.json").touch()

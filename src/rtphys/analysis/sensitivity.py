@@ -31,10 +31,10 @@ from rtphys.policies import (
     PolicySession,
     PolicySetup,
     check_task,
-    edited,
     files_digest,
-    unread_options,
 )
+from rtphys.policies.options import unread_options
+from rtphys.policies.registry import edited
 from rtphys.results.statistics import wilson
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import checked_dataclass
@@ -391,7 +391,7 @@ def sensitivity(
     run was killed and resumed. Raises `RtphysError`: outcomes of another search in the folder; a
     policy that cannot be reached; an error in a worker.
     """
-    policy, digest = plan.search.policy, files_digest(plan.search.policy)
+    policy, digest = plan.search.policy, files_digest(plan.search.policy, plan.search.options)
     files.make_folder(plan.out)
     with FolderLock(plan.out):
         tasks: list[TaskSensitivity] = []

@@ -132,7 +132,8 @@ def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
         from rtphys.analysis.figures import SENSITIVITY, draw_task_map, tolerated_shares
 
         draw_task_map(tolerated_shares(results), SENSITIVITY, output.figure)
-    print_rows(tolerances_table(results), results, output.as_json)
+    if output.as_json or any(result["attributes"] for result in results):
+        print_rows(tolerances_table(results), results, output.as_json)
     if without := [str(result["task"]) for result in results if not result["seeds"]]:
         say(f"{', '.join(without)}: nothing measured, since no seed succeeds nominally", err=True)
 

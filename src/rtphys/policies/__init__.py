@@ -1,6 +1,5 @@
 """Policies: what decides the actions of an episode."""
 
-from rtphys.policies.options import unread_options
 from rtphys.policies.policy import (
     Policy,
     PolicyBroken,
@@ -14,7 +13,6 @@ from rtphys.policies.registry import (
     PolicySession,
     check_options,
     check_task,
-    edited,
     files_digest,
     open_policy,
     parse_spec,
@@ -31,9 +29,7 @@ __all__ = [
     "Stepwise",
     "check_options",
     "check_task",
-    "edited",
     "files_digest",
     "open_policy",
     "parse_spec",
-    "unread_options",
 ]

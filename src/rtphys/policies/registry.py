@@ -3,11 +3,13 @@
 import ast
 import hashlib
 import importlib.util
+import os.path
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.machinery import PathFinder
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated
 from urllib.parse import parse_qsl
 
@@ -103,12 +105,12 @@ def check_task(spec: str, task: Task, protocols: Iterable[str]) -> None:
             open_policy(spec, PolicySetup(task.name, protocol)).close()
 
 
-def files_digest(spec: str) -> str:
-    """SHA-256 over the local files that a specification names; empty if it names none.
+def files_digest(spec: str, options: Mapping[str, str] = MappingProxyType({})) -> str:
+    """SHA-256 over the local files that a specification and options name; empty if they name none.
 
     A file stands for itself, a folder for its JSON and weights (`*.safetensors`): so a dataset, or
     a LeRobot checkpoint. A dotted module stands for its file, a package for all its Python files.
-    What a Python file imports is not followed.
+    What a Python file imports is not followed. An option whose value is a file's path names it.
 
     Raises `UnknownName`: no such policy; `OSError`: a file cannot be read.
     """
@@ -122,6 +124,8 @@ def files_digest(spec: str) -> str:
         found = _files_of_module(argument.rpartition(":")[0])
     if argument and path.is_dir() and path != Path():
         found = sorted([*path.glob("*.json"), *path.glob("*.safetensors")])
+    values = [value for _, value in sorted(options.items())]
+    found += [Path(text) for text in values if os.path.isfile(text)]  # noqa: PTH113 - of any length
     digests = [f"{file.name} {facts_of(file.resolve()).sha256}" for file in found]
     return hashlib.sha256("\n".join(digests).encode()).hexdigest() if digests else ""
 

@@ -37,10 +37,10 @@ from rtphys.policies import (
     PolicyGone,
     PolicySession,
     PolicySetup,
-    edited,
     files_digest,
-    unread_options,
 )
+from rtphys.policies.options import unread_options
+from rtphys.policies.registry import edited
 from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
 from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec
@@ -83,7 +83,7 @@ def evaluate(
     """
     tasks = {task.name: task for task in run.check(spec)}
     joints = check_robot(pack, spec.episode.embodiment).action_layout.per_arm
-    digest, out = files_digest(spec.policy), run.folder(spec.policy)
+    digest, out = files_digest(spec.policy, spec.options), run.folder(spec.policy)
     cells = [
         EvaluationHeader(
             spec.of(protocol, name),
