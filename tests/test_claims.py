@@ -144,6 +144,8 @@ docs/dataset.md
     test_lerobot::test_a_killed_export_goes_on
   A second export into the same folder is refused
     test_lerobot::test_a_second_export_to_one_folder_is_refused
+  If an attribute is a number in some episodes alone, the export is refused
+    test_lerobot::test_a_number_in_some_episodes_alone_is_refused_with_its_name
   Memory hardly grows with the number of episodes
     test_export_memory::test_memory_does_not_follow_the_number_of_episodes
 docs/decisions.md
@@ -169,8 +171,11 @@ docs/evaluate.md
     test_baselines::test_trembling_presses_nothing
   `--record` is refused, because the dataset would have gaps
     test_evaluate::test_what_was_run_without_recording_is_refused
-  that your policy asked for when it was opened, and did not find, is refused
+  that looks like a misspelling of one it asked for when it was opened is refused
     test_registry::test_a_misspelt_option_of_the_users_own_policy_is_named
+  Any other that the policy never reads is named in a note at the end of the run
+    test_evaluate::test_an_option_that_no_worker_has_read_is_said_once
+    test_options::test_a_session_knows_what_was_never_read_however_often_it_opened
   An exception in the policy makes that episode a failure
     test_evaluate::test_a_crash_of_the_policy_is_its_failure
   If the policy cannot be reached at all, the run stops
@@ -184,6 +189,8 @@ docs/evaluate.md
   an edited policy file, different weights or options are refused
     test_evaluate::test_a_folder_holds_one_evaluation
     test_registry::test_the_digest_follows_the_files_that_a_specification_names
+  The same holds for a dataset of `--record`
+    test_evaluate::test_a_recording_takes_no_episode_of_an_edited_policy
   below 100,000 attempts of a task no policy is trained on a seed of the benchmark
     test_certified_lists::test_no_list_is_stale
   it extends a list and keeps its present entries
@@ -377,6 +384,8 @@ docs/sensitivity.md
   Both depend on the plan alone, not on the number of workers or interruptions
     test_sensitivity::test_a_camera_cannot_matter_open_loop_and_a_lower_table_must
     test_commands_with_many_workers::test_many_workers_give_what_one_gives
+  other options, another policy or an edited policy file are refused
+    test_sensitivity::test_what_an_edited_policy_did_is_not_continued
 docs/trust.md
   Reading one executes no code and unpickles nothing
     test_hostile::test_nothing_that_reads_can_unpickle_or_run_what_it_reads

@@ -1,8 +1,9 @@
 """The command in real worlds: known answers, and the same file however it was made."""
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -16,6 +17,7 @@ from rtphys.analysis.sensitivity import (
     Level,
     SearchSpec,
     SensitivityPlan,
+    SensitivityRow,
     SensitivityTask,
     SensitivityWorker,
     TaskSensitivity,
@@ -30,11 +32,13 @@ from rtphys.cli.main import app
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data.faults import DatasetMismatch
+from rtphys.data.ledger import Ledger
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.physics.attribute import attributes
 from rtphys.physics.distribution import Fixed, SameAs
 from rtphys.physics.load import load_domain
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.stored import stored
 from rtphys.task.spec import load_task
 
 PACK = default_pack()
@@ -59,6 +63,15 @@ class Killer(Listener):
 def plan(out: Path, workers: int = 1) -> SensitivityPlan:
     keys = ("camera_angle", "table_height")
     return SensitivityPlan(("click_bell",), SearchSpec(keys, seeds=2, steps=1), out, workers)
+
+
+@dataclass(frozen=True)
+class OldSpec:
+    """The first line of a ledger before it knew the files of a policy."""
+
+    task: str
+    search: dict[str, Any]
+    fingerprint: dict[str, Any]
 
 
 class Silent(Listener):
@@ -144,9 +157,55 @@ def test_a_policy_that_crashes_fails_and_its_error_is_said(
     )
     search = SearchSpec(policy=f"python:{file}:Policy", options={"weights": "act.pt"})
     worker = SensitivityWorker(PACK, search)
-    assert not worker.do(SensitivityTask("click_bell", 3))
+    assert not worker.do(SensitivityTask("click_bell", 3)).success
     said = "click_bell, seed 3: the policy fails by ValueError: no act.pt\n"
     assert capsys.readouterr().out == said
+
+
+GIVES_UP = """
+class Policy:
+    needs_images = False
+    def __init__(self, setup): self.options = setup.options
+    def play(self, episode): self.options.get("late")
+    def close(self): ...
+"""
+
+
+@pytest.mark.sim
+def test_what_an_edited_policy_did_is_not_continued(tmp_path: Path) -> None:
+    (file := tmp_path / "mine.py").write_text(GIVES_UP)
+    options = {"late": "1", "height": "0.03"}
+    search = SearchSpec(("friction",), f"python:{file}:Policy", 1, 1, options=options)
+    plan, heard = SensitivityPlan(("click_bell",), search, tmp_path / "out", 2), Silent()
+    (first,) = sensitivity(plan, PACK, heard)
+    assert heard.read == [f"note: python:{file}:Policy never read the option height"]
+    assert [first] == sensitivity(plan, PACK)
+    file.write_text(f"{GIVES_UP}# another one")
+    said = "out: .*policy_files: the files of the policy were edited since. Choose another folder"
+    with pytest.raises(DatasetMismatch, match=said):
+        sensitivity(plan, PACK)
+    with pytest.raises(DatasetMismatch, match=r"search\.steps was 1, now 2"):
+        sensitivity(replace(plan, search=replace(search, steps=2)), PACK)
+    sensitivity(replace(plan, out=tmp_path / "other"), PACK)
+
+
+def test_a_folder_without_a_digest_is_continued_where_the_actor_has_no_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "run_all", lambda *_: None)
+    for policy, of in (("replay", ""), ("expert", ""), ("python:mine:make", "1")):
+        search = SearchSpec(("friction",), policy, seeds=1, steps=1)
+        plan = SensitivityPlan(("click_bell",), search, tmp_path / policy[:3], 1)
+        ground = fingerprint_of(load_task("click_bell"), "phys_random", PACK).to_json()
+        old = stored(TaskSpec("click_bell", search, ground))
+        del old["policy_files"]
+        path = plan.out / "click_bell.jsonl"
+        Ledger(path, OldSpec(**old), SensitivityRow).start()
+        if of:
+            with pytest.raises(DatasetMismatch, match="does not record the files of the policy"):
+                TaskSensitivity(plan, TaskSpec("click_bell", search, ground, of))
+        else:
+            sensitivity(plan, PACK)
 
 
 def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:
@@ -156,8 +215,9 @@ def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:
         SensitivityPlan(("click_bell",), SearchSpec(policy="replay:data"))
     with pytest.raises(UnknownName, match="policy"):
         SensitivityPlan(("click_bell",), SearchSpec(policy="repaly"))
-    with pytest.raises(BadValue, match=r"policy_option = 'speed=2' .*the policy expert has no opt"):
-        SensitivityPlan(("click_bell",), SearchSpec(policy="expert", options={"speed": "2"}))
+    for policy in ("expert", "replay"):
+        with pytest.raises(BadValue, match=rf"'speed=2' .*the policy {policy} has no options"):
+            SensitivityPlan(("click_bell",), SearchSpec(policy=policy, options={"speed": "2"}))
 
 
 DOMAINS = tuple(library.names("domains"))

@@ -187,6 +187,14 @@ def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
     clause = "1 of 1 list had another certification fingerprint when they were run: assets was ''"
     assert done.stdout.count(clause) == 1
     assert done.stdout.count("`rtphys sensitivity` moves one attribute alone") == 1
+    both = "--only arm_joint_damping,gripper_joint_damping` tells them apart"
+    assert " ".join(done.stdout.split()).count(both) == 1
+    assert "looks" not in done.stdout
+    (pair,) = SUMMARY.pairs
+    made = replace(made, pairs=(replace(pair, first="clean", looks_differ=True), pair))
+    done = CliRunner().invoke(app, ["evaluate", *options])
+    said = "clean, phys_random_all: they differ in looks too, not in physics alone"
+    assert done.stdout.count(said) == done.stdout.count("differ in looks") == 1
 
 
 @pytest.mark.parametrize(

@@ -288,6 +288,50 @@ def test_physics_in_each_frame(dataset: Dataset, tmp_path: Path) -> None:
     assert table["observation.environment_state"] == shown
 
 
+def with_own_damping(dataset: Dataset, *seeds: int) -> Dataset:
+    """The hinges of these episodes have the asset's own, as under `clean` or `only_friction`."""
+    for episode in dataset:
+        if episode.seed in seeds:
+            path = episode.paths.phys_meta
+            meta = json.loads(path.read_text())
+            meta["attributes"]["object_joint_damping"]["value"] = None
+            path.write_text(json.dumps(meta))
+    return Dataset(dataset.path)
+
+
+@pytest.mark.parametrize("version", ["v3.0", "v2.1"])
+def test_what_is_the_assets_own_in_every_episode_is_left_out_and_named(
+    tmp_path: Path, version: str
+) -> None:
+    collect(tmp_path / "data", 2)
+    own = with_own_damping(Dataset(tmp_path / "data"), 0, 1)
+    wanted, root, said = ExportSpec(version, features=("physics",)), tmp_path / "lr", list[str]()
+    export_lerobot(own, root, wanted, notice=said.append)
+    names = info(root)["features"]["observation.physics"]["names"]
+    assert "object_joint_damping" not in names and "friction" in names
+    (line,) = said
+    assert line.endswith("the asset's own is no number: object_joint_damping")
+    if version == "v3.0":
+        rows = pq.read_table(root / TABLE).to_pydict()["observation.physics"]
+        friction = [row[names.index("friction")] for row in rows]
+        assert friction == [np.float32(one.physics["friction"]) for one in own for _ in range(R)]
+        assert verify_export(root, own) == []
+
+
+def test_a_number_in_some_episodes_alone_is_refused_with_its_name(tmp_path: Path) -> None:
+    collect(tmp_path / "data", 2)
+    both = with_own_damping(Dataset(tmp_path / "data"), 1)
+    said = (
+        r"episode_0000001\.json: object_joint_damping is the asset's own here, and a number in "
+        r".*episode_0000000\.json; .* export them apart, by `config` or `protocol`"
+    )
+    with pytest.raises(BadFile, match=said):
+        export_lerobot(both, tmp_path / "lr", ExportSpec(features=("environment_state",)))
+    part, root = both.where(seeds=[1]), tmp_path / "part"
+    export_lerobot(part, root, ExportSpec(features=("physics",)))
+    assert verify_export(root, both) == [], "the other episodes decide nothing"
+
+
 @pytest.mark.parametrize(
     ("names", "expected"),
     [

@@ -192,6 +192,15 @@ def test_the_digest_follows_the_files_that_a_specification_names(tmp_path: Path)
         path.write_text("two")
         assert files_digest(spec) not in ("", before)
     assert files_digest("idle") == files_digest("python:package.module:make") == ""
+    weights, digests = tmp_path / "act.npz", list[str]()
+    for text in ("one", "two"):
+        weights.write_text(text)
+        options = {"low": "0.9", "weights": str(weights)}
+        digests.append(files_digest(f"python:{file}:make", options))
+    assert len({*digests, files_digest(f"python:{file}:make", {"low": "x" * 10_000})}) == 3
+    assert files_digest(f"python:{file}:make", {"low": "0.9"}) == files_digest(
+        f"python:{file}:make"
+    )
 
 
 def test_a_module_that_was_edited_has_another_digest(

@@ -44,6 +44,7 @@ def test_attributes_stand_in_one_order_which_is_that_of_the_table(tmp_path: Path
             seed > 6,
             physics={
                 "arm_joint_damping": (seed * 7 % 12) / 10,
+                "gripper_joint_damping": (seed * 7 % 12) / 10,
                 "friction": seed / 10,
                 "gravity": 9.81,
                 "center_of_mass": [0.01 * seed, 0.0, 0.0],
@@ -59,11 +60,12 @@ def test_attributes_stand_in_one_order_which_is_that_of_the_table(tmp_path: Path
     page = (tmp_path / "report.html").read_text()
     boxes = re.findall(r"<dl>(.*?)</dl>", page)
     orders = [re.findall("<dt>(.*?)</dt>", box) for box in boxes]
-    first = ["friction", "arm_joint_damping"]
+    first = ["friction", "arm_joint_damping", "gripper_joint_damping"]
     assert orders == [first, first, [*first, "center_of_mass"], first, first, first]
     assert "<dd>0.03, 0, 0 m</dd>" in page and "<dd>0.6</dd>" in page
     assert "are in the order of the table above" in page
     assert "`rtphys sensitivity` moves one attribute alone" in page
+    assert page.count("drawn together: arm_joint_damping, gripper_joint_damping; ") == 1
 
 
 def test_a_page_says_what_its_seeds_are_and_which_lists_were_stale(tmp_path: Path) -> None:

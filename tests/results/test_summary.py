@@ -111,3 +111,27 @@ def test_seeds_of_a_dataset_are_not_called_certified() -> None:
     for given, certified in ((listed, True), (seeds, False)):
         found = summarise({key: [record(1)]}, {key: given})
         assert found.certified == found.to_json()["certified"] == certified
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "differ"),
+    [
+        ("only_friction", "severity_50", True),
+        ("clean", "phys_random_all", True),
+        ("phys_random", "official_random", True),
+        ("clean", "phys_random", False),  # physics alone
+        ("clean", "official_random", False),  # looks alone, as their names say
+        ("severity_25", "severity_100", False),
+        ("official_random", "phys_random_all", False),  # the table's height is then the physics
+        ("severity_50", "known_elsewhere", False),
+    ],
+)
+def test_a_pair_of_protocols_that_differ_in_looks_too_says_so(
+    first: str, second: str, differ: bool
+) -> None:
+    keys = [(first, "a"), (second, "a")]
+    records = {key: [record(1, task="a", protocol=key[0])] for key in keys}
+    (pair,) = summarise(records, {key: instances("a", key[0], 1) for key in keys}).pairs
+    assert pair.looks_differ == differ
+    said = f"{first}, {second}: they differ in looks too, not in physics alone"
+    assert pair.caution == (said if differ else "")

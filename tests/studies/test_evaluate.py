@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,7 @@ from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.video import probe
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies import PolicySetup
 from rtphys.results import EpisodeRecord, read_results
@@ -161,6 +162,18 @@ def test_what_was_run_without_recording_is_refused(tmp_path: Path, pack: Pack) -
             opened(tmp_path, writer=dataset.task(header))
 
 
+def test_a_recording_takes_no_episode_of_an_edited_policy(tmp_path: Path, pack: Pack) -> None:
+    listed, task = opened(tmp_path).instances, load_task("lift_pot")
+    of = partial(recording_header, IDLE.spec, listed, task, pack)
+    assert of().spec.policy == "idle, seed 0"
+    with DatasetWriter(tmp_path / "kept") as dataset:
+        dataset.task(of("a" * 64)).record(Rejection(MANY[0], "gave_up", ""))
+    with DatasetWriter(tmp_path / "kept") as dataset:
+        said = r"spec.policy was 'idle, seed 0, files aaaaaaaa', now .* files bbbbbbbb"
+        with pytest.raises(DatasetMismatch, match=said):
+            dataset.task(of("b" * 64))
+
+
 # ---- a worker ------------------------------------------------------------------------------------
 
 
@@ -232,8 +245,14 @@ CLEAN = {"protocols": ("clean",)}
 
 
 class Counts(Listener):
+    def __init__(self) -> None:
+        self.notes: list[str] = []
+
     def started(self, progresses: Sequence[Progress]) -> None:
         self.progresses = progresses
+
+    def noticed(self, text: str) -> None:
+        self.notes.append(text)
 
 
 def files_of(out: Path) -> dict[str, bytes]:
@@ -266,6 +285,18 @@ def test_records_do_not_depend_on_workers_or_on_a_crash_between_them(
     summary = json.loads(whole[SUMMARY])
     assert summary["tasks"][0]["of_tried"]["trials"] == 3  # the infeasible seed was tried too
     assert summary["pairs"][0]["neither"] == 2
+
+
+@pytest.mark.sim
+def test_an_option_that_no_worker_has_read_is_said_once(
+    tmp_path: Path, lists: Path, pack: Pack
+) -> None:
+    """Each seed's own is read by the worker that plays it, `actions` by both."""
+    options = {"actions": "2", str(SEEDS[0]): "", str(SEEDS[1]): "", "height": "0.03"}
+    for notes in ([f"note: {FEW} never read the option height"], []):  # then nothing is played
+        heard = Counts()
+        run(tmp_path, lists, pack, listener=heard, options=options, workers=2, **CLEAN)
+        assert [one for one in heard.notes if one.startswith("note")] == notes
 
 
 @pytest.mark.sim
@@ -303,11 +334,16 @@ def test_what_cannot_be_is_refused(tmp_path: Path, lists: Path, pack: Pack) -> N
     def tried(policy: str = FEW, **changes) -> None:
         run(tmp_path / "out", changes.pop("instances", lists), pack, policy, **changes)
 
-    certify = r"rtphys certify task=click_bell protocol=clean feasible=2"
+    certify = r"rtphys certify task=click_bell protocol=clean,phys_random feasible=2"
     with pytest.raises(NotCertified, match=f"does not exist.*{certify}"):
         tried(instances=tmp_path)
-    with pytest.raises(NotCertified, match="has no list of lift_pot"):
-        tried(tasks=("lift_pot",))
+    every = r"clean.jsonl: .* task=click_bell,lift_pot protocol=clean,phys_random feasible=2 out"
+    with pytest.raises(NotCertified, match=every):
+        tried(instances=tmp_path, tasks=("click_bell", "lift_pot"))
+    with pytest.raises(
+        NotCertified, match=r"has no list of lift_pot; .* task=lift_pot protocol=cl"
+    ):
+        tried(tasks=("click_bell", "lift_pot"), protocols=("clean",))
     with pytest.raises(NotCertified, match="holds 2 feasible seeds, not 3"):
         tried(episodes=3)
     with pytest.raises(BadValue, match=r"episodes = 0 .*at least 1"):
@@ -359,7 +395,7 @@ def test_a_folder_holds_one_evaluation(
         with pytest.raises(DatasetMismatch, match=clause):
             run(tmp_path, lists, pack, **{**CLEAN, **changes})
     with monkeypatch.context() as edited:
-        edited.setattr(module, "files_digest", lambda _: "of a later edit")
+        edited.setattr(module, "files_digest", lambda *_: "of a later edit")
         with pytest.raises(DatasetMismatch, match="files of the policy were edited"):
             run(tmp_path, lists, pack, **CLEAN)
     (tmp_path / "run.json").touch()

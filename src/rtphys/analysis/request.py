@@ -48,7 +48,7 @@ class SensitivityPlan:
     def __post_init__(self) -> None:
         for name in self.tasks:
             load_task(name)
-        if self.search.policy != DEMONSTRATION:
+        if self.search.policy != DEMONSTRATION or self.search.options:
             from rtphys.policies import check_options
 
             check_options(self.search.policy, self.search.options)

@@ -13,8 +13,9 @@ from rtphys.campaign.series import QUIET, Listener, Progress, Series, run_all
 from rtphys.core.errors import Infeasible, shortened
 from rtphys.core.untrusted import JSON
 from rtphys.data import files
+from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import pretty
-from rtphys.data.ledger import Ledger
+from rtphys.data.ledger import Ledger, read_header
 from rtphys.data.lock import FolderLock
 from rtphys.episode import begin
 from rtphys.episode.fingerprint import fingerprint_of
@@ -25,7 +26,15 @@ from rtphys.physics.domain import Domain
 from rtphys.physics.idle import why_idle
 from rtphys.physics.load import domain_for_task
 from rtphys.physics.values import Value, Vector
-from rtphys.policies import PolicyGone, PolicySession, PolicySetup, check_task
+from rtphys.policies import (
+    PolicyGone,
+    PolicySession,
+    PolicySetup,
+    check_task,
+    files_digest,
+)
+from rtphys.policies.options import unread_options
+from rtphys.policies.registry import edited
 from rtphys.results.statistics import wilson
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import checked_dataclass
@@ -171,6 +180,13 @@ def answer(sides: Sequence[Bisection]) -> dict[str, JSON]:
     }
 
 
+class SensitivityResult(NamedTuple):
+    """Whether the actor succeeded in an episode."""
+
+    success: bool
+    unread: frozenset[str] | None = None  # options that a policy had not read by then, if known
+
+
 class SensitivityTask(NamedTuple):
     """One episode; `axis` None: all is nominal."""
 
@@ -181,7 +197,7 @@ class SensitivityTask(NamedTuple):
 
 
 @dataclass
-class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
+class SensitivityWorker(StudyWorker[SensitivityTask, SensitivityResult]):
     """Tries whether an actor succeeds; keeps the demonstrations that it replays."""
 
     search: SearchSpec
@@ -194,8 +210,11 @@ class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
     def finish(self) -> None:
         self._session.close()
 
-    def do(self, job: SensitivityTask) -> bool:
+    def do(self, job: SensitivityTask) -> SensitivityResult:
         """A policy's crash is its failure. Raises `PolicyGone`: it is not there."""
+        return SensitivityResult(self._succeeds(job), self._session.unread)
+
+    def _succeeds(self, job: SensitivityTask) -> bool:
         task, spec, axis = self.tasks[job.task], EpisodeSpec(job.task, NOMINAL), job.axis
         overrides = dict[str, Value]()
         try:
@@ -240,6 +259,7 @@ class TaskSpec:
     task: str
     search: SearchSpec
     fingerprint: Mapping[str, Any]  # of task, domain, assets and code
+    policy_files: str = ""  # digest over the files that the policy's name leads to
 
 
 @dataclass(frozen=True)
@@ -255,15 +275,17 @@ class SensitivityRow:
 class TaskSensitivity:
     """The bisections of one task, and the outcomes known so far, earlier runs' included.
 
-    Raises `DatasetMismatch`: the folder holds outcomes of another search.
+    Raises `DatasetMismatch`: the folder holds outcomes of another search, or of other files of the
+    policy.
     """
 
     def __init__(self, plan: SensitivityPlan, spec: TaskSpec) -> None:
         self.spec, self.search = spec, spec.search
         self.seeds: list[int] = []  # paired: the actor succeeds nominally
         self.outcomes: dict[tuple[str, float, int], bool] = {}
+        self.unread = list[frozenset[str]]()  # options, after each episode of this run
         self.path = plan.out / f"{spec.task}.json"
-        self._ledger = Ledger(self.path.with_suffix(".jsonl"), spec, SensitivityRow, self._restore)
+        self._ledger = self._open_ledger()
         domain, has = domain_for_task(spec.task), parts(load_task(spec.task).props(0))
         why = {key: why_idle(key, domain.keys, has) for key in self.search.only or domain.keys}
         self.idle = {key: clause for key, clause in why.items() if clause}  # with the reason
@@ -273,6 +295,17 @@ class TaskSensitivity:
             if key in domain.keys and key not in self.idle
             for axis in axes(domain, key)
         ]
+
+    def _open_ledger(self) -> Ledger[TaskSpec, SensitivityRow]:
+        path = self.path.with_suffix(".jsonl")
+        try:
+            return Ledger(path, self.spec, SensitivityRow, self._restore)
+        except DatasetMismatch as error:  # where only the files differ, their digests say little
+            before = read_header(TaskSpec, path)
+            if replace(before, policy_files=self.spec.policy_files) != self.spec:
+                raise
+            clauses = edited(before.policy_files, self.spec.policy_files)
+            raise DatasetMismatch(self.path.parent, clauses) from error
 
     def _restore(self, row: SensitivityRow) -> None:
         self.outcomes[row.axis, row.share, row.seed] = row.success
@@ -305,7 +338,7 @@ class TaskSensitivity:
         return result
 
 
-class LevelSeries(Series[SensitivityTask, bool]):
+class LevelSeries(Series[SensitivityTask, SensitivityResult]):
     """One level of one axis on the paired seeds; without a bisection, the search for these."""
 
     def __init__(
@@ -327,23 +360,26 @@ class LevelSeries(Series[SensitivityTask, bool]):
     def job(self, seed: int) -> SensitivityTask:
         return SensitivityTask(self.task.spec.task, seed, self.axis, self.share)
 
-    def known(self, seed: int) -> bool | None:
-        return self.task.outcomes.get((self.name, self.share, seed))
+    def known(self, seed: int) -> SensitivityResult | None:
+        success = self.task.outcomes.get((self.name, self.share, seed))
+        return None if success is None else SensitivityResult(success)
 
-    def reason(self, result: bool) -> str:
-        return "" if self.level or result else "failed"
+    def reason(self, result: SensitivityResult) -> str:
+        return "" if self.level or result.success else "failed"
 
-    def commit(self, seed: int, result: bool) -> str:
-        self.task.keep(SensitivityRow(self.name, self.share, seed, result))
+    def commit(self, seed: int, result: SensitivityResult) -> str:
+        self.task.keep(SensitivityRow(self.name, self.share, seed, result.success))
+        if result.unread is not None:
+            self.task.unread.append(result.unread)
         if self.level:
             self.level.of += 1
-            self.level.successes += result
-        elif result:
+            self.level.successes += result.success
+        elif result.success:
             self.task.seeds.append(seed)
         return ""
 
-    def lost(self, seed: int, loss: WorkerFailure) -> bool:
-        return False
+    def lost(self, seed: int, loss: WorkerFailure) -> SensitivityResult:
+        return SensitivityResult(False)
 
 
 def sensitivity(
@@ -355,13 +391,14 @@ def sensitivity(
     run was killed and resumed. Raises `RtphysError`: outcomes of another search in the folder; a
     policy that cannot be reached; an error in a worker.
     """
+    policy, digest = plan.search.policy, files_digest(plan.search.policy, plan.search.options)
     files.make_folder(plan.out)
     with FolderLock(plan.out):
         tasks: list[TaskSensitivity] = []
         for name in plan.tasks:
-            check_task(plan.search.policy, loaded := load_task(name), (NOMINAL,))
+            check_task(policy, loaded := load_task(name), (NOMINAL,))
             ground = fingerprint_of(loaded, "phys_random", pack).to_json()
-            tasks.append(one := TaskSensitivity(plan, TaskSpec(name, plan.search, ground)))
+            tasks.append(one := TaskSensitivity(plan, TaskSpec(name, plan.search, ground, digest)))
             for key in plan.search.only or ():
                 if why := one.idle.get(key):
                     listener.noticed(f"{key} could not act in {name}: {why}")
@@ -374,6 +411,8 @@ def sensitivity(
                     run_all(trials, pool, _WithinTask(listener), plan.out)
                 results.append(task.write())
                 progress.add("")
+        if note := unread_options(policy, [one for task in tasks for one in task.unread]):
+            listener.noticed(note)
     return results
 
 

@@ -279,8 +279,11 @@ def lerobot(wanted: Exported, spec: ExportSpec) -> None:
     from rtphys.export.lerobot import export_lerobot
 
     chosen = wanted.part.of(Dataset(wanted.dataset).where(protocol=wanted.protocol))
+    notes = list[str]()
     with progress_bar("exporting") as bar:
-        export_lerobot(chosen, wanted.out, spec, bar)
+        export_lerobot(chosen, wanted.out, spec, bar, notes.append)
+    for note in notes:
+        say(note, err=True)
     made = f"{counted(len(chosen), 'episodes')}, LeRobot {spec.version}"
     say(f"{wanted.out}: {made}, for {READERS[spec.version]}")
 

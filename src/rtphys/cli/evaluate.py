@@ -17,7 +17,7 @@ from rtphys.cli.screen import campaign, fitting_table, print_rows, print_table, 
 from rtphys.cli.terminal import Incomplete, say, say_json
 from rtphys.core.errors import counted
 from rtphys.results import read_results
-from rtphys.results.breaks import TOGETHER
+from rtphys.results.breaks import TOGETHER, drawn_together
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
 from rtphys.results.statistics import Rate, percent, rate_text
 from rtphys.results.summary import Counts, Summary
@@ -139,9 +139,12 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         print_table(loads_table(summary))
         if summary.pairs:
             print_table(pairs_table(summary))
+            for pair in summary.pairs:
+                if pair.caution:
+                    say(pair.caution)
         if any(summary.breaks.values()):
             print_table(attributes_table(summary))
-            for line in [*left_out_of(summary), TOGETHER]:
+            for line in [*left_out_of(summary), *drawn_together_in(summary), TOGETHER]:
                 say(line)
     out = run.folder(spec.policy)
     broken, every = errors_of(read_results(out))
@@ -234,6 +237,16 @@ def left_out_of(summary: Summary) -> list[str]:
         f"attributes_{protocol}.png"
         for protocol, effects in summary.breaks.items()
         if len(effects) > SHOWN
+    ]
+
+
+def drawn_together_in(summary: Summary) -> list[str]:
+    """A line for each row of `attributes_table` with several attributes: how to part them."""
+    shown = [effect for effects in summary.breaks.values() for effect in effects[:SHOWN]]
+    return [
+        f"drawn together: {', '.join(keys)}; `rtphys sensitivity --only {','.join(keys)}` tells "
+        "them apart"
+        for keys in drawn_together(shown)
     ]
 
 

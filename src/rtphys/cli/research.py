@@ -1,9 +1,11 @@
 """`rtphys identify` and `sensitivity`: what a robot senses of physics, and which of it matters."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
+
+from rich.table import Table
 
 from rtphys.analysis.identify import IdentifyPlan, Result, judge
 from rtphys.analysis.request import SensitivityPlan
@@ -11,6 +13,7 @@ from rtphys.cli.derived import AsJson, takes
 from rtphys.cli.screen import campaign, campaign_progress, fitting_table, print_rows, print_table
 from rtphys.cli.terminal import Incomplete, resumable, say, say_json
 from rtphys.core.errors import counted
+from rtphys.core.untrusted import JSON
 from rtphys.physics.attribute import attribute
 from rtphys.spec.option import Option
 
@@ -129,12 +132,28 @@ def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
         from rtphys.analysis.figures import SENSITIVITY, draw_task_map, tolerated_shares
 
         draw_task_map(tolerated_shares(results), SENSITIVITY, output.figure)
-    table = fitting_table(["task", "attribute"], ("from", "to", "of its range", "unit"))
+    if output.as_json or any(result["attributes"] for result in results):
+        print_rows(tolerances_table(results), results, output.as_json)
+    if without := [str(result["task"]) for result in results if not result["seeds"]]:
+        say(f"{', '.join(without)}: nothing measured, since no seed succeeds nominally", err=True)
+
+
+def tolerances_table(results: Sequence[Mapping[str, JSON]]) -> Table:
+    """What each task tolerates, and the counts behind it."""
+    title = (
+        "tolerated: with which at least half of the paired seeds succeed\n"
+        "share: of the attribute's range\n"
+        "at the ends: successes of the seeds at its lower and upper end, or its only one"
+    )
+    heads = ("tolerated", "share", "at the ends")
+    table = fitting_table(["task", "attribute"], heads, title)
     for result in results:
         for key, answer in cast(Mapping[str, Any], result["attributes"]).items():
             low, high = (f"{bound:.3g}" for bound in answer["tolerance"])
+            unit = attribute(key).unit
+            within = f"{low} to {high}" + f" {unit}" * (unit != "1")
+            ends = [side["levels"][0] for side in answer["sides"]]  # the end is tested first
+            counts = ", ".join(f"{end['successes']}/{end['of']}" for end in ends)
             share = f"{100 * answer['share']:.0f} %"
-            table.add_row(str(result["task"]), key, low, high, share, attribute(key).unit)
-    print_rows(table, results, output.as_json)
-    if without := [str(result["task"]) for result in results if not result["seeds"]]:
-        say(f"{', '.join(without)}: nothing measured, since no seed succeeds nominally", err=True)
+            table.add_row(str(result["task"]), key, within, share, counts)
+    return table

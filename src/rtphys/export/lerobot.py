@@ -61,7 +61,11 @@ EPISODES_V30 = "meta/episodes/chunk-000/file-000.parquet"
 
 
 def export_lerobot(
-    dataset: Dataset, out: Path, spec: ExportSpec | None = None, progress: Progress | None = None
+    dataset: Dataset,
+    out: Path,
+    spec: ExportSpec | None = None,
+    progress: Progress | None = None,
+    notice: Callable[[str], None] = lambda _: None,
 ) -> Path:
     """Write a LeRobot dataset into a new folder, which appears complete or not at all.
 
@@ -72,16 +76,22 @@ def export_lerobot(
         out: new folder.
         spec: by default `ExportSpec()`.
         progress: called after each episode.
+        notice: is given a line about what is left out.
 
     Raises:
         UnknownName, BadValue: see `plan_for`; `out` is not empty.
         DatasetLocked: another export writes there.
-        BadFile: the dataset has no episode, or one is damaged.
+        BadFile: the dataset has no episode, or one is damaged, or lacks a number of others.
     """
     if not len(dataset):
         raise BadFile(dataset.path, "the dataset has no episode to export")
     spec = spec or ExportSpec()
     plan = plan_for(dataset, spec)
+    if plan.left_out:
+        names = ", ".join(plan.left_out)
+        notice(
+            f"left out of the physics of each frame, since the asset's own is no number: {names}"
+        )
     files.make_folder(out.parent)
     with FolderLock(out, hidden(out, ".lock")):
         with files.refusals(out):

@@ -39,17 +39,16 @@ class Position:
 def columns_of(episode: Episode, at: Position, plan: Plan) -> Columns:
     """Frame columns of an episode, T - 1 rows: the last frame has no action and is left out.
 
-    Raises `BadFile`: the physics was asked for, and has other attributes or no numbers.
+    Raises `BadFile`: the physics was asked for, and has other attributes.
     """
     frames, more = episode.frames, Columns()
     rows = len(frames) - 1
     for feature in set(PHYSICS) & set(plan.more):
         physics = physics_of(episode)
-        if [*physics] != list(plan.more[feature]):
+        numbers = {name: value for name, value in physics.items() if name not in plan.left_out}
+        if [*numbers] != list(plan.more[feature]):
             raise BadFile(episode.paths.phys_meta, "has other attributes than the first episode")
-        if None in physics.values():
-            raise BadFile(episode.paths.phys_meta, "an attribute is the asset's own, no number")
-        more[feature] = np.tile(np.array([*physics.values()], np.float32), (rows, 1))
+        more[feature] = np.tile(np.array([*numbers.values()], np.float32), (rows, 1))
     if "observation.contact" in plan.more:
         touched = np.any(list(frames.contacts.values()), axis=0)
         more["observation.contact"] = touched[:-1].astype(np.float32)

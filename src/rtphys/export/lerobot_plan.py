@@ -1,8 +1,9 @@
 """Layout of a LeRobot export: features, camera names and rates."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Annotated, NamedTuple
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
@@ -92,6 +93,7 @@ class Plan:
     robot: str  # name of the embodiment
     more: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
     """Features that were asked for -> names of their numbers."""
+    left_out: tuple[str, ...] = ()  # attributes that are the asset's own in every episode
 
     @property
     def rate(self) -> Fraction:
@@ -137,12 +139,13 @@ class Plan:
         return features
 
 
-def plan_for(dataset: Dataset, spec: ExportSpec) -> Plan:
+def plan_for(dataset: Dataset, spec: ExportSpec, episodes: Iterable[Episode] = ()) -> Plan:
     """Reads one episode to see how large its pictures are, and how many joints there are.
 
     Args:
         dataset: what is exported; the cameras are those that all of its task datasets have, or
             where `camera_names` has pairs, the named ones.
+        episodes: those of it that are exported, if not all.
 
     Raises:
         UnknownName: no such camera.
@@ -170,15 +173,37 @@ def plan_for(dataset: Dataset, spec: ExportSpec) -> Plan:
     videos = {key: Video(camera, False) for camera, key in named.items()}
     if "depth" in wanted:
         videos |= {f"{key}_depth": Video(camera, True) for camera, key in named.items()}
-    more = {key: [*physics_of(episode)] for key in PHYSICS if key.partition(".")[2] in wanted}
+    more, left_out = dict[str, Sequence[str]](), tuple[str, ...]()
+    if with_physics := [key for key in PHYSICS if key.partition(".")[2] in wanted]:
+        numbers, left_out = _numbers(episodes or dataset)
+        more = dict.fromkeys(with_physics, numbers)
     if "contact" in wanted:
         more["observation.contact"] = [f"{side}_gripper" for side in SIDES]
     for name in set(wanted) & {*EXPORTED}:
         more[f"observation.{name}"] = [*episode.senses.columns(name)]
     frames = episode.frames
-    return Plan(
-        spec.version, videos, (height, width), frames.layout, frames.joint_names, robot, more
-    )
+    size, joints = (height, width), frames.joint_names
+    return Plan(spec.version, videos, size, frames.layout, joints, robot, more, left_out)
+
+
+def _numbers(episodes: Iterable[Episode]) -> tuple[list[str], tuple[str, ...]]:
+    """Names of the attributes that have a number in each episode, and of those that never have.
+
+    Raises `BadFile`: one has a number in some episodes alone.
+    """
+    numbers, own = dict[str, Path](), dict[str, Path]()  # name -> where it was seen first
+    for episode in episodes:
+        path = episode.paths.phys_meta
+        for name, value in physics_of(replace(episode)).items():  # a copy, to forget what it read
+            (own if value is None else numbers).setdefault(name, path)
+    if mixed := [name for name in own if name in numbers]:
+        name = mixed[0]
+        problem = (
+            f"{name} is the asset's own here, and a number in {numbers[name]}; a feature needs a "
+            "number in all episodes or in none: export them apart, by `config` or `protocol`"
+        )
+        raise BadFile(own[name], problem)
+    return [*numbers], tuple(own)
 
 
 def physics_of(episode: Episode, acting: bool = False) -> dict[str, float | None]:

@@ -49,7 +49,8 @@ def verify_export(out: Path, dataset: Dataset, progress: Progress | None = None)
     spec = load(ExportSpec, given, out / SPEC)
     known = {(one.task, one.config, one.seed): one for one in dataset}
     episodes = [known[tuple(key)] for key in order]  # type: ignore[index, arg-type]
-    export, plan = _Export(out, spec.version, len(episodes)), plan_for(dataset, spec)
+    export = _Export(out, spec.version, len(episodes))
+    plan = plan_for(dataset, spec, episodes)
     tasks: dict[str, int] = {}
     problems, first = list[str](), 0
     for number, episode in enumerate(episodes):

@@ -3,13 +3,14 @@
 import ast
 import hashlib
 import importlib.util
+import os.path
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import Annotated, Any
+from types import MappingProxyType
+from typing import Annotated
 from urllib.parse import parse_qsl
 
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
@@ -17,6 +18,7 @@ from rtphys.core.extras import cure_of
 from rtphys.core.library import load_file
 from rtphys.data.files import facts_of
 from rtphys.physics.attribute import is_attribute
+from rtphys.policies.options import AskedOptions
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
 from rtphys.sim import renderer
 from rtphys.spec.option import at_least
@@ -103,12 +105,12 @@ def check_task(spec: str, task: Task, protocols: Iterable[str]) -> None:
             open_policy(spec, PolicySetup(task.name, protocol)).close()
 
 
-def files_digest(spec: str) -> str:
-    """SHA-256 over the local files that a specification names; empty if it names none.
+def files_digest(spec: str, options: Mapping[str, str] = MappingProxyType({})) -> str:
+    """SHA-256 over the local files that a specification and options name; empty if they name none.
 
     A file stands for itself, a folder for its JSON and weights (`*.safetensors`): so a dataset, or
     a LeRobot checkpoint. A dotted module stands for its file, a package for all its Python files.
-    What a Python file imports is not followed.
+    What a Python file imports is not followed. An option whose value is a file's path names it.
 
     Raises `UnknownName`: no such policy; `OSError`: a file cannot be read.
     """
@@ -122,8 +124,20 @@ def files_digest(spec: str) -> str:
         found = _files_of_module(argument.rpartition(":")[0])
     if argument and path.is_dir() and path != Path():
         found = sorted([*path.glob("*.json"), *path.glob("*.safetensors")])
+    values = [value for _, value in sorted(options.items())]
+    found += [Path(text) for text in values if os.path.isfile(text)]  # noqa: PTH113 - of any length
     digests = [f"{file.name} {facts_of(file.resolve()).sha256}" for file in found]
     return hashlib.sha256("\n".join(digests).encode()).hexdigest() if digests else ""
+
+
+def edited(before: str, now: str) -> list[str]:
+    """A clause where two `files_digest` of a policy are not the same, which cannot be continued."""
+    if before == now:
+        return []
+    if not before:
+        unknown = "it does not record the files of the policy, which may have been edited since"
+        return [f"policy_files: {unknown}"]
+    return ["policy_files: the files of the policy were edited since"]
 
 
 def _files_of_module(name: str) -> list[Path]:
@@ -162,8 +176,14 @@ def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
     installed; `PolicyBroken`: the policy raises, or lacks `needs_images`; `RtphysError`: the policy
     refuses its argument.
     """
+    return _opened(spec, setup or PolicySetup())[0]
+
+
+def _opened(spec: str, setup: PolicySetup) -> tuple[Policy, AskedOptions]:
+    """The policy, and what it has read of its options; errors are those of `open_policy`."""
     name, argument = parse_spec(spec)
     module, _, attribute = BUILTIN[name].partition(":")
+    options = AskedOptions(setup.options)
     try:
         opener: Opener = getattr(importlib.import_module(module), attribute)
     except ModuleNotFoundError as error:
@@ -174,13 +194,14 @@ def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
         bare = isinstance(opener, type)
         if bare and argument:
             raise BadValue("policy", spec, f"{name} takes no argument")
-        policy = opener() if bare else opener(argument, setup or PolicySetup())
+        policy = opener() if bare else opener(argument, replace(setup, options=options))
+        options.check()
         bool(policy.needs_images)
     except (RtphysError, KeyboardInterrupt):
         raise
     except BaseException as error:  # a library may end the process, or panic
         raise PolicyBroken(spec, "opened", error) from error
-    return policy
+    return policy, options
 
 
 @dataclass
@@ -189,16 +210,26 @@ class PolicySession:
 
     spec: str
     _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
+    _options: list[AskedOptions] = field(
+        default_factory=list[AskedOptions], init=False
+    )  # one an opening
 
     def policy(self, setup: PolicySetup) -> Policy:
         """The open policy. Raises what `open_policy` and `close` raise."""
         if self._open is None or self._open[0] != setup:
             self.close()
-            policy = open_policy(self.spec, setup)
+            policy, options = _opened(self.spec, setup)
+            self._options.append(options)
             if policy.needs_images:
                 renderer.hold_anchor()
             self._open = (setup, policy)
         return self._open[1]
+
+    @property
+    def unread(self) -> frozenset[str] | None:
+        """The options that the policy has not read so far, however often opened; None: never."""
+        left = [options.unread for options in self._options]
+        return frozenset.intersection(*left) if left else None
 
     def close(self) -> None:
         """Closes it; the next episode opens another. Raises `PolicyBroken`: it cannot be closed."""
@@ -238,40 +269,8 @@ def open_python(argument: str, setup: PolicySetup) -> Policy:
     if not hasattr(module, attribute):
         known = [name for name in vars(module) if not name.startswith("_")]
         raise UnknownName(f"attribute of {name}", attribute, known)
-    options = _Asked(setup.options)
-    policy = getattr(module, attribute)(replace(setup, options=options))
-    options.check()
+    policy = getattr(module, attribute)(setup)
     if not callable(getattr(policy, "play", None)):
         problem = f"it returned type {type(policy).__name__}, which has no play(episode)"
         raise BadValue("policy", f"python:{argument}", problem)
     return policy
-
-
-class _Asked(dict[str, str]):
-    """Options of a user's policy, and which of them it asked for by name."""
-
-    def __init__(self, options: Mapping[str, str]) -> None:
-        super().__init__(options)
-        self._asked = set[str]()
-
-    def __getitem__(self, key: str) -> str:
-        self._asked.add(key)
-        return super().__getitem__(key)
-
-    def __contains__(self, key: object) -> bool:
-        self._asked.add(str(key))
-        return super().__contains__(key)
-
-    def get(self, key: str, default: Any = None) -> Any:  # pyright: ignore
-        self._asked.add(key)
-        return super().get(key, default)
-
-    def check(self) -> None:
-        """Raises `UnknownName`: one that was not asked for is spelt nearly as one that was.
-
-        What a policy asks for later, or reads all together, nobody knows: it may be so called.
-        """
-        missing = sorted(self._asked - self.keys())
-        for key in sorted(self.keys() - self._asked):
-            if get_close_matches(key, missing, n=1):
-                raise UnknownName("option of the policy", key, self._asked)

@@ -11,7 +11,7 @@ from rtphys.core.errors import counted
 from rtphys.data.files import read, replace_file
 from rtphys.data.layout import REPORT
 from rtphys.physics.attribute import attribute, is_attribute
-from rtphys.results.breaks import TOGETHER, Break
+from rtphys.results.breaks import TOGETHER, Break, drawn_together
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
 from rtphys.results.statistics import rate_text
 from rtphys.results.summary import summarise
@@ -40,6 +40,7 @@ def write_evaluation_report(results: Results) -> Path:
         for protocol, effects in summary.breaks.items()
         for effect in effects
     ]  # fmt: skip
+    shown = [effect for effects in summary.breaks.values() for effect in effects]
     parts = [
         f"<h1>{escape(results.spec.actor)}</h1><p class=soft>{escape(results.robot)}</p>",
         _table(("protocol", "task", "success of " + ("benchmark instances" if summary.certified
@@ -48,6 +49,8 @@ def write_evaluation_report(results: Results) -> Path:
         "<h2>Which physics breaks the policy</h2>",
         _table(("protocol", "attribute", "range", "log-odds of success from lowest to highest",
                 "p (Holm)"), breaks),
+        *(f"<p class=soft>drawn together: {escape(', '.join(keys))}; `rtphys sensitivity` "
+          "of each tells them apart</p>" for keys in drawn_together(shown)),
         f"<p class=soft>{escape(TOGETHER)}</p>",
         *(
             f'<figure><img alt="{escape(path.stem)}" src="data:image/png;base64,'

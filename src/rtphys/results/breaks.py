@@ -1,7 +1,7 @@
 """Which physics breaks a policy: logistic regression of success on every attribute that varied."""
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -114,6 +114,11 @@ def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
     adjusted = holm([effect.curve.p for effect in effects])
     effects = [replace(effect, p_holm=p) for effect, p in zip(effects, adjusted, strict=True)]
     return sorted(effects, key=lambda effect: effect.curve.p)
+
+
+def drawn_together(effects: Iterable[Break]) -> list[tuple[str, ...]]:
+    """The attributes of each effect that has several, each group once."""
+    return [*dict.fromkeys((effect.key, *effect.same) for effect in effects if effect.same)]
 
 
 def _number(value: JSON) -> float | None:

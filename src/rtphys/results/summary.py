@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from types import MappingProxyType
 
@@ -15,6 +15,7 @@ from rtphys.results.breaks import Break, breaks
 from rtphys.results.evaluation import EpisodeRecord
 from rtphys.results.instances import Fingerprint, InstanceList
 from rtphys.results.statistics import Paired, Rate, paired
+from rtphys.spec.protocol import VisualRandomization, load_protocol, protocol_names
 
 CLAUSES = 3  # that a line names
 NUMBER = r"[-+0-9.e]+%?"  # which differs between episodes of one cause
@@ -135,6 +136,14 @@ class PairSummary:
     first: str
     second: str
     outcome: Paired
+    looks_differ: bool = False  # they vary the appearance differently, and the physics too
+
+    @property
+    def caution(self) -> str:
+        """What the test cannot say, in one line; empty where physics or looks alone differ."""
+        if not self.looks_differ:
+            return ""
+        return f"{self.first}, {self.second}: they differ in looks too, not in physics alone"
 
 
 @dataclass(frozen=True)
@@ -214,12 +223,25 @@ def summarise(
         both = [
             (r.success, other[r.task, r.seed]) for r in under[first] if (r.task, r.seed) in other
         ]
-        pairs.append(PairSummary(first, second, paired(both)))
+        pairs.append(PairSummary(first, second, paired(both), _looks_differ(first, second)))
     effects = {name: breaks(played) for name, played in under.items()}
     known = {key: lists[key].fingerprint.changes(now) for key, now in fingerprints.items()}
     changed = {key: clauses for key, clauses in known.items() if clauses}
     certified = all(lists[key].certified for key in records)
     return Summary(tuple(tasks), tuple(overall), tuple(pairs), effects, certified, changed)
+
+
+def _looks_differ(*names: str) -> bool:
+    """Whether two protocols differ in physics and in looks; false for one that is not known here.
+
+    The look may leave the table's height to the physics, which is no difference.
+    """
+    if not set(names) <= set(protocol_names()):
+        return False
+    both = [load_protocol(name) for name in names]
+    looks = {replace(one.visual or VisualRandomization(), table_drop=0.0) for one in both}
+    physics = {(one.physics, one.only, one.width) for one in both}
+    return len(looks) > 1 and len(physics) > 1
 
 
 def _task(key: Key, records: Sequence[EpisodeRecord], instances: InstanceList) -> TaskSummary:

@@ -39,6 +39,8 @@ from rtphys.policies import (
     PolicySetup,
     files_digest,
 )
+from rtphys.policies.options import unread_options
+from rtphys.policies.registry import edited
 from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
 from rtphys.results.evaluation import EpisodeRecord, EvaluationHeader, EvaluationSpec
@@ -81,7 +83,7 @@ def evaluate(
     """
     tasks = {task.name: task for task in run.check(spec)}
     joints = check_robot(pack, spec.episode.embodiment).action_layout.per_arm
-    digest, out = files_digest(spec.policy), run.folder(spec.policy)
+    digest, out = files_digest(spec.policy, spec.options), run.folder(spec.policy)
     cells = [
         EvaluationHeader(
             spec.of(protocol, name),
@@ -91,7 +93,7 @@ def evaluate(
         for protocol in run.protocols
         for name, task in tasks.items()
     ]
-    lists = [certified(run, *cell.spec.key, cell.fingerprint) for cell in cells]
+    lists = _every_list(run, cells)
     if clauses := {clause for one in lists for clause in other_versions(one.fingerprint)}:
         text = "the lists were certified with other versions, last bits of states may differ: "
         listener.noticed(text + "; ".join(sorted(clauses)))
@@ -110,7 +112,9 @@ def evaluate(
         for cell, one in zip(cells, lists, strict=True):
             writer = None
             if dataset is not None:
-                writer = dataset.task(recording_header(cell.spec, one, tasks[one.task], pack))
+                writer = dataset.task(
+                    recording_header(cell.spec, one, tasks[one.task], pack, digest)
+                )
             studies.append(EvaluationSeries(out, cell, one, run.video, writer, joints))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
@@ -122,6 +126,8 @@ def evaluate(
         run_here(
             studies, worker, run.workers, listener, out, user_seconds=run.timeout, committed=saved
         )
+        if note := unread_options(spec.policy, [one for study in studies for one in study.unread]):
+            listener.noticed(note)
         return _conclude(out, spec, studies)
 
 
@@ -133,11 +139,7 @@ def _check_others(out: Path, now: EvaluationHeader) -> None:
     for before in evaluation.headers(out).values():
         same = stored(now.spec.of(*before.spec.key))
         clauses = differences(stored(before.spec), same)
-        if before.policy_files != now.policy_files:
-            edited = "the files of the policy were edited since"
-            unknown = "it does not record the files of the policy, which may have been edited since"
-            clauses.append(edited if before.policy_files else unknown)
-        if clauses:
+        if clauses := clauses + edited(before.policy_files, now.policy_files):
             raise DatasetMismatch(out, clauses)
 
 
@@ -181,6 +183,7 @@ class EvaluationResult(NamedTuple):
 
     record: EpisodeRecord
     outcome: StagedEpisode | Rejection | None = None
+    unread: frozenset[str] | None = None  # options that its policy had not read by then, if known
 
 
 class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
@@ -209,6 +212,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         self._out, self._video = out, video
         count = int(video) if video and video.isdecimal() else len(instances.feasible)
         self._shown = {one.seed for one in instances.feasible[:count]} if video else set[int]()
+        self.unread = list[frozenset[str]]()  # options, of each episode of this run
         self._all: list[EpisodeRecord] = []
         path = evaluation.ledger_file(out, *spec.key)
         self._ledger = Ledger(path, header, EpisodeRecord, self._all.append)
@@ -257,6 +261,8 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
                 self.writer.record(result.outcome)
         self._ledger.append(result.record)
         self._all.append(result.record)
+        if result.unread is not None:
+            self.unread.append(result.unread)
         return ""
 
     def success(self, result: EvaluationResult) -> bool:
@@ -274,16 +280,22 @@ def unplayed(recipe: Recipe, reason: str, detail: str) -> EvaluationResult:
 
 
 def recording_header(
-    spec: EvaluationSpec, instances: InstanceList, task: Task, pack: Pack
+    spec: EvaluationSpec, instances: InstanceList, task: Task, pack: Pack, policy_files: str = ""
 ) -> TaskHeader:
-    """The header of a task dataset that takes the episodes of these instances."""
+    """The header of a task dataset that takes the episodes of these instances.
+
+    A policy that was edited, of other `policy_files`, adds nothing to it.
+    """
+    acts = f"{spec.actor}, seed {spec.seed}"
+    if policy_files:
+        acts += f", files {policy_files[: evaluation.DIGITS]}"
     kept = CollectionSpec(
         spec.episode,
         RecordingSpec(senses=spec.recording.senses),
         episodes=len(instances.feasible),
         first_seed=instances.first_seed,
         keep_failures="all",
-        policy=f"{spec.actor}, seed {spec.seed}",
+        policy=acts,
     )
     return header_of(kept, task, pack)
 
@@ -308,6 +320,9 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         Raises `RtphysError`: the policy cannot be opened, cannot be closed after its last episode,
         or is gone: no result of anybody's; `NoRenderer`: it needs pictures, and there is no device.
         """
+        return self._play(job)._replace(unread=self._session.unread)
+
+    def _play(self, job: EvaluationTask) -> EvaluationResult:
         recipe, task = job.recipe, self.tasks[job.recipe.task]
         policy = self._session.policy(job.setup)
         try:
@@ -382,17 +397,48 @@ def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
 
 
 class NotCertified(RtphysError):
-    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are)."""
+    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are).
+
+    Args:
+        cell: the task and the protocol.
+        more: others that lack a list as well, which the command to certify names too.
+    """
 
     def __init__(
-        self, where: Path, problem: str, spec: tuple[str, str], wanted: int, robot: str = DEFAULT
+        self,
+        where: Path,
+        problem: str,
+        cell: tuple[str, str],
+        wanted: int,
+        robot: str = DEFAULT,
+        more: Sequence[tuple[str, str]] = (),
     ) -> None:
-        task, protocol = spec
-        fields = f"task={task} protocol={protocol} feasible={wanted} out=FOLDER"
+        self.cell, self._but_others = cell, (where, problem, cell, wanted, robot)
+        tasks, protocols = (
+            ",".join(dict.fromkeys(names)) for names in zip(cell, *more, strict=True)
+        )
+        fields = f"task={tasks} protocol={protocols} feasible={wanted} out=FOLDER"
         fields += f" embodiment={robot}" if robot != DEFAULT else ""
         super().__init__(
             f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
         )
+
+    def with_others(self, others: "Sequence[NotCertified]") -> "NotCertified":
+        """The same, whose command also certifies what others lack."""
+        return NotCertified(*self._but_others, [one.cell for one in others])
+
+
+def _every_list(run: EvaluationRun, cells: Sequence[EvaluationHeader]) -> list[InstanceList]:
+    """The instances of every cell; raises what `certified` raises, of all that lack a list."""
+    found, missing = list[InstanceList](), list[NotCertified]()
+    for cell in cells:
+        try:
+            found.append(certified(run, *cell.spec.key, cell.fingerprint))
+        except NotCertified as error:
+            missing.append(error)
+    if missing:
+        raise missing[0].with_others(missing[1:])
+    return found
 
 
 class ChangedSinceCertified(RtphysError):
