@@ -68,7 +68,7 @@ docs/dataset.md
   a seed is kept only if the expert succeeds with every value
     test_sweeps::test_a_seed_is_kept_only_where_every_value_succeeds
     test_sweeps::test_a_sweep_is_sound_made_again_and_read_by_value
-  every seed that is tried is kept with every value
+  keeps every tried seed for every value
     test_sweeps::test_with_failures_every_seed_is_there_with_every_value
   Datasets of another version are refused
     test_dataset_writer::test_foreign_manifest_is_refused
@@ -130,7 +130,7 @@ docs/dataset.md
     test_repair::test_what_comes_out_otherwise_is_not_written
   All other files stay as they are
     test_repair::test_what_is_damaged_comes_back_to_the_last_byte
-  It refuses before any work, and names what differs
+  it refuses before any work, and names what differs
     test_repair::test_other_versions_are_refused_by_name
   one that was joined or cut cannot
     test_merge::test_other_seeds_of_one_task_are_joined_and_not_continued
