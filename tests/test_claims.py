@@ -169,7 +169,7 @@ docs/evaluate.md
     test_baselines::test_trembling_presses_nothing
   `--record` is refused, because the dataset would have gaps
     test_evaluate::test_what_was_run_without_recording_is_refused
-  that your policy asked for when it was opened, and did not find, is refused
+  looks like a misspelling of one that your policy asked for when it was opened, the run is refused
     test_registry::test_a_misspelt_option_of_the_users_own_policy_is_named
   An exception in the policy makes that episode a failure
     test_evaluate::test_a_crash_of_the_policy_is_its_failure
@@ -184,7 +184,7 @@ docs/evaluate.md
   an edited policy file, different weights or options are refused
     test_evaluate::test_a_folder_holds_one_evaluation
     test_registry::test_the_digest_follows_the_files_that_a_specification_names
-  below 100,000 attempts of a task no policy is trained on a seed of the benchmark
+  uses no seed of the benchmark
     test_certified_lists::test_no_list_is_stale
   it extends a list and keeps its present entries
     test_certify::test_a_finished_list_can_be_made_longer
@@ -251,7 +251,7 @@ docs/physics.md
     test_reach::test_only_names_a_prop_or_the_whole_attribute
   `--set object_mass=2` changes nothing there, and `collect` says so
     test_dry_run::test_what_every_prop_has_of_its_own_is_left_with_nothing
-  so another value leaves every bit
+  so a different value would give the same episode, bit for bit
     test_audit_repeated::test_what_did_not_act_leaves_every_bit
   No look moves the head camera
     test_one_truth::test_pictures_are_taken_from_where_the_label_says
