@@ -232,6 +232,8 @@ docs/extend.md
   An attribute without effect must fail a test
     test_own_attributes::test_its_own_proof_holds_and_fails_without_the_effect
 docs/identify.md
+  `--episodes` below 20 is refused
+    test_identify::test_a_plan_that_cannot_be_is_refused
   the same for any number of workers, and after any number of interruptions
     test_identify::test_the_file_is_the_same_for_any_number_of_workers_and_after_interruptions
 docs/install.md
@@ -325,7 +327,7 @@ docs/scale.md
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
   `collect` refuses a disk that has less than the tables say
     test_plan::test_a_dry_run_answers_where_the_disk_is_too_small
-  the space that it takes at most
+  an upper bound of the space
     test_dry_run::test_no_episode_that_was_measured_is_larger_than_the_bound
   An unknown key or name is refused, and the message suggests the nearest one
     test_manifest::test_a_mistake_is_named_with_its_place
@@ -364,11 +366,13 @@ docs/scale.md
     test_remote::test_a_node_with_other_assets_or_versions_is_refused
   `merge` verifies every checksum
     test_merge::test_a_damaged_part
-  It refuses parts that were collected otherwise
+  It refuses parts that were collected with other options
     test_merge::test_parts_that_do_not_fit
     test_merge::test_parts_of_different_versions
   merging them gives, byte for byte, what the command without `--shard` writes
     test_merge::test_whole_tasks_join_to_the_same_bytes
+  It also refuses parts that hold the same seed
+    test_merge::test_parts_that_do_not_fit
   `merge` joins them by seed
     test_merge::test_shards_that_share_a_task_join_by_seed
 docs/sensitivity.md
