@@ -52,7 +52,7 @@ docs/architecture.md
 docs/commands.md
   says what it would take, and does nothing
     test_dry_run::test_it_names_every_folder_and_writes_nothing
-  what is said on the way goes to standard error
+  progress and notes go to standard error
     test_screen::test_json_is_all_that_stands_on_standard_output
 docs/dataset.md
   This imports no simulator
