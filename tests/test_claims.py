@@ -338,7 +338,7 @@ docs/scale.md
     test_many_real_workers::test_a_signal_ends_all_workers_at_once
     test_writer_killed::test_a_kill_inside_a_commit_loses_nothing
     test_dataset_writer::test_every_file_is_synced_before_its_row
-  It uses more than 600 s of CPU time
+  it uses more than 600 s of CPU time
     test_local::test_what_scale_md_says_that_a_job_may_use
     test_local::test_a_job_that_computes_for_ever_is_ended_twice_and_then_given_up
     test_local::test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done
