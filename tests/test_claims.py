@@ -52,7 +52,7 @@ docs/architecture.md
 docs/commands.md
   says what it would take, and does nothing
     test_dry_run::test_it_names_every_folder_and_writes_nothing
-  what is said on the way goes to standard error
+  progress and notes go to standard error
     test_screen::test_json_is_all_that_stands_on_standard_output
 docs/dataset.md
   This imports no simulator
@@ -68,7 +68,7 @@ docs/dataset.md
   a seed is kept only if the expert succeeds with every value
     test_sweeps::test_a_seed_is_kept_only_where_every_value_succeeds
     test_sweeps::test_a_sweep_is_sound_made_again_and_read_by_value
-  every seed that is tried is kept with every value
+  keeps every tried seed for every value
     test_sweeps::test_with_failures_every_seed_is_there_with_every_value
   Datasets of another version are refused
     test_dataset_writer::test_foreign_manifest_is_refused
@@ -130,7 +130,7 @@ docs/dataset.md
     test_repair::test_what_comes_out_otherwise_is_not_written
   All other files stay as they are
     test_repair::test_what_is_damaged_comes_back_to_the_last_byte
-  It refuses before any work, and names what differs
+  it refuses before any work, and names what differs
     test_repair::test_other_versions_are_refused_by_name
   one that was joined or cut cannot
     test_merge::test_other_seeds_of_one_task_are_joined_and_not_continued
@@ -171,7 +171,7 @@ docs/evaluate.md
     test_baselines::test_trembling_presses_nothing
   `--record` is refused, because the dataset would have gaps
     test_evaluate::test_what_was_run_without_recording_is_refused
-  that looks like a misspelling of one it asked for when it was opened is refused
+  looks like a misspelling of one that your policy asked for when it was opened, the run is refused
     test_registry::test_a_misspelt_option_of_the_users_own_policy_is_named
   Any other that the policy never reads is named in a note at the end of the run
     test_evaluate::test_an_option_that_no_worker_has_read_is_said_once
@@ -191,7 +191,7 @@ docs/evaluate.md
     test_registry::test_the_digest_follows_the_files_that_a_specification_names
   The same holds for a dataset of `--record`
     test_evaluate::test_a_recording_takes_no_episode_of_an_edited_policy
-  below 100,000 attempts of a task no policy is trained on a seed of the benchmark
+  uses no seed of the benchmark
     test_certified_lists::test_no_list_is_stale
   it extends a list and keeps its present entries
     test_certify::test_a_finished_list_can_be_made_longer
@@ -239,6 +239,8 @@ docs/extend.md
   An attribute without effect must fail a test
     test_own_attributes::test_its_own_proof_holds_and_fails_without_the_effect
 docs/identify.md
+  `--episodes` below 20 is refused
+    test_identify::test_a_plan_that_cannot_be_is_refused
   the same for any number of workers, and after any number of interruptions
     test_identify::test_the_file_is_the_same_for_any_number_of_workers_and_after_interruptions
 docs/install.md
@@ -260,7 +262,7 @@ docs/physics.md
     test_dry_run::test_what_every_prop_has_of_its_own_is_left_with_nothing
   A `--sweep` of it is refused
     test_dry_run::test_a_sweep_without_effect_is_refused
-  so another value leaves every bit
+  so a different value would give the same episode, bit for bit
     test_audit_repeated::test_what_did_not_act_leaves_every_bit
   No look moves the head camera
     test_one_truth::test_pictures_are_taken_from_where_the_label_says
@@ -334,7 +336,7 @@ docs/scale.md
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
   `collect` refuses a disk that has less than the tables say
     test_plan::test_a_dry_run_answers_where_the_disk_is_too_small
-  the space that it takes at most
+  an upper bound of the space
     test_dry_run::test_no_episode_that_was_measured_is_larger_than_the_bound
   An unknown key or name is refused, and the message suggests the nearest one
     test_manifest::test_a_mistake_is_named_with_its_place
@@ -345,7 +347,7 @@ docs/scale.md
     test_many_real_workers::test_a_signal_ends_all_workers_at_once
     test_writer_killed::test_a_kill_inside_a_commit_loses_nothing
     test_dataset_writer::test_every_file_is_synced_before_its_row
-  It uses more than 600 s of CPU time
+  it uses more than 600 s of CPU time
     test_local::test_what_scale_md_says_that_a_job_may_use
     test_local::test_a_job_that_computes_for_ever_is_ended_twice_and_then_given_up
     test_local::test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done
@@ -373,11 +375,13 @@ docs/scale.md
     test_remote::test_a_node_with_other_assets_or_versions_is_refused
   `merge` verifies every checksum
     test_merge::test_a_damaged_part
-  It refuses parts that were collected otherwise
+  It refuses parts that were collected with other options
     test_merge::test_parts_that_do_not_fit
     test_merge::test_parts_of_different_versions
   merging them gives, byte for byte, what the command without `--shard` writes
     test_merge::test_whole_tasks_join_to_the_same_bytes
+  It also refuses parts that hold the same seed
+    test_merge::test_parts_that_do_not_fit
   `merge` joins them by seed
     test_merge::test_shards_that_share_a_task_join_by_seed
 docs/sensitivity.md

@@ -184,6 +184,8 @@ def test_a_plan_that_cannot_be_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
         IdentifyPlan(("click_bell",), protocol="phys_randon")
     with pytest.raises(BadValue, match="estimator"):
         IdentifyPlan(("click_bell",), estimator="forest")
+    with pytest.raises(BadValue, match="at least 20"):
+        IdentifyPlan(("click_bell",), episodes=19)
     monkeypatch.setitem(sys.modules, "sklearn", None)
     monkeypatch.setitem(sys.modules, "sklearn.ensemble", None)
     said = CliRunner().invoke(app, ["identify", "--task", "click_bell", "--out", str(tmp_path)])

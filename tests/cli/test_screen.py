@@ -194,6 +194,12 @@ def test_what_was_there_before_counts_as_solved() -> None:
     assert lines.sentence().startswith("81 of 81 episodes, 55 solved, ")
 
 
+def test_the_count_says_whose_it_is_where_several_take_turns() -> None:
+    lines = Lines("episodes")
+    lines.progresses = [Progress("idle", 4, accepted=4, solved=0, by="baselines")]
+    assert lines.sentence() == "baselines: 4 of 4 episodes, 0 solved, all there already"
+
+
 def test_the_sentence_below_the_bar_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = list[Group]()
     monkeypatch.setattr(module.RichLive, "update", lambda _, what, **__: drawn.append(what))

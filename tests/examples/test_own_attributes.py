@@ -1,5 +1,6 @@
-"""Attributes of a library of one's own: each obeys its law, alone and with all others varied."""
+"""Attributes of the example library: each obeys its law, alone and with all others varied."""
 
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -44,24 +45,28 @@ def test_speed_falls_exponentially_under_drag(lab: Lab, others: dict[str, float]
 
 
 @pytest.mark.sim
+@pytest.mark.parametrize("key", ["actuator_latency", "gravity", "linear_drag"])
 def test_its_own_proof_holds_and_fails_without_the_effect(
-    lab: Lab, monkeypatch: pytest.MonkeyPatch
+    lab: Lab, monkeypatch: pytest.MonkeyPatch, key: str
 ) -> None:
-    trials = list(trials_of(lab, law_test("linear_drag")))
-    assert len(trials) == 6 and all(trial.passed for trial in trials)
-    monkeypatch.setattr(attributes()["linear_drag"], "apply", lambda target, value: None)
-    monkeypatch.setattr(attributes()["linear_drag"], "read", lambda world: {})
-    assert not all(trial.passed for trial in run_trials(lab, law_test("linear_drag"), 5.0, {}))
+    law = law_test(key)
+    trials = list(trials_of(lab, law))
+    assert len(trials) == 2 * len(law.settings) and all(trial.passed for trial in trials)
+    monkeypatch.setattr(attributes()[key], "apply", lambda target, value: None)
+    monkeypatch.setattr(attributes()[key], "read", lambda world: {})
+    assert not all(trial.passed for trial in run_trials(lab, law, law.settings[-1], {}))
 
 
-def test_an_attribute_without_a_proof_is_said_to_have_none(lab: Lab) -> None:
+def test_an_attribute_without_a_proof_is_said_to_have_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(LIBRARY, tmp_path / "mine", ignore=shutil.ignore_patterns("gravity.py"))
+    shutil.copy(LIBRARY / "attributes" / "gravity.py", tmp_path / "mine" / "attributes")
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "mine"))
     with pytest.raises(NoLawTest, match=r"gravity has no experiment: laws/gravity\.py"):
         law_test("gravity")
     laws, without = law_tests_of(None)
-    assert len(laws) == 14 and [text.split()[1] for text in without] == [
-        "actuator_latency",
-        "gravity",
-    ]
+    assert len(laws) == 15 and [text.split()[1] for text in without] == ["gravity"]
 
 
 @pytest.mark.sim

@@ -36,6 +36,7 @@ class Progress:
     fruitless: int = 0  # attempts since the last one that counted
     stopped: str = ""  # why it was given up
     solved: int | None = None  # of `accepted`; None in studies in which only successes count
+    by: str = ""  # who tries, where a study has several in turn, such as "baselines"
     each: int = 1  # episodes that a result which counts stands for: one a twin, one a value
     new_accepted: int = field(default=0, init=False)  # of this run
     new_attempts: int = field(default=0, init=False)  # likewise
@@ -199,6 +200,7 @@ class Batch(Series[J, R]):
     Args:
         failed: the result of a job that took its workers with it.
         solved: whether a result is a success; None: every result is.
+        by: as `Progress.by`.
     """
 
     def __init__(
@@ -207,10 +209,10 @@ class Batch(Series[J, R]):
         jobs: Mapping[int, J],
         failed: Callable[[J, WorkerFailure], R],
         solved: Callable[[R], bool] | None = None,
+        by: str = "",
     ) -> None:
-        super().__init__(
-            Progress(name, len(jobs), solved=None if solved is None else 0), tuple(jobs)
-        )
+        none_yet = None if solved is None else 0
+        super().__init__(Progress(name, len(jobs), solved=none_yet, by=by), tuple(jobs))
         self.jobs, self._failed, self._solved = jobs, failed, solved
         self.results = dict[int, R]()  # by number
 

@@ -325,7 +325,7 @@ def check(plan: CheckPlan, output: Output) -> None:
     from rtphys.studies.check import check as run_check
     from rtphys.studies.check import ends
 
-    with campaign("trials") as (pack, listener):
+    with campaign("episodes") as (pack, listener):
         scores = run_check(plan, pack, listener)
     if output.as_json:
         say_json([score.to_json() for score in scores])

@@ -121,7 +121,8 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
         print_table(summary_table(done))
     new = sum(progress.new_accepted * progress.each for progress in done)
     minutes = (time.monotonic() - began) / 60
-    say(f"{new} new episodes in {minutes:.1f} min, in {run.out}", err=request.as_json)
+    made = counted(new, "new episodes")
+    say(f"{made} in {minutes:.1f} min, in {run.out}", err=request.as_json)
     say_digest(run.out, err=request.as_json)
     if given_up := [f"{one.name}: {one.stopped}" for one in done if one.stopped]:
         raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
@@ -193,13 +194,16 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
     room = room_needed([one for one in there_not if one.episode.task not in unknown])
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
     wall = f" ({_seconds(cpu / workers)} with {counted(workers, 'workers')})" if workers else ""
-    takes = f"takes about {_seconds(cpu)} of CPU{wall} and {_bytes(room)}"
-    takes += " by the tables in docs/scale.md"
+    takes = (
+        f"what is missing takes about {_seconds(cpu)} of CPU{wall} and {_bytes(room)} by the tables "
+        f"in docs/scale.md{apart}"
+    )
     if unknown and not cpu:
-        takes, apart = "takes what nobody has measured", ""
+        have = "this task has" if len(unknown) == 1 else "these tasks have"
+        takes = f"no cost estimate: {have} not been measured"
     say(
         f"{counted(wanted, 'episodes')} in {run.out}, at most {_bytes(room_needed(specs, MOST))}"
-        f"; what is missing {takes}{apart}; nothing was collected",
+        f"; {takes}; nothing was collected",
         err=as_json,
     )
 

@@ -187,7 +187,7 @@ def rates_table(summary: Summary) -> Table:
 
 def loads_table(summary: Summary) -> Table:
     """Largest force and torque of the successful episodes, and how many were rough."""
-    title = "what the robot suffered in successful episodes: median, 90 %, largest"
+    title = "loads on the robot in successful episodes (median, 90th percentile, maximum)"
     columns = ("force on a link [N]", "torque [of the motor's]", "rough")
     table = fitting_table(["protocol", "task"], columns, title)
     rough = [(row.protocol, row.task, row.loads) for row in summary.tasks if row.loads.rough]

@@ -217,10 +217,11 @@ class _Counts(Listener):
         solved = [progress.solved for progress in self.progresses if progress.solved is not None]
         attempts = sum(progress.new_attempts for progress in self.progresses)
         tried = f"{sum(solved)} solved" if solved else counted(attempts, "attempts")
+        by = next((f"{progress.by}: " for progress in self.progresses if progress.by), "")
         if not attempts and done >= wanted > 0:
             was = f"{tried}, " if solved else ""
             more = ", now measured further" if at_work else ""
-            return f"{done} of {wanted} {self.noun}, {was}all there already{more}"
+            return f"{by}{done} of {wanted} {self.noun}, {was}all there already{more}"
         minutes = (time.monotonic() - self.began) / 60
         new = sum(progress.new_accepted for progress in self.progresses)
         rate, left = new / minutes if minutes else 0.0, "?"
@@ -229,7 +230,8 @@ class _Counts(Listener):
             seconds = round(60 * max(missing, 0) / rate)
             left = f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"
         return (
-            f"{done} of {wanted} {self.noun}, {tried}{why}, {rate:.1f} {self.noun}/min, {left} left"
+            f"{by}{done} of {wanted} {self.noun}, {tried}{why}, {rate:.1f} {self.noun}/min, "
+            f"{left} left"
         )
 
 

@@ -160,13 +160,14 @@ def _run(
     """Fills in the results of these roles, so many seeds each."""
     batches = list[Batch[CheckTask, CheckResult]]()
     for score, (role, count) in product(scores, counts.items()):
-        called = "expert, a second time" if role == "again" else role
+        called = "expert, determinism check" if role == "again" else role
         seeds = range(plan.first_seed, plan.first_seed + count)
         batch = Batch(
             f"{score.spec.task}, {score.spec.protocol} ({called})",
             {seed: CheckTask(role, score.spec.at(seed)) for seed in seeds},
             lambda job, loss: CheckResult(loss.reason, loss.detail),
             lambda one, blind=role in BASELINES: one.success if blind else not one.reason,
+            by="baselines" if role in BASELINES else "expert",
         )
         score.results[role] = batch.results
         batches.append(batch)

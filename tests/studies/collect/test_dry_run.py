@@ -1,6 +1,7 @@
 """`collect --dry-run`: what would be collected and where, what could not act; nothing is done."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from collecting import content
 from robotless import plans
 from typer.testing import CliRunner
 
+from pages import ROOT
 from rtphys.cli.main import app
 from rtphys.core.errors import BadValue
 from rtphys.doctor import Finding
@@ -135,6 +137,20 @@ def test_few_episodes_are_told_in_minutes_and_megabytes(tmp_path: Path) -> None:
     assert re.search(r"at most [1-9]\d* MB.* about \d+ s of CPU .* and [1-9]\d* MB by", few), few
     _, many = rows("click_bell", "--episodes", "5000", *out)
     assert re.search(r"at most \d+\.\d GB.* about \d\.\d h of CPU .* and \d+\.\d GB by", many), many
+
+
+@pytest.mark.parametrize(
+    ("tasks", "said"), [("mine", "this task has"), ("mine,yours", "these tasks have")]
+)
+def test_tasks_that_nobody_measured_have_no_estimate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tasks: str, said: str
+) -> None:
+    (tmp_path / "tasks").mkdir()
+    for task in tasks.split(","):
+        shutil.copy(ROOT / "tasks" / "click_bell.py", tmp_path / "tasks" / f"{task}.py")
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    _, last = rows(tasks, "--episodes", "1", "--out", str(tmp_path / "data"))
+    assert f"no cost estimate: {said} not been measured; nothing was collected" in last
 
 
 @pytest.mark.parametrize(
