@@ -144,7 +144,7 @@ docs/dataset.md
     test_lerobot::test_a_killed_export_goes_on
   A second export into the same folder is refused
     test_lerobot::test_a_second_export_to_one_folder_is_refused
-  If an attribute is a number in some episodes alone, the export is refused
+  If an attribute is a number in some episodes only, the export is refused
     test_lerobot::test_a_number_in_some_episodes_alone_is_refused_with_its_name
   Memory hardly grows with the number of episodes
     test_export_memory::test_memory_does_not_follow_the_number_of_episodes

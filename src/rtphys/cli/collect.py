@@ -195,8 +195,8 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
     wall = f" ({_seconds(cpu / workers)} with {counted(workers, 'workers')})" if workers else ""
     takes = (
-        f"what is missing takes about {_seconds(cpu)} of CPU{wall} and {_bytes(room)} by the tables "
-        f"in docs/scale.md{apart}"
+        f"what is missing takes about {_seconds(cpu)} of CPU{wall} and {_bytes(room)} by the "
+        f"tables in docs/scale.md{apart}"
     )
     if unknown and not cpu:
         have = "this task has" if len(unknown) == 1 else "these tasks have"
