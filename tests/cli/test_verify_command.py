@@ -53,7 +53,7 @@ def test_it_is_compared_with_what_was_published(dataset: Path, tmp_path: Path) -
     (episode,) = Dataset(dataset)
     digests = {str(episode.seed): state_digest(episode)[:16]}
     task = {"config": episode.config, "dataset": "", "attempts": 1, "rejections": {}, "frames": 1}
-    task |= {"bytes": 1, "cpu_seconds": 1.0, "episodes": digests}
+    task |= {"sentences": 1, "bytes": 1, "cpu_seconds": 1.0, "episodes": digests}
     listed = {"what": "", "command": "", "dataset_version": "3.0", "driver": ""}
     path = tmp_path / "ours.digests.json"
     path.write_text(json.dumps({**listed, "tasks": {episode.task: task}}))

@@ -134,9 +134,9 @@ def test_folder_and_first_line_say_what_varies(options: str, tmp_path: Path) -> 
 def test_few_episodes_are_told_in_minutes_and_megabytes(tmp_path: Path) -> None:
     out = ["--out", str(tmp_path / "data")]
     _, few = rows("click_bell", "--episodes", "3", *out)
-    assert re.search(r"at most [1-9]\d* MB.* about \d+ s of CPU .* and [1-9]\d* MB by", few), few
+    assert re.search(r"at most [1-9]\d* MB.* about \d+ s of CPU.* and [1-9]\d* MB by", few), few
     _, many = rows("click_bell", "--episodes", "5000", *out)
-    assert re.search(r"at most \d+\.\d GB.* about \d\.\d h of CPU .* and \d+\.\d GB by", many), many
+    assert re.search(r"at most \d+\.\d GB.* about \d\.\d h of CPU.* and \d+\.\d GB by", many), many
 
 
 @pytest.mark.parametrize(
