@@ -18,13 +18,17 @@ def values_of(text: str) -> tuple[str, Mapping[str, Value]]:
     Raises `UnknownName`, `BadValue`: as `parse_overrides`; a value that is named twice.
     """
     key, equals, spelt = text.partition("=")
-    key, mark = key.strip(), ";" if ";" in spelt else ","
-    parts = [part.strip() for part in spelt.split(mark)]
+    key, parts = key.strip(), [part.strip() for part in spelt.split(_mark(spelt))]
     if not equals or not all(parts):
         raise BadValue("sweep", text, "write key=value,value, such as friction=0.1,0.2")
     if len(set(parts)) < len(parts):
         raise BadValue("sweep", text, "name each value once")
     return key, {part: parse_overrides([f"{key}={part}"])[key] for part in parts}
+
+
+def _mark(text: str) -> str:
+    """What stands between the values of a sweep."""
+    return ";" if ";" in text else ","
 
 
 def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
@@ -33,7 +37,7 @@ def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
     Raises `UnknownName`, `BadValue`: as `values_of`; an attribute that is held already.
     """
     key, values = values_of(text)
-    episode, mark = spec.episode, ";" if ";" in text else ","
+    episode, sweep = spec.episode, f"{key}={_mark(text).join(values)}"
     if key in episode.overrides:
         raise BadValue("sweep", key, "it is held at a value already")
     only = None if episode.only is None else tuple(dict.fromkeys((*episode.only, key)))
@@ -41,7 +45,7 @@ def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
     for part, value in values.items():
         config = spec.config and f"{spec.config}.{key}={part}"
         held = replace(episode, only=only, overrides={**episode.overrides, key: value})
-        found.append(replace(spec, episode=held, config=config, sweep=f"{key}={mark.join(values)}"))
+        found.append(replace(spec, episode=held, config=config, sweep=sweep))
     return tuple(found)
 
 
