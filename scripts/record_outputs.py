@@ -87,7 +87,7 @@ def record(root: Path) -> None:
     rtphys("export", "lerobot", str(root / "clean_1_worker"), "--out", str(root / "lerobot"))
     both = ("--protocol", "clean,phys_random")
     bench = ("--task", "click_bell,open_laptop,stack_blocks_two", "--protocol", "phys_random")
-    lists = ("--feasible", "8", "--baselines", "replay,twin", "--out", str(root / "certified"))
+    lists = ("--feasible", "8", "--replays", "replay,twin", "--out", str(root / "certified"))
     rtphys("certify", *bench, *lists)
     few = ("--task", "click_bell,open_laptop", "--episodes", "2")
     demos = str(root / "clean_1_worker")

@@ -30,7 +30,7 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.rates import PROTOCOL, SHARES, costs, rates
 from rtphys.task.spec import load_task, task_names
 
-BASELINES = ("replay", "twin")  # columns of a certified list
+REPLAYS = ("replay", "twin")  # columns of a certified list
 BENCHMARKED = ("clean", "official_random", "phys_random", "phys_random_all")
 PROTOCOLS = ("clean", "phys_random")  # of the success rates shown
 TRIED = ("clean", "phys_random_all")  # with other robots
@@ -246,7 +246,7 @@ def _extremes(pairs: list[list[float]]) -> str:
 
 
 def benchmark() -> str:
-    """Table of certified lists: length, and success of both open-loop baselines."""
+    """Table of certified lists: length, and success of both open-loop replays."""
     lists = {protocol: of for protocol, of in _certified().items() if protocol in BENCHMARKED}
     rows = [
         (f"`{task}`", *(_cell(of[task]) if task in of else "" for of in lists.values()))
@@ -255,13 +255,13 @@ def benchmark() -> str:
     return _table(("task", *(f"`{protocol}`" for protocol in lists)), rows)
 
 
-def baselines() -> str:
+def replays() -> str:
     """Table of protocols: the numbers of `benchmark`, over all tasks."""
     rows = []
     for protocol, of in sorted(_certified().items(), key=lambda each: _in_order(each[0])):
-        shown = [_baseline(of.values(), name) for name in BASELINES]
+        shown = [_replayed(of.values(), name) for name in REPLAYS]
         rows.append((f"`{protocol}`", str(len(of)), _length(of.values()), *shown))
-    return _table(("protocol", "tasks", "feasible of tried", *BASELINES), rows)
+    return _table(("protocol", "tasks", "feasible of tried", *REPLAYS), rows)
 
 
 def _in_order(protocol: str) -> tuple[str, int]:
@@ -396,7 +396,7 @@ def _certified() -> dict[str, dict[str, InstanceList]]:
 
 
 def _cell(instances: InstanceList) -> str:
-    shown = (f"{name} {share}" for name in BASELINES if (share := _baseline([instances], name)))
+    shown = (f"{name} {share}" for name in REPLAYS if (share := _replayed([instances], name)))
     return "; ".join((_length([instances]), *shown))
 
 
@@ -405,8 +405,8 @@ def _length(lists: Iterable[InstanceList]) -> str:
     return "{} of {}".format(*map(sum, zip(*sizes, strict=True)))
 
 
-def _baseline(lists: Iterable[InstanceList], name: str) -> str:
-    """Share of the feasible instances that a baseline solves; their number, where some lack it."""
+def _replayed(lists: Iterable[InstanceList], name: str) -> str:
+    """Share of the feasible instances that a replay solves; their number, where some lack it."""
     results = [getattr(one, name) for listed in lists for one in listed.feasible]
     known = [result for result in results if result is not None]
     if not known:
@@ -524,7 +524,7 @@ TABLES = {
     "slip": slip,
     "masses": masses,
     "benchmark": benchmark,
-    "baselines": baselines,
+    "replays": replays,
     "blind": blind,
     "knowing_suite": knowing_suite,
     "knowing_fifty": knowing_fifty,

@@ -116,7 +116,7 @@ def instances(plan: Plan, task: str, protocol: str) -> Path:
             return SHIPPED
     out = plan.out / "lists" / str(plan.first_seed) / task  # certify locks its folder
     what = ("--task", task, "--protocol", protocol, "--first-seed", plan.first_seed)
-    options = ("--feasible", plan.instances, "--baselines", "none", "--workers", plan.workers)
+    options = ("--feasible", plan.instances, "--replays", "none", "--workers", plan.workers)
     run(*RTPHYS, "certify", *what, *options, "--out", out)
     return out
 

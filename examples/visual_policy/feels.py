@@ -28,7 +28,7 @@ DRAWN = ("--size", SIZE, "--sense", "touch")
 def demonstrations(out: Path, task: str, episodes: int, workers: int) -> Path:
     """Dataset of what `feels` does on seeds that are not in the benchmark."""
     lists, data = out / "lists" / task, out / "demos" / task
-    seeds = ("--first-seed", FIRST_SEED, "--feasible", episodes, "--baselines", "none")
+    seeds = ("--first-seed", FIRST_SEED, "--feasible", episodes, "--replays", "none")
     run(RTPHYS, "certify", task, *CLEAN, *seeds, "--workers", workers, "--out", lists)
     played = ("--instances", lists, "--workers", workers, "--out", out / "feels" / task)
     run(RTPHYS, "evaluate", task, *CLEAN, "--policy", "feels", "--record", data, *DRAWN, *played)

@@ -181,6 +181,10 @@ def test_unknown_command_names_the_nearest() -> None:
         ("verify-manifest no --replay 1", "--replay", "--reproduce", "there is no such folder"),
         ("verify no --replay=1", "--replay", "--reproduce", "there is no such folder"),
         ("physics prove frictoin", "prove", "law-test", "did you mean 'friction'"),
+        (
+            "certify click_bel --protocol clean --out /no --baselines none",
+            *("--baselines", "--replays", "did you mean 'click_bell'"),
+        ),
         ("check click_bel --robots=3", "--robots", "--baselines", "did you mean 'click_bell'"),
         ("collect click_bel --seed 3", "--seed", "--first-seed", "did you mean 'click_bell'"),
         (

@@ -179,7 +179,7 @@ def test_a_rule_that_cannot_be_is_refused_with_its_file(
     ("key", "words"),
     [
         ("friction@blok", "friction@blok: unknown prop 'blok'; did you mean 'block'"),
-        ("friction@mark", "unknown prop with surfaces 'mark'"),
+        ("friction@mark", "unknown prop that can be touched 'mark'"),
         ("object_joint_damping@block", "unknown prop with joints 'block'.* Known: door"),
     ],
 )

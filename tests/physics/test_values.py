@@ -24,6 +24,14 @@ def test_immutable():
         physics.more = 1  # type: ignore[attr-defined]
 
 
+def test_a_key_that_is_not_there_is_named_with_the_nearest():
+    clean = load_domain("global").sample(1, only=[])
+    with pytest.raises(KeyError, match="unknown attribute 'frction'; did you mean 'friction'"):
+        clean["frction"]
+    assert "frction" not in clean
+    assert clean.get("frction") is None
+
+
 def test_scalar_and_vector():
     clean = load_domain("global").sample(1, only=[])
     assert clean.scalar("object_mass") == 1.0

@@ -56,14 +56,14 @@ Wish = tuple[CertificationSpec, CertificationRun]
 
 
 def wish(out: Path, **changes) -> Wish:
-    own = {key: changes.pop(key) for key in ("first_seed", "feasible", "max_attempts", "baselines")
+    own = {key: changes.pop(key) for key in ("first_seed", "feasible", "max_attempts", "replays")
            if key in changes}  # fmt: skip
     spec = replace(CertificationSpec(feasible=3), **own)
     return spec, replace(CertificationRun((TASK,), (PROTOCOL,), out), **changes)
 
 
-def opened(out: Path, baselines: tuple[str, ...] = BOTH, **changes) -> CertificationSeries:
-    template, run = wish(out, baselines=baselines, **changes)
+def opened(out: Path, replays: tuple[str, ...] = BOTH, **changes) -> CertificationSeries:
+    template, run = wish(out, replays=replays, **changes)
     (spec,) = run.specs(template)
     return CertificationSeries(out, spec, FINGERPRINT)
 
@@ -74,22 +74,22 @@ def listed(out: Path, protocol: str = PROTOCOL) -> InstanceList:
     return found
 
 
-def verdict(seed: int, baselines: tuple[str, ...]) -> BenchmarkInstance:
+def verdict(seed: int, replays: tuple[str, ...]) -> BenchmarkInstance:
     """Every third seed is infeasible; the others' columns differ from each other."""
     if seed % 3 == 0:
         return BenchmarkInstance(seed, "slipped")
-    replay = seed % 2 == 0 if "replay" in baselines else None
-    twin = seed % 5 == 0 if "twin" in baselines else None
+    replay = seed % 2 == 0 if "replay" in replays else None
+    twin = seed % 5 == 0 if "twin" in replays else None
     return BenchmarkInstance(seed, "", f"{seed:016x}", replay, twin)
 
 
 def work(made: CertificationSeries, most: int = 1000) -> list[tuple[int, tuple[str, ...]]]:
-    """Does at most so many jobs; returns what each was: seed after the first, baselines."""
+    """Does at most so many jobs; returns what each was: seed after the first, replays."""
     done = []
     while made.wants(1) and len(done) < most:
         job = made.job(made.begin())
-        done.append((job.recipe.seed - FIRST_SEED, job.baselines))
-        made.take(job.recipe.seed, verdict(job.recipe.seed, job.baselines))
+        done.append((job.recipe.seed - FIRST_SEED, job.replays))
+        made.take(job.recipe.seed, verdict(job.recipe.seed, job.replays))
     made.close_if_over()
     return done
 
@@ -168,14 +168,14 @@ def test_a_hopeless_list_is_given_up_wherever_it_was_killed(tmp_path: Path) -> N
 
 def test_what_cannot_be_is_refused_before_any_work(tmp_path: Path) -> None:
     with pytest.raises(UnknownName, match="did you mean 'twin'"):
-        wish(tmp_path, baselines=("twim",))
+        wish(tmp_path, replays=("twim",))
     with pytest.raises(UnknownName, match="did you mean 'clean'"):
         wish(tmp_path, protocols=("clear",))
     with pytest.raises(BadValue, match=r"feasible = 0 .*at least 1"):
         wish(tmp_path, feasible=0)
 
 
-# ---- baselines that are asked for later ----------------------------------------------------------
+# ---- replays that are asked for later ----------------------------------------------------------
 
 
 @pytest.fixture
@@ -231,7 +231,7 @@ def test_without_physics_there_is_no_twin_to_measure(tmp_path: Path) -> None:
     assert work(opened(tmp_path, ("replay",), protocols=clean))
     assert work(opened(tmp_path, ("twin",), protocols=clean)) == []
     grown = listed(tmp_path, "clean")
-    assert grown.baselines == BOTH and {one.twin for one in grown.instances} == {None}
+    assert grown.replays == BOTH and {one.twin for one in grown.instances} == {None}
 
 
 @pytest.mark.parametrize("now", [{"reason": "slipped", "state": ""}, {"state": "0123456789abcdef"}])
@@ -240,7 +240,7 @@ def test_rows_that_come_out_otherwise_are_not_added_to(tmp_path: Path, now: dict
     before = list_file(tmp_path, PROTOCOL).read_bytes()
     again = opened(tmp_path, ("twin",))
     seed = again.begin()
-    again.take(seed, verdict(seed, again.job(seed).baselines)._replace(**now))
+    again.take(seed, verdict(seed, again.job(seed).replays)._replace(**now))
     again.close_if_over()
     halted = again.halted
     assert again.over and "came out otherwise than in the list" in halted
@@ -248,12 +248,12 @@ def test_rows_that_come_out_otherwise_are_not_added_to(tmp_path: Path, now: dict
     assert again.path.read_bytes() == before
 
 
-def test_a_list_with_a_baseline_from_elsewhere_is_refused(tmp_path: Path) -> None:
+def test_a_list_with_a_replay_from_elsewhere_is_refused(tmp_path: Path) -> None:
     made = opened(tmp_path, BOTH)
     work(made)
     text = made.path.read_text().replace('["replay", "twin"], "col', '["twim"], "col')
     made.path.write_text(text)
-    with pytest.raises(UnknownName, match=r"phys_random.jsonl: unknown baseline 'twim'"):
+    with pytest.raises(UnknownName, match=r"phys_random.jsonl: unknown open-loop replay 'twim'"):
         opened(tmp_path, BOTH)
 
 
@@ -274,7 +274,7 @@ class QuickCertifier:
         return self.do
 
     def do(self, job: CertificationTask) -> BenchmarkInstance:
-        return verdict(job.recipe.seed, job.baselines)
+        return verdict(job.recipe.seed, job.replays)
 
 
 class CrashingPool(QuickPool[J, R]):
@@ -322,9 +322,9 @@ def test_the_order_of_wishes_does_not_matter(
     tasks, protocols = (TASK, "lift_pot"), (PROTOCOL, "clean")
     run = CertificationRun(tasks, protocols, tmp_path / "whole", workers=workers)
     certify(CertificationSpec(feasible=4), run, pack)
-    for number, baselines in enumerate(wishes):
+    for number, replays in enumerate(wishes):
         feasible = 3 if len(wishes) > 1 and number == 0 else 4
-        grown = CertificationSpec(feasible=feasible, baselines=baselines)
+        grown = CertificationSpec(feasible=feasible, replays=replays)
         certify(grown, replace(run, out=tmp_path / "grown"), pack)
     assert lists_in(tmp_path / "grown") == lists_in(tmp_path / "whole")
     assert len(lists_in(tmp_path / "whole")) == 2 and not list(tmp_path.rglob("*.ledger"))
@@ -389,8 +389,8 @@ def test_lists_do_not_depend_on_workers_or_wishes_and_say_what_the_expert_does(
 ) -> None:
     first, other = tmp_path / "first", tmp_path / "other"
     certify(*wish(first, feasible=2, workers=1), pack)
-    certify(*wish(other, feasible=1, baselines=("twin",), workers=2), pack)
-    certify(*wish(other, feasible=2, baselines=("replay",), workers=2), pack)
+    certify(*wish(other, feasible=1, replays=("twin",), workers=2), pack)
+    certify(*wish(other, feasible=2, replays=("replay",), workers=2), pack)
     assert lists_in(first) == lists_in(other)
     for one in listed(first).feasible:
         tried = attempt(EpisodeSpec(TASK, PROTOCOL).at(one.seed), load_task(TASK), pack)
@@ -449,7 +449,7 @@ def benchmark(tmp_path_factory: pytest.TempPathFactory, pack: Pack) -> Path:
 
 
 def stale_wish(out: Path, reproofs: int = 0) -> Wish:
-    few = {"feasible": 2, "baselines": ("none",), "workers": 1}
+    few = {"feasible": 2, "replays": ("none",), "workers": 1}
     return wish(out, protocols=("clean",), reprove=reproofs, **few)
 
 

@@ -92,6 +92,7 @@ COMMANDS = {name: facts for group in GROUPS.values() for name, facts in group.it
 # What a command, or a word after it, was called in 1.0; it works until 1.2.
 ALIASES = {"verify-manifest": "verify"}
 FORMER = {
+    "certify": {"--baselines": "--replays"},
     "check": {"--robots": "--baselines"},
     "collect": {"--seed": "--first-seed"},
     "evaluate": {"--set": "--policy-option", "--seed": "--policy-seed"},

@@ -6,6 +6,8 @@ from math import isfinite
 from types import MappingProxyType
 from typing import cast
 
+from rtphys.core.errors import UnknownName
+
 Vector = tuple[float, ...]
 Value = float | int | str | Vector | None
 
@@ -30,7 +32,13 @@ class Physics(Mapping[str, Value]):
             raise ValueError(f"varied names keys without a value: {sorted(unknown)}")
 
     def __getitem__(self, key: str) -> Value:
+        """The value of a key; raises `KeyError` with the nearest key where there is none."""
+        if key not in self._values:
+            raise KeyError(str(UnknownName("attribute", key, self._values)))
         return self._values[key]
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._values
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)

@@ -36,7 +36,7 @@ FORMAT = 2
 
 
 class BenchmarkInstance(NamedTuple):
-    """Certification of one seed; a row of a file. A baseline that was not measured is None."""
+    """Certification of one seed; a row of a file. A replay that was not measured is None."""
 
     seed: Annotated[int, Field(strict=True)]
     reason: str = ""  # why the expert failed; empty for a feasible seed
@@ -92,7 +92,7 @@ class InstanceList:
     protocol: str
     fingerprint: Fingerprint
     instances: tuple[BenchmarkInstance, ...]
-    baselines: tuple[str, ...] = ()  # names of those that were measured
+    replays: tuple[str, ...] = ()  # names of those that were measured
     # Of a dataset's seeds: the protocol under which the expert tried them, where it is another.
     tried_under: str = ""
 
@@ -136,7 +136,7 @@ class _Header(Model):
     attempts: int  # number of rows
     feasible: int  # of these
     fingerprint: Fingerprint
-    baselines: list[str]
+    replays: list[str]
     columns: list[str]
     format: Literal[2]
     tried_under: str = ""
@@ -176,7 +176,7 @@ def write_lists(path: Path, lists: Iterable[InstanceList]) -> None:
             attempts=one.attempts,
             feasible=len(one.feasible),
             fingerprint=one.fingerprint,
-            baselines=list(one.baselines),
+            replays=list(one.replays),
             columns=list(BenchmarkInstance._fields),
             format=FORMAT,
             tried_under=one.tried_under,
@@ -237,7 +237,7 @@ def _read(where: str, head: _Header, lines: list[bytes]) -> InstanceList:
     if any(after.seed != before.seed + 1 for before, after in pairwise(rows)):
         raise BadFile(where, "a seed is missing or occurs twice; certify it again")
     of = head.task, head.protocol, head.fingerprint
-    found = InstanceList(*of, rows, tuple(head.baselines), head.tried_under)
+    found = InstanceList(*of, rows, tuple(head.replays), head.tried_under)
     if head.feasible != len(found.feasible):
         raise BadFile(where, f"{head.feasible} are feasible, but it holds {len(found.feasible)}")
     return found

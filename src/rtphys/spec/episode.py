@@ -54,7 +54,7 @@ class EpisodeSpec:
 
     task: str = ""  # empty in a template of several tasks
     protocol: Annotated[
-        str, Option("What varies between episodes. Default: phys_random_all; with `only`: that.")
+        str, Option("What varies. Default: phys_random_all; with `only`, its attributes alone.")
     ] = ""
     only: Annotated[
         tuple[str, ...] | None,

@@ -29,7 +29,7 @@ from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.protocol import load_protocol
 from rtphys.spec.stored import CLOSED, differences, stored
-from rtphys.studies.requests import BASELINES, CertificationRun, CertificationSpec
+from rtphys.studies.requests import REPLAYS, CertificationRun, CertificationSpec
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.spec import load_task
 
@@ -49,27 +49,27 @@ class MeasuredInstance:
     """A row of the log."""
 
     instance: BenchmarkInstance
-    measured: Names  # baselines
+    measured: Names  # replays
 
 
 class CertificationTask(NamedTuple):
     """One seed, and what to measure on it if it is feasible."""
 
     recipe: Recipe
-    baselines: Names = ()
+    replays: Names = ()
 
 
 class CertifyWorker(StudyWorker[CertificationTask, BenchmarkInstance]):
-    """Lets the expert try a seed, without pictures, and measures baselines on a feasible one."""
+    """Lets the expert try a seed, without pictures, and measures replays on a feasible one."""
 
     def do(self, job: CertificationTask) -> BenchmarkInstance:
         recipe, alone, twin = job.recipe, None, None
         tried = self.demonstrate(recipe)
         if not tried.accepted or tried.recording is None:
             return BenchmarkInstance(recipe.seed, tried.reason)
-        if "replay" in job.baselines:
+        if "replay" in job.replays:
             alone = self.replay(recipe, tried)
-        if "twin" in job.baselines:
+        if "twin" in job.replays:
             clean = recipe.spec.under("clean").at(recipe.seed)
             twin = self.replay(recipe, self.demonstrate(clean))
         state = tried.recording.hash[:HASH_LENGTH]
@@ -77,13 +77,13 @@ class CertifyWorker(StudyWorker[CertificationTask, BenchmarkInstance]):
 
 
 class CertificationSeries(Series[CertificationTask, BenchmarkInstance]):
-    """One certified list in the making: known rows gain the baselines they lack, new seeds follow.
+    """One certified list in the making: known rows gain the replays they lack, new seeds follow.
 
-    A list's baselines only grow: every row is owed all that were ever measured or asked for, or
+    A list's replays only grow: every row is owed all that were ever measured or asked for, or
     else a list would depend on the order of the questions. The list is written when it is whole;
     until then a ledger beside its file holds what is new, the newest line of a seed being in force.
     Raises `DatasetMismatch`: what is there has another fingerprint or first seed; `BadFile`,
-    `UnknownName`: it is damaged; it names a baseline that does not exist.
+    `UnknownName`: it is damaged; it names an open-loop replay that does not exist.
     """
 
     def __init__(self, out: Path, spec: CertificationSpec, fingerprint: Fingerprint) -> None:
@@ -100,14 +100,14 @@ class CertificationSeries(Series[CertificationTask, BenchmarkInstance]):
             )
             if clauses := differences(stored(before), stored(header)):
                 raise DatasetMismatch(f"{self.path}, {task}", clauses)
-            for name in {*known.baselines}.difference(BASELINES):
-                raise UnknownName("baseline", name, BASELINES, self.path)
+            for name in {*known.replays}.difference(REPLAYS):
+                raise UnknownName("open-loop replay", name, REPLAYS, self.path)
             for one in known.instances:
-                self._put(MeasuredInstance(one, known.baselines))
+                self._put(MeasuredInstance(one, known.replays))
         path = out / f".{protocol}.{task}.ledger"
         self._ledger = Ledger(path, header, MeasuredInstance, self._put)
-        named = {*spec.baselines}.union(*self._measured.values())
-        self.baselines = tuple(name for name in BASELINES if name in named)
+        named = {*spec.replays}.union(*self._measured.values())
+        self.replays = tuple(name for name in REPLAYS if name in named)
         self._physics = load_protocol(protocol).physics
         found = self.instances
         lacking = [one.seed for one in found.feasible if self._lacks(one.seed)]
@@ -128,8 +128,8 @@ class CertificationSeries(Series[CertificationTask, BenchmarkInstance]):
 
     def _lacks(self, seed: int) -> Names:
         """Without physics a twin would be the same world, and is not measured."""
-        lacking = {*self.baselines}.difference(self._measured.get(seed, ()))
-        return tuple(n for n in self.baselines if n in lacking and (self._physics or n != "twin"))
+        lacking = {*self.replays}.difference(self._measured.get(seed, ()))
+        return tuple(n for n in self.replays if n in lacking and (self._physics or n != "twin"))
 
     def job(self, seed: int) -> CertificationTask:
         return CertificationTask(self.spec.episode.at(seed), self._lacks(seed))
@@ -148,7 +148,7 @@ class CertificationSeries(Series[CertificationTask, BenchmarkInstance]):
                 )
             new = {name: getattr(result, name) for name in self._lacks(seed)}
             result = known._replace(**new)
-        self._put(row := MeasuredInstance(result, self.baselines))
+        self._put(row := MeasuredInstance(result, self.replays))
         self._ledger.append(row)
         return ""
 
@@ -179,7 +179,7 @@ class CertificationSeries(Series[CertificationTask, BenchmarkInstance]):
     def instances(self) -> InstanceList:
         """What is known so far."""
         of, rows = self.spec.episode, tuple(self._rows.values())
-        return InstanceList(of.task, of.protocol, self.fingerprint, rows, self.baselines)
+        return InstanceList(of.task, of.protocol, self.fingerprint, rows, self.replays)
 
 
 def certify(

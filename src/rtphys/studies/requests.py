@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 
 FirstSeed = Annotated[Seed, Option("The first seed to try.")]
-BASELINES = ("replay", "twin")
+REPLAYS = ("replay", "twin")
 """Measured on feasible seeds. replay: the recorded actions alone; twin: those of the clean demo."""
 
 
@@ -58,16 +58,16 @@ class CertificationSpec:
     first_seed: FirstSeed = FIRST_SEED
     feasible: Annotated[Positive, Extent, Option("Number of feasible seeds of each list.")] = 100
     max_attempts: Annotated[Positive, Extent, Option("Number of seeds to try for one list.")] = 1000
-    baselines: Annotated[
+    replays: Annotated[
         tuple[str, ...],
         Extent,
-        one_of("baseline", (*BASELINES, "none")),
+        one_of("open-loop replay", (*REPLAYS, "none")),
         Option(
             "replay, twin (open-loop replay of the clean demonstration), or none. Each costs about "
             "as much as the attempt itself. "
             "A list that lacks one gains it, and keeps what it has."
         ),
-    ] = BASELINES
+    ] = REPLAYS
 
 
 @checked_dataclass(frozen=True)

@@ -135,6 +135,14 @@ def _parts(prop: Prop) -> Iterator[Part]:
         yield "bodies"
 
 
+# How an error calls a prop with such a part.
+ABLE: Mapping[Part, str] = {
+    "surfaces": "prop that can be touched",
+    "joints": "prop with joints",
+    "bodies": "prop that can move",
+}
+
+
 def check_props(keys: Iterable[str], props: Iterable[Prop]) -> None:
     """Raise `UnknownName` where a key names no prop, or one without what its attribute changes."""
     has = parts(props)
@@ -145,5 +153,5 @@ def check_props(keys: Iterable[str], props: Iterable[Prop]) -> None:
         needed: Part = attribute(name).acts_on or "surfaces"
         able = [other for other, own in has.items() if needed in own]
         if prop not in able:
-            kind = f"prop with {needed}" if prop in has else "prop"
+            kind = ABLE[needed] if prop in has else "prop"
             raise UnknownName(kind, prop, able, key)
