@@ -197,6 +197,19 @@ def test_a_crash_of_the_policy_is_its_failure(pack: Pack) -> None:
 
 
 @pytest.mark.sim
+def test_the_camera_is_no_factor_for_a_policy_without_pictures(pack: Pack) -> None:
+    worker, camera = EvaluateWorker(pack, FEW), {"camera_angle", "camera_distance"}
+    asked = {"blind": {}, "sees": {"look": "yes"}}
+    inert = {
+        name: {*worker.do(task_of(SEEDS[0], "phys_random", actions="0", **look)).record.inert}
+        for name, look in asked.items()
+    }
+    assert camera <= inert["blind"]
+    assert len(camera & inert["sees"]) == 1  # one displacement an episode: turned, or moved
+    assert inert["blind"] - camera == inert["sees"] - camera
+
+
+@pytest.mark.sim
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_the_expert_solves_what_it_has_certified(pack: Pack, protocol: str) -> None:
     recipe = EpisodeSpec(TASK, protocol).at(FIRST_SEED)

@@ -341,7 +341,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
                 self._session.close()  # the next episode must not depend on what it remembers now
             except PolicyBroken as error:
                 trace += f"{error}\n"
-        record = _judged(episode, trace)
+        record = _judged(episode, trace, policy.needs_images)
         if keep == "hash":
             return EvaluationResult(record)
         instance, recording = episode.instance, episode.rollout.recorder.recording
@@ -365,11 +365,14 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         return EvaluationResult(record, drawn_one)
 
 
-def _judged(episode: PolicyEpisode, trace: str) -> EpisodeRecord:
+def _judged(episode: PolicyEpisode, trace: str, sees: bool) -> EpisodeRecord:
+    """What the episode came to. `sees`: whether the policy is shown pictures."""
     time = episode.rollout.scene.time
     outcome, physics = episode.finish(), episode.instance.physics
     strain = episode.rollout.strain
     success, able = episode.success and not trace, could_act(physics, parts(episode.instance.props))
+    if not sees:  # where the camera stands changes nothing for it
+        able = {key for key in able if "camera_mode" not in attributes()[key].auxiliary}
     return EpisodeRecord(
         task=episode.task,
         protocol=episode.protocol,
