@@ -5,7 +5,7 @@ OUT ?= data
 PYTEST ?=
 BIN := .venv/bin
 
-.PHONY: setup setup-test setup-dev setup-docs collect test test-all check format ci smoke reprove \
+.PHONY: setup setup-test setup-dev setup-docs collect test test-all check format ci smoke reprove remake \
         wheel release bench tables pictures docs clean
 
 setup:            ## environment, Vulkan driver, assets (quick when nothing is to do)
@@ -57,6 +57,15 @@ SHARE = ls tasks | sed -n 's/^\([a-z].*\)\.py$$/\1/p' | awk "NR % 10 == $$(date 
 reprove: setup    ## solve one instance of a rotating share of the certified lists again
 	$(BIN)/rtphys certify --reprove 1 --task "$$($(SHARE))" --protocol "$$(ls manifests/benchmark_v3 | sed s/.jsonl// | paste -sd,)" \
 	    --out manifests/benchmark_v3
+
+# Another task every week of the year.
+OF_WEEK = import datetime, json; \
+    tasks = sorted(json.load(open("manifests/training_v1.digests.json"))["tasks"]); \
+    print(tasks[datetime.date.today().isocalendar().week % len(tasks)])
+remake: setup     ## make the first two episodes of a task of Training Set v1 again, and compare them
+	rm -rf build/remade
+	$(BIN)/rtphys collect "$$($(BIN)/python -c '$(OF_WEEK)')" --episodes 2 --out build/remade
+	$(BIN)/rtphys verify build/remade --expect training_v1
 
 # The tests run last, and also when an earlier part has failed: pytest's summary ends the output.
 ci:               ## what continuous integration runs: check, wheel, smoke, reprove, test

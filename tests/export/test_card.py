@@ -2,12 +2,14 @@
 
 import json
 import os
+import re
 import subprocess
 from pathlib import Path
 
 import pytest
 
 from rtphys.data.dataset import Dataset
+from rtphys.data.state_digests import state_digest
 from rtphys.data.verify import verify
 from rtphys.export.card import CardText, card, write_card
 
@@ -48,6 +50,15 @@ def test_croissant_has_a_record_per_episode(dataset: Dataset) -> None:
     assert [set(row) for row in records["data"]] == [fields] * 3
     assert [row["episodes/seed"] for row in records["data"]] == [0, 1, 3]
     assert records["data"][1]["episodes/friction"] == dataset[1].physics["friction"]
+
+
+def test_the_card_identifies_the_dataset_and_each_episode(dataset: Dataset) -> None:
+    digest = re.findall(r"--expect (sha256:[0-9a-f]{64})`", card(dataset, TEXT))
+    assert [verify(dataset.path).digest] == digest
+    (records,) = metadata(dataset)["recordSet"]
+    listed = [row["episodes/state_digest"] for row in records["data"]]
+    assert listed == [state_digest(one)[:16] for one in dataset]
+    assert len({*listed}) == 3
 
 
 def test_the_dataset_stays_sound_and_the_card_repeats(dataset: Dataset) -> None:

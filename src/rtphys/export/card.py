@@ -15,6 +15,8 @@ from rtphys.data.dataset import Dataset
 from rtphys.data.files import facts_of, replace_file
 from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST
+from rtphys.data.manifest import dataset_digest
+from rtphys.data.state_digests import DIGITS, state_digest
 from rtphys.export.lerobot_plan import physics_of
 from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.physics.reach import split
@@ -96,6 +98,7 @@ def card(dataset: Dataset, text: CardText) -> str:
             versions.setdefault(name, set()).add(version)
     counts = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
     made = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(versions.items()))
+    digest = dataset_digest((dataset.path / MANIFEST).read_bytes())
     parts = [
         "\n".join(front),
         f"# {text.name}",
@@ -114,6 +117,10 @@ def card(dataset: Dataset, text: CardText) -> str:
         "## Provenance",
         f"Made by a scripted expert in simulation: {made}. "
         f"Dataset format {dataset.manifest.dataset_version}.",
+        f"Digest of this dataset: `{digest}`; `rtphys verify path/to/this/folder --expect {digest}` "
+        "tells whether a copy is this dataset. `croissant.json` has a state digest of each episode, "
+        "of its seed, states, actions and label: the same on every machine that collects it again, "
+        "whatever draws the pictures.",
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
@@ -226,6 +233,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
             "protocol": episode.protocol,
             "number": episode.number,
             "seed": episode.seed,
+            "state_digest": state_digest(episode)[:DIGITS],
             "trajectory": episode.paths.hdf5.relative_to(dataset.path).as_posix(),
             **physics_of(episode, acting=True),
         }
