@@ -31,7 +31,11 @@ MAX_PICTURES = 32  # of one episode
 
 
 def stage(out: Path) -> None:
-    """Copy all documents; links to what the site does not hold become names of files."""
+    """Copy all documents.
+
+    Links to what the site does not hold become names of files. A picture leads to itself, because
+    most are wider than a page.
+    """
     shutil.rmtree(out, ignore_errors=True)
     shutil.copytree(ROOT / "docs", out / "docs")
     for name in PAGES:
@@ -47,9 +51,11 @@ def _linked(text: str, folder: Path, out: Path) -> str:
             return link[0]
         path = (folder / target).resolve()
         held = path.is_file() or path == out / "docs" / "tasks.md"
-        return link[0] if held else f"{words} (`{path.relative_to(out)}`)"
+        name = f"`{path.relative_to(out)}`"
+        return link[0] if held else name if words.strip("`") in name else f"{words} ({name})"
 
-    return re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)", replaced, text)
+    text = re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)", replaced, text)
+    return re.sub(r"!\[[^\]]*\]\(([^)\s]+)\)", r"[\g<0>](\1)", text)
 
 
 def tasks_page(out: Path, pictures: bool) -> None:
@@ -59,11 +65,15 @@ def tasks_page(out: Path, pictures: bool) -> None:
         "# Every task",
         "",
         f"The {len(names)} tasks: what the robot does, what counts as success, the share of tried "
-        "seeds that the expert solves under each protocol, and how far one attribute at a time may "
-        "be from nominal before open-loop replays of clean demonstrations fail "
-        "([Sensitivity](sensitivity.md)). The pictures show the first certified episode under "
-        f"`{PROTOCOL}` at real speed, as the head camera sees it.",
+        "seeds that the expert solves under each protocol, and the values of each attribute with "
+        "which open-loop replays of clean demonstrations still succeed "
+        "([Sensitivity](sensitivity.md)). *Upstream* is RoboTwin.",
     ]
+    if pictures:
+        lines[-1] += (
+            f" The pictures show the first certified episode under `{PROTOCOL}` at real speed, as "
+            "the head camera sees it."
+        )
     pack = default_pack()
     for name in names:
         task = load_task(name)
@@ -76,8 +86,8 @@ def tasks_page(out: Path, pictures: bool) -> None:
             lines += [f"![{name}](images/tasks/{name}.webp)", ""]
         lines += [task.doc, ""]
         lines += [f"* mechanism: {task.mechanism}; arms: {task.arms}; {task.step_limit} steps"]
-        lines += [f"* domain: {own}", f"* expert: {', '.join(shares) or 'not measured'}"]
-        lines += [f"* tolerance: {tolerance(name)}"]
+        lines += [f"* domain: {own}", f"* the expert solves: {', '.join(shares) or 'not measured'}"]
+        lines += [f"* replays tolerate: {tolerance(name)}"]
     (out / "docs" / "tasks.md").write_text("\n".join(lines) + "\n")
 
 
@@ -91,10 +101,11 @@ def tolerance(name: str) -> str:
         if one["share"] < 1:
             (low, high), (least, most) = one["tolerance"], one["range"]
             unit = attribute(key).unit.strip("1")
-            narrow.append(f"`{key}` {low:g} to {high:g} of {least:g} to {most:g} {unit}".rstrip())
+            tolerated = f"`{key}` {low:.3g} to {high:.3g} {unit}".rstrip()
+            narrow.append(f"{tolerated} (range: {least:g} to {most:g})")
     count = len(found["seeds"])
-    rest = "the rest of the ranges" if narrow else "all ranges"
-    return f"{'; '.join([*narrow, rest])} ({count} seeds)"
+    rest = "all other attributes in" if narrow else "all attributes in"
+    return f"{'; '.join([*narrow, rest])} their whole range ({count} seeds)"
 
 
 def draw(task: Task, pack: Pack, path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pages import PAGES, ROOT, blocks, commands, parse
+from pages import PAGES, ROOT, blocks, commands, parse, parts
 
 GENERATED = {"tasks.md"}  # scripts/site.py writes it when the site is built
 
@@ -73,6 +73,13 @@ def test_examples_can_be_read(page: Path) -> None:
     for text in blocks(page, "yaml"):
         if "…" not in text:  # an excerpt
             list(yaml.safe_load_all(text))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_code_has_lines_of_100_characters_at_most(page: Path) -> None:
+    """As many fit on the site and in most terminals."""
+    lines = [line for part in parts(page) for line in part.text.splitlines()]
+    assert not [line for line in lines if len(line) > 100]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

@@ -1,6 +1,7 @@
 """`rtphys evaluate`: what it refuses, and its tables: from 80 columns on, nothing is cut off."""
 
 import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from io import StringIO
@@ -16,6 +17,7 @@ from typer.testing import CliRunner
 from rtphys.cli.evaluate import (
     attributes_table,
     errors_of,
+    failures_table,
     left_out_of,
     loads_table,
     pairs_table,
@@ -50,9 +52,9 @@ RATES = [
     "89 % [86-91.5] 445/500",
     "77.5 % 445/574",
     "66.6 % 333/500",
-    "step_limit 44, policy_error 11",
 ]
-TOTAL = ["phys_random_all", "all, mean 50 %", *RATES[2:5], ""]
+TOTAL = ["phys_random_all", "all, mean 50 %", *RATES[2:]]
+FAILURES = ["phys_random_all", TASK, "step_limit 44, policy_error 11"]
 LOADED = ["phys_random_all", TASK, "0.0, 21.4, 1012.0", "0.30, 0.89, 1.00", "12"]
 PAIRS = ["official_random", "phys_random_all", "5108", "4000", "1000", "101", "1.3e-186"]
 ATTRIBUTES = [
@@ -80,6 +82,7 @@ def cells(table: Table, width: int) -> list[str]:
     ("draw", "rows"),
     [
         (rates_table, [RATES, TOTAL]),
+        (failures_table, [FAILURES]),
         (loads_table, [LOADED, ["phys_random_all", "all", *LOADED[2:]]]),
         (pairs_table, [PAIRS]),
         (attributes_table, [ATTRIBUTES]),
@@ -90,6 +93,30 @@ def test_nothing_is_cut_off(
 ) -> None:
     said = ["".join("".join(column).split()) for column in zip(*rows, strict=True)]
     assert cells(draw(SUMMARY), width) == said
+
+
+TABLES = (rates_table, failures_table, loads_table, pairs_table, attributes_table)
+
+
+@pytest.mark.parametrize("draw", TABLES)
+def test_no_word_is_broken_in_80_columns(
+    draw: Callable[[Summary], Table], capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = draw(SUMMARY)
+    texts = [str(text) for column in table.columns for text in (column.header, *column.cells)]
+    print_within(Screen(width=80), table)
+    printed = Counter(capsys.readouterr().out.split())
+    assert not Counter(word for text in texts for word in text.split()) - printed
+
+
+def test_names_that_are_too_long_are_broken_between_their_parts(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    row = replace(SUMMARY.tasks[0], protocol="only_gripper_joint_damping")
+    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,))))
+    printed = capsys.readouterr().out
+    assert max(map(len, printed.splitlines())) <= 80
+    assert {"only_gripper_joint_", "damping", "shake_bottle_", "horizontally"} < {*printed.split()}
 
 
 @pytest.mark.parametrize("width", [80, 100])
@@ -103,7 +130,7 @@ def test_heads_wrap_before_rates_do(capsys: pytest.CaptureFixture[str]) -> None:
     row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {"gave_up": 26})
     print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,), overall=())))
     (line,) = (line for line in capsys.readouterr().out.splitlines() if BELL in line)
-    assert "  100 % [91.2-100]  " in line and line.count("  100 % 40/40") == 2
+    assert "  100 % [91.2-100] 40/40  " in line and line.count("  100 % 40/40") == 2
 
 
 def test_what_nobody_tried_has_no_rate(capsys: pytest.CaptureFixture[str]) -> None:

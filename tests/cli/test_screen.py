@@ -18,6 +18,7 @@ from rtphys.cli.screen import (
     Lines,
     Screen,
     fitting_table,
+    print_parts,
     print_table,
     print_within,
     reasons,
@@ -52,6 +53,28 @@ def test_names_give_way_before_words_break(width: int, capsys: pytest.CaptureFix
     said = capsys.readouterr().out
     assert max(map(len, said.splitlines())) <= width
     assert {"[91.2-100]", "40/40", "445/574", "policy_error", "phys_random_all"} <= {*said.split()}
+
+
+class Terminal(StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_columns_without_room_follow_below(terminal: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = fitting_table(["task"], [f"[{n}]" for n in range(9)], "title", justify="right")
+    table.add_row("shake_bottle_horizontally", *(f"{n}0 ({n}0-100)" for n in range(9)))
+    monkeypatch.setenv("TERM", "dumb")  # of 80 columns, without escape sequences
+    monkeypatch.setattr(sys, "stdout", shown := Terminal() if terminal else StringIO())
+    print_parts(table)
+    lines = [line.split() for line in shown.getvalue().splitlines()]
+    heads = [line for line in lines if line[0] == "task"]
+    rows = [line for line in lines if line[0] == "shake_bottle_horizontally"]
+    assert [len(line) for line in heads] == ([5, 5, 2] if terminal else [10])
+    assert lines == [["title"], *(line for both in zip(heads, rows, strict=True) for line in both)]
+    assert [word for line in heads for word in line[1:]] == [f"[{n}]" for n in range(9)]
+    cells = [word for line in rows for word in line[1:]]
+    assert cells == [word for n in range(9) for word in (f"{n}0", f"({n}0-100)")]
 
 
 def test_a_pipe_gets_one_line_a_row(capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,7 +13,7 @@ from rtphys.analysis.estimators import short_name
 from rtphys.analysis.identify import Result, read_result
 from rtphys.assets.pack import default_pack
 from rtphys.cli.derived import AsJson, Json, takes
-from rtphys.cli.screen import campaign, fitting_table, print_rows, print_table, reasons
+from rtphys.cli.screen import campaign, fitting_table, print_parts, print_rows, print_table, reasons
 from rtphys.cli.terminal import Incomplete, say, say_json
 from rtphys.core.errors import counted
 from rtphys.results import read_results
@@ -133,6 +133,8 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         print_table(rates_table(summary))
         if summary.stale:
             say(summary.stale)
+        if any(row.reasons for row in summary.tasks):
+            print_table(failures_table(summary))
         for row in summary.tasks:
             if row.language:
                 say(f"{row.protocol}, {row.task}: {row.language}")
@@ -171,12 +173,10 @@ def errors_of(results: Results) -> tuple[str, bool]:
 def rates_table(summary: Summary) -> Table:
     """Success rates of each task and protocol."""
     first = "of benchmark instances" if summary.certified else "of these seeds"
-    columns = (first, "of all seeds tried", "still true after 0.5 s", "failures")
+    columns = (first, "of all seeds tried", "still true after 0.5 s")
     table = fitting_table(["protocol", "task"], columns, "success, with 95 % intervals")
     for row in summary.tasks:
-        reasons = ", ".join(f"{name} {count}" for name, count in row.reasons.items())
-        table.add_row(row.protocol, row.task, *_rates(row.counts), reasons)
-    table.add_section()
+        table.add_row(row.protocol, row.task, *_rates(row.counts))
     for total in summary.overall:
         if total.tasks > 1:
             mean = total.mean_of_tasks
@@ -185,9 +185,19 @@ def rates_table(summary: Summary) -> Table:
     return table
 
 
+def failures_table(summary: Summary) -> Table:
+    """Number of failures by reason, of each task and protocol that has any."""
+    table = fitting_table(["protocol", "task"], ["failures"])
+    for row in summary.tasks:
+        if row.reasons:
+            reasons = ", ".join(f"{name} {count}" for name, count in row.reasons.items())
+            table.add_row(row.protocol, row.task, reasons)
+    return table
+
+
 def loads_table(summary: Summary) -> Table:
     """Largest force and torque of the successful episodes, and how many were rough."""
-    title = "loads on the robot in successful episodes (median, 90th percentile, maximum)"
+    title = "loads on the robot in successes (median, 90th percentile, maximum)"
     columns = ("force on a link [N]", "torque [of the motor's]", "rough")
     table = fitting_table(["protocol", "task"], columns, title)
     rough = [(row.protocol, row.task, row.loads) for row in summary.tasks if row.loads.rough]
@@ -302,11 +312,8 @@ def compare(
         table = fitting_table(["method"], protocols, title, justify="right")
         for method, means in analysis.paper_means().items():
             table.add_row(method, *(f"{means[name]:.2f}" for name in protocols))
-        table.caption = (
-            "Means of the 50 tasks of its Table 3: Motus 39.56, pi0.5 31.50 (as printed: 39.60, "
-            "31.60)."
-        )
         print_table(table)
+        say("By its Table 3 the means are 39.56 (Motus) and 31.50 (pi0.5), not as printed.")
         for sentence in analysis.limits_of_comparison(evaluations):
             say(sentence)
     _show_pairs(comparison)
@@ -332,13 +339,12 @@ def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
                 "  instances", *("-" if rate is None else str(rate.trials) for rate in rates)
             )
             differ = True
-    table.add_section()
     means = [column.mean(tasks) for column in columns]
     shown = ["-" if mean is None else f"{100 * mean:.2f}" for mean in means]
     table.add_row("mean of these tasks", *shown)
     totals = [cell(column.total(tasks), bool(column.unfinished)) for column in columns]
     table.add_row("all their rollouts", *totals)
-    print_table(table)
+    print_parts(table)
     if differ:
         say("Not all were run on the same instances; the next table compares those they share.")
     for clause in unfinished(columns):
@@ -368,7 +374,7 @@ def _show_pairs(comparison: Comparison) -> None:
         for reason in pair.unpaired:
             say(f"not paired: {pair.first}, {pair.second}, {pair.protocol}, {reason}")
     if comparison.ranks:
-        title = "how alike they rank the tasks (Spearman's rho; 1: the same order, 0: unrelated)"
+        title = "how alike they rank the tasks (Spearman's rho)"
         table = fitting_table(names, ("tasks", "rho", "p"), title, justify="right")
         for rank in comparison.ranks:
             rho = "-" if rank.rho is None else f"{rank.rho:+.2f}"

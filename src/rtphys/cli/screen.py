@@ -1,5 +1,6 @@
 """Tables, bars and the display of a running campaign, on a terminal of any width or in a log."""
 
+import re
 import sys
 import time
 from collections import Counter
@@ -36,6 +37,7 @@ from rtphys.core.errors import counted
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
 GAP = 2  # [characters] between two columns
 NARROWEST = 8  # [characters] of a column that wraps, before names wrap too
+BETWEEN = re.compile(r"(?<=[_ ])")  # where a name may be broken
 UNBROKEN = 16  # [characters] of a word that stays whole, if need be at the cost of the names
 
 
@@ -95,6 +97,30 @@ def print_table(table: Table) -> None:
         Screen(width=ONE_LINE).print(table, no_wrap=True, crop=False, overflow="ignore")
 
 
+def print_parts(table: Table) -> None:
+    """Prints a table of which no cell wraps: columns without room follow beside the names again."""
+    kept = [column for column in table.columns if column.no_wrap]
+    others = [column for column in table.columns if not column.no_wrap]
+    seen = sys.stdout is not None and sys.stdout.isatty()
+    width = Screen().width if seen else ONE_LINE
+    space = width - sum(_widest(column, str.splitlines) + GAP for column in kept)
+    parts, room = list[list[Column]](), 0
+    for column in others:
+        wide = _widest(column, str.splitlines) + GAP
+        if wide > room + GAP:
+            parts.append([])
+            room = space
+        parts[-1].append(column)
+        room -= wide
+    for number, part in enumerate(parts):
+        heads = ([str(column.header) for column in columns] for columns in (kept, part))
+        title = None if number else str(table.title)
+        shown = fitting_table(*heads, title=title, justify=part[0].justify)
+        for row in zip(*(column.cells for column in [*kept, *part]), strict=True):
+            shown.add_row(*row)
+        print_table(shown)
+
+
 def print_rows(table: Table, rows: object, as_json: bool) -> None:
     """Prints a table, or its rows for programs."""
     if as_json:
@@ -117,8 +143,12 @@ def print_within(screen: Screen, table: Table) -> None:
     if room < needed:
         for column in kept:
             column.no_wrap, column.overflow = False, "fold"
-        if _shrink(kept, [NARROWEST] * len(kept), space - needed):
+        parts = [_widest(column, BETWEEN.split) for column in kept]
+        narrowest = parts if sum(parts) <= space - needed else [NARROWEST] * len(kept)
+        if _shrink(kept, narrowest, space - needed):
             room = needed
+            for column in kept:
+                column._cells[:] = [_broken(str(cell), column.width or 0) for cell in column.cells]
     _shrink(others, words, room)
     screen.print(table)
 
@@ -140,6 +170,16 @@ def _shrink(columns: Sequence[Column], least: Sequence[int], room: int) -> bool:
     for column, width in zip(columns, widths, strict=True):
         column.width = width
     return True
+
+
+def _broken(name: str, width: int) -> str:
+    """A name in lines of a width, between its parts where that is possible."""
+    lines = [""]
+    for part in BETWEEN.split(name):
+        if cell_len(lines[-1] + part.rstrip()) > width:
+            lines.append("")
+        lines[-1] += part
+    return "\n".join(filter(None, lines))
 
 
 def _widest(column: Column, parts: Callable[[str], list[str]], head: bool = True) -> int:

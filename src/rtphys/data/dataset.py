@@ -1,7 +1,9 @@
 """A dataset as Python objects: lazy, without a simulator, pictures always RGB.
 
-for episode in Dataset("data").where(task="click_bell"):
+```python
+for episode in rtphys.Dataset("data").where(task="click_bell"):
     print(episode.seed, episode.physics["friction"], episode.images("head_camera").shape)
+```
 """
 
 import math
