@@ -39,7 +39,9 @@ BLIND = {
     "random": "moves both arms and grippers slowly at random",
     "jitter": "commands the present posture plus noise of 0.1 rad, grippers too",
 }
+SEES = ("joints", "touch", "memory")  # what a learner is shown beside pictures
 EPISODES = 100  # of each task
+BEFORE = ("unsettled", "layout", "invalid_physics")  # reasons of a seed that does not begin
 SHUFFLED = "expert:shuffled"
 # Tasks whose hidden value is continuous: whether one value will do for another one.
 NEAR: dict[str, Callable[[float, float], bool]] = {
@@ -180,19 +182,18 @@ def _millimetres(spread: Iterable[float]) -> str:
 def feasibility() -> str:
     """Table of tasks with their own domain: share of feasible seeds, own and global."""
     measured = results.load("feasibility")
-    settling, solving = measured["settled"], measured["solved"]
-    rows = []
-    for name, solved in solving["tasks"].items():
-        settled = settling["tasks"][name]
+    seeds, rows = measured["seeds"], list[tuple[str, ...]]()
+    for name, of_domain in measured["tasks"].items():
         for domain in ("own", "global"):
-            begins = _share(settled[domain], settling["seeds"])
-            accepted = _share(solved[domain], solving["seeds"])
-            counts = sorted(solved[domain].items(), key=lambda item: (-item[1], item[0]))
-            lost = ", ".join(f"{r} {n}" for r, n in counts if r != "accepted")
-            rows.append((f"`{name}`", domain, begins, accepted, lost))
-    begin, solve = settling["seeds"], solving["seeds"]
-    head = ("task", "domain", f"begins, of {begin}", f"accepted, of {solve}", "rejected for")
-    return _table(head, rows)
+            found = of_domain[domain]
+            begins = seeds - sum(found.get(reason, 0) for reason in BEFORE)
+            counts = sorted(found.items(), key=lambda item: (-item[1], item[0]))
+            lost = ", ".join(
+                f"{count} {reason}" for reason, count in counts if reason != "accepted"
+            )
+            shares = (f"{count / seeds:.0%}" for count in (begins, found.get("accepted", 0)))
+            rows.append((f"`{name}`", domain, *shares, lost))
+    return _table(("task", "domain", "begins", "accepted", f"rejected, of {seeds}"), rows)
 
 
 def slip() -> str:
@@ -317,6 +318,17 @@ def knowing_fifty() -> str:
         rows.append((*row, _worth(knows, blind)))
     head = ("believed wrong", "tasks that ask for it", "episodes that end otherwise")
     return _table((*head, "knows", "blind", "worth"), rows)
+
+
+def learner() -> str:
+    """Table of networks trained on what `feels` does, by what they see beside pictures."""
+    rows = []
+    for task, solved in results.load("learner").items():
+        seen = [solved[sees] for sees in SEES]
+        gains = (_worth(more, seen[0]) for more in seen[1:])
+        rows.append((f"`{task}`", f"{_chance(task):.0%}", *map(_rate, seen), *gains))
+    head = ("task", "chance", "joints", "touch", "memory")
+    return _table((*head, "touch minus joints", "memory minus joints"), rows)
 
 
 def suite_robots() -> str:
@@ -494,10 +506,6 @@ def _kind(schema: dict, field: dict) -> tuple[str, dict | None]:
     return kinds.get(field.get("type", ""), field.get("type", "any")), None
 
 
-def _share(counts: dict[str, int], seeds: int) -> str:
-    return f"{counts.get('accepted', 0) / seeds:.0%}"
-
-
 def relevance() -> str:
     """Table of attributes: how many tasks each breaks, and in how many it is identifiable."""
     tolerated = figures.tolerated_shares([*results.load("sensitivity_replay").values()])
@@ -528,6 +536,7 @@ TABLES = {
     "blind": blind,
     "knowing_suite": knowing_suite,
     "knowing_fifty": knowing_fifty,
+    "learner": learner,
     "suite_robots": suite_robots,
     "hidden": hidden,
     "relevance": relevance,
