@@ -37,7 +37,7 @@ from rtphys.core.errors import counted
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
 GAP = 2  # [characters] between two columns
 NARROWEST = 8  # [characters] of a column that wraps, before names wrap too
-BETWEEN = re.compile(r"(?<=[_ ])")  # where a name may be broken
+BETWEEN = re.compile(r"(?<=[_/ ])")  # where a name may be broken
 UNBROKEN = 16  # [characters] of a word that stays whole, if need be at the cost of the names
 
 
