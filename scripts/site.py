@@ -41,7 +41,10 @@ def stage(out: Path) -> None:
     for name in PAGES:
         shutil.copy(ROOT / name, out / name)
     for page in out.rglob("*.md"):
-        page.write_text(_linked(page.read_text(), page.parent, out))
+        text = _linked(page.read_text(), page.parent, out)
+        if not re.search("^(## |::: )", text, re.MULTILINE):  # room for its table instead
+            text = f"---\nhide: [toc]\n---\n\n{text}"
+        page.write_text(text)
 
 
 def _linked(text: str, folder: Path, out: Path) -> str:

@@ -49,7 +49,7 @@ class IdentifyPlan:
         str, one_of("protocol", protocol_names), Option("What varies between episodes.")
     ] = "phys_random"
     episodes: Annotated[
-        int, at_least(MIN_EPISODES), Option("Number of episodes of each task, accepted ones.")
+        int, at_least(MIN_EPISODES), Option("Number of accepted episodes of each task.")
     ] = 200
     out: Annotated[Path, Option("Folder of the features and the results.")] = Path("identify")
     estimator: Annotated[
@@ -61,7 +61,7 @@ class IdentifyPlan:
         Positive, Option("Number of seeds to try for one task.", "max_attempts")
     ] = 2000
     timeout: Annotated[
-        float, at_least(1), Option("Seconds of one attribute's fits before they are lost.")
+        float, at_least(1), Option("Longest time of the fits of one attribute [s].")
     ] = 3600.0
     workers: Workers = None
 

@@ -29,9 +29,7 @@ class SearchSpec:
         Option("replay: a clean demonstration's actions; expert; or any policy of `evaluate`."),
     ] = DEMONSTRATION
     seeds: Annotated[Positive, Option("Number of paired seeds: those that succeed nominally.")] = 10
-    steps: Annotated[
-        int, at_least(0, most=10), Option("Halvings of the part of the range that is open.")
-    ] = 4
+    steps: Annotated[int, at_least(0, most=10), Option("Number of bisections of the range.")] = 4
     first_seed: FirstSeed = 0
     options: PolicyOptions = field(default_factory=dict[str, str])
 

@@ -184,7 +184,7 @@ def new_task(
 
 
 def protocols(as_json: Json = False) -> None:
-    """Show what may differ between episodes.
+    """Show what each protocol varies between episodes.
 
     The layout always differs. Libraries may add rows of their own.
 
@@ -207,6 +207,8 @@ def show(
     ] = False,
 ) -> None:
     """The resolved ranges of a task, by attribute, and the file that each comes from.
+
+    A domain may also be named by itself, or by its file.
 
     Examples:
 

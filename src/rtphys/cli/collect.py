@@ -53,13 +53,13 @@ class Request(AsJson):
         str, Option("A file that says what to collect, or its name in a library.")
     ] = ""
     sweep: Annotated[
-        str, Option("key=value,value: a dataset with each of these, all of the same seeds.")
+        str, Option("key=value,value: a task dataset for each value, of the same seeds.")
     ] = ""
     dry_run: Annotated[
         bool, Option("Only say what would be collected and where; nothing is simulated.")
     ] = False
     repair: Annotated[
-        bool, Option("Instead: make damaged and missing files of the dataset again.")
+        bool, Option("Instead: make damaged and missing files of a dataset again.")
     ] = False
 
 

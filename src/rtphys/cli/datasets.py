@@ -34,7 +34,7 @@ SHOWN = 20  # differences of an export, at most
 
 @takes(RenderSpec)
 def render(wanted: RenderSpec) -> None:
-    """Draw a dataset again: other cameras, sizes, senses or looks.
+    """Draw a dataset again, with other cameras, sizes, senses or looks.
 
     The states stay the same. An episode that was recorded with `--sense states` is drawn from
     them. Any other is simulated again from its recipe, and drawn if that gives the very states that
@@ -64,9 +64,9 @@ def merge(
 ) -> None:
     """Join datasets, such as the shards of a collection.
 
-    They are of one version. A task dataset that only one of them has is taken over as it is.
-    Those that several have must have been collected alike, with different seeds; their episodes are
-    numbered anew, by seed.
+    All must be of one version. A task dataset that only one of them has is copied as it is. One
+    that several have must have been collected with the same options and different seeds; its
+    episodes are renumbered by seed.
 
     Example:
 
@@ -87,7 +87,9 @@ def subset(
     seed: Annotated[str, typer.Option(help=ONLY_SEEDS)] = "",
     drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
-    """Copy a part of a dataset, its episodes numbered anew.
+    """Copy a part of a dataset, and renumber its episodes.
+
+    Nothing is simulated or drawn.
 
     Examples:
 
@@ -156,14 +158,16 @@ class Checks:
     """What is checked of a dataset, and against what."""
 
     path: DataFolder = Path("data")
-    quick: Annotated[bool, Option("Trust the checksums: do not decode the pictures.")] = False
-    deep: Annotated[bool, Option("Decode the videos too; does it make physical sense?")] = False
-    fresh: Annotated[bool, Option("Look again into what was found sound before.")] = False
+    quick: Annotated[bool, Option("Check checksums and labels only; decode no pictures.")] = False
+    deep: Annotated[bool, Option("Also decode videos, and check that motions are plausible.")] = (
+        False
+    )
+    fresh: Annotated[bool, Option("Also check files that were found correct before.")] = False
     expect: Annotated[
-        str, Option("What it must be: its digest, or a published collection, training_v1.")
+        str, Option("What it must be: a digest, or the name of a published collection.")
     ] = ""
     reproduce: Annotated[
-        Seed, Option("Make so many episodes, and rejected seeds, again and compare all of them.")
+        Seed, Option("Simulate N episodes and N rejected seeds again, and compare.")
     ] = 0
     workers: Workers = None
 
@@ -183,7 +187,7 @@ class Checks:
 def verify(checks: Checks) -> None:
     """Check every file of a dataset, and derive its physics again from the seeds.
 
-    Prints one line per problem. Exit code 0: sound, 1: not. docs/trust.md tells what each option
+    Prints one line per problem. Exit code 0: correct, 1: not. docs/trust.md tells what each option
     proves.
 
     Examples:
@@ -305,7 +309,7 @@ def card(described: Described, text: CardText) -> None:
 
 def verify_export(
     export: Annotated[Path, typer.Argument(help="Folder that `rtphys export lerobot` wrote.")],
-    dataset: Annotated[Path, typer.Argument(help="The dataset that it was made of.")],
+    dataset: Annotated[Path, typer.Argument(help="The dataset that it was made from.")],
 ) -> None:
     """Compare a LeRobot export with its dataset, number by number.
 

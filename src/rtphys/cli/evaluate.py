@@ -33,11 +33,12 @@ SHOWN = 5  # attributes per protocol, those with the smallest p-values
 def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> None:
     """Find the seeds on which policies are evaluated: those that the expert solves.
 
-    No pictures are drawn. One list a task and protocol, with every seed that was tried. It may
-    be interrupted: the same command goes on where it stopped.
+    It writes one list for each task and protocol, with every seed that was tried, and draws no
+    pictures. It may be interrupted: the same command goes on where it stopped.
 
     --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
-    moves no state, the lists so get the present fingerprint in minutes. Exit code 1: one differs.
+    changes no states, this gives the lists the present fingerprint within minutes. Exit code 1: a
+    list differs.
 
     Examples:
 
@@ -274,11 +275,11 @@ def compare(
     figure: Annotated[Path | None, typer.Option(help="Also draw the rates into this PNG.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Show evaluations side by side, and beside the paper's.
+    """Compare evaluations with each other, and with the paper's.
 
     Success by task and policy with 95 % intervals, and a paired test on common seeds.
 
-    A second table tells how alike two policies rank the tasks.
+    A second table says how similarly two policies rank the tasks.
 
     Without a folder, --paper shows the paper's tables. Result files of `rtphys identify` (.json)
     are shown side by side instead: the mean R2 of each attribute.
@@ -406,11 +407,16 @@ def _show_identified(results: Sequence[Result]) -> None:
 def robotwin_root(
     folder: Annotated[Path, typer.Argument(help="New folder, or one that this command wrote.")],
 ) -> None:
-    """Write a folder that looks like RoboTwin to its launch scripts.
+    """Write a folder in which RoboTwin's launch scripts run.
 
-    Link policies into its policy/ folder, then run inside it, for example:
-    python script/eval_policy.py --config policy/NAME/deploy_policy.yml --overrides
-    --task_name click_bell --task_config phys_random --policy_name NAME
+    Link policies into its policy/ folder, then run a script inside it.
+
+    Example:
+
+        ln -s ~/mine DIR/policy/mine && cd DIR
+        python script/eval_policy.py --config policy/mine/deploy_policy.yml \\
+            --overrides --task_name click_bell --task_config phys_random \\
+            --policy_name mine
     """
     from rtphys.robotwin_root.write import write_root
 

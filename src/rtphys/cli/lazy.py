@@ -22,9 +22,9 @@ from rtphys.core.extras import cure_of
 GROUPS = {
     "Make a dataset": {
         "collect": ("collect", "Collect verified episodes of one or more tasks."),
-        "render": ("datasets", "Draw a dataset again: other cameras, sizes, senses or looks."),
+        "render": ("datasets", "Draw a dataset again, with other cameras, sizes, senses or looks."),
         "merge": ("datasets", "Join datasets, such as the shards of a collection."),
-        "subset": ("datasets", "Copy a part of a dataset, its episodes numbered anew."),
+        "subset": ("datasets", "Copy a part of a dataset, and renumber its episodes."),
         "convert": ("datasets", "Write a dataset again in the other official layout."),
         "verify": (
             "datasets",
@@ -53,8 +53,8 @@ GROUPS = {
         "try": ("authoring", "Try a task's expert once: its stages, and where it stuck."),
         "check": ("authoring", "Try a task's expert over many seeds, without pictures."),
         "domains": ("authoring", "Show and check the ranges of the physical attributes."),
-        "protocols": ("authoring", "Show what may differ between episodes."),
-        "physics": ("physics", "Draw physical attributes and prove their laws."),
+        "protocols": ("authoring", "Show what each protocol varies between episodes."),
+        "physics": ("physics", "Show sampled values, test their laws, and audit labels."),
     },
     "Evaluate policies": {
         "certify": (
@@ -65,10 +65,10 @@ GROUPS = {
             "evaluate",
             "Run a policy on certified instances and say how often it succeeds.",
         ),
-        "compare": ("evaluate", "Show evaluations side by side, and beside the paper's."),
+        "compare": ("evaluate", "Compare evaluations with each other, and with the paper's."),
         "robotwin-root": (
             "evaluate",
-            "Write a folder that looks like RoboTwin to its launch scripts.",
+            "Write a folder in which RoboTwin's launch scripts run.",
         ),
     },
     "Studies": {
@@ -84,7 +84,7 @@ GROUPS = {
     "This machine": {
         "assets": ("machine", "Build, inspect or link the asset packs."),
         "bench": ("machine", "Measure what an episode costs on this machine."),
-        "doctor": ("machine", "Find what keeps this machine from working, and its cure."),
+        "doctor": ("machine", "Find what does not work on this machine, and how to fix it."),
     },
 }
 """Group in the help -> its commands -> the module in this package, first sentence of the help."""

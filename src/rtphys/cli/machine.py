@@ -47,8 +47,8 @@ def bench(plan: BenchPlan, output: AsJson) -> None:
 
     CPU-seconds of an episode by phase, for each task and protocol.
 
-    CPU time is what two machines of a kind agree on. Wall time, in the JSON, compares phases of
-    one run at most; other jobs on the machine lengthen it.
+    CPU time can be compared between machines of one kind. Wall time, in the JSON, compares only
+    the phases of one run, because other jobs on the machine lengthen it.
 
     Example:
 
@@ -99,7 +99,7 @@ def doctor(
     out: Annotated[Path, typer.Option(help="Where datasets are to go.")] = Path("data"),
     as_json: Json = False,
 ) -> None:
-    """Find what keeps this machine from working, and its cure.
+    """Find what does not work on this machine, and how to fix it.
 
     It looks at renderer, packages, disk space, assets and tasks.
 
@@ -136,7 +136,7 @@ def build(
     ] = None,
     force: Annotated[bool, typer.Option(help="Build even if it is there already.")] = False,
     workers: Annotated[
-        int | None, typer.Option(help="Processes; default one a core, at most 8.")
+        int | None, typer.Option(help="Processes; default: one per core, at most 8.")
     ] = None,
 ) -> None:
     """Generate the builtin pack, unless this version's is already there."""

@@ -56,8 +56,8 @@ def main(
         list[Path] | None,
         typer.Option(
             metavar="DIR",
-            help="A folder with tasks/, domains/, manifests/ of your own; repeatable. "
-            "`probes`: the short tasks that find physics out.",
+            help="A folder with your own tasks, domains, protocols, attributes and robots; "
+            "repeatable. `probes`: short tasks that reveal physics.",
         ),
     ] = None,
     assets: Annotated[
@@ -66,14 +66,14 @@ def main(
     ] = None,
     fallback: Annotated[
         str,
-        typer.Option(metavar="TEXT", help="`builtin`: it stands in for what --assets lacks."),
+        typer.Option(metavar="TEXT", help="`builtin`: take what --assets lacks from there."),
     ] = "",
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
     say_version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Physics-diverse bimanual manipulation: sample, solve, keep what is feasible, prove it."""
+    """Collect demonstrations with varied physics, and evaluate policies, for two-armed robots."""
     # Environment variables, because workers are spawned processes that read them again.
     if library:
         known = os.environ.get("RTPHYS_LIBRARY")

@@ -47,7 +47,7 @@ def sample(
     name: Annotated[str, typer.Argument(help=DOMAIN)] = "",
     task: Annotated[str, typer.Option(help="The same, as an option.")] = "",
     first_seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
-    episodes: Annotated[int, typer.Option(min=1, help="How many seeds, upward.")] = 1,
+    episodes: Annotated[int, typer.Option(min=1, help="Number of seeds.")] = 1,
     only: Annotated[str, typer.Option(help="Vary only these (comma-separated).")] = "",
     assignments: Annotated[
         list[str] | None, typer.Option("--set", help="key=value, repeatable.")
@@ -118,8 +118,10 @@ def _cell(value: Value, varied: bool) -> str:
 
 @physics.command()
 def law_test(
-    keys: Annotated[list[str] | None, typer.Argument(help="Attributes; all if none.")] = None,
-    every: Annotated[bool, typer.Option("--all", help="Show each trial, not the worst.")] = False,
+    keys: Annotated[list[str] | None, typer.Argument(help="Attributes. Default: all.")] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Show every trial, not only the worst.")
+    ] = False,
     embodiment: Annotated[
         str, typer.Option(help="The robot: a name of the asset pack, or LEFT,RIGHT,DISTANCE.")
     ] = DEFAULT,
@@ -180,9 +182,7 @@ def audit(
     dataset: Annotated[Path, typer.Argument(help="A folder with a manifest.json.")],
     out: Annotated[Path | None, typer.Option(help="Draw histograms here, one per task.")] = None,
     labels: Annotated[bool, typer.Option(help="Rebuild worlds and measure labels.")] = True,
-    repeat: Annotated[
-        int, typer.Option(min=0, help="Repeat the demonstrations of so many episodes, too.")
-    ] = 0,
+    repeat: Annotated[int, typer.Option(min=0, help="Also repeat the first N demonstrations.")] = 0,
     as_json: Json = False,
 ) -> None:
     """Build each episode's world again and measure its label there, by experiment.

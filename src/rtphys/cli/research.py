@@ -36,12 +36,11 @@ class MapOutput(AsJson):
 def identify(plan: IdentifyPlan, output: MapOutput) -> None:
     """Find which physics can be inferred from what a robot senses, and from which signal.
 
-    The expert's episodes, without pictures, become features: statistics of
-    commands, measured joints, tracking, effort and touch in each stage, and
-    nothing of any object. An estimator learns each attribute from them and is
-    judged on other seeds (R2; 0 says nothing, 1 all), on shuffled labels, and
-    beyond the range that it learnt from. It may be interrupted: the same
-    command goes on where it stopped.
+    The expert's episodes are simulated without pictures. Their features are statistics of
+    commands, measured joints, tracking, effort and touch in each stage; object states are not
+    used. An estimator learns each attribute from these features. It is tested on other seeds (R2:
+    0 is a guess, 1 is exact), on shuffled labels, and outside the range it was trained on. It may
+    be interrupted: the same command goes on where it stopped.
 
     Examples:
 

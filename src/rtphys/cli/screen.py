@@ -37,7 +37,7 @@ from rtphys.core.errors import counted
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
 GAP = 2  # [characters] between two columns
 NARROWEST = 8  # [characters] of a column that wraps, before names wrap too
-BETWEEN = re.compile(r"(?<=[_ ])")  # where a name may be broken
+BETWEEN = re.compile(r"(?<=[_/ ])")  # where a name may be broken
 UNBROKEN = 16  # [characters] of a word that stays whole, if need be at the cost of the names
 
 
@@ -80,7 +80,12 @@ def fitting_table(
         justify: the side on which `columns` are flush; "right" for plain numbers.
     """
     table = Table(
-        title=title, box=None, pad_edge=False, padding=(0, GAP, 0, 0), title_justify="left"
+        title=title,
+        box=None,
+        pad_edge=False,
+        padding=(0, GAP, 0, 0),
+        title_justify="left",
+        caption_justify="left",
     )
     for name in names:
         table.add_column(name, no_wrap=True)
@@ -147,10 +152,8 @@ def print_within(screen: Screen, table: Table) -> None:
         narrowest = parts if sum(parts) <= space - needed else [NARROWEST] * len(kept)
         if _shrink(kept, narrowest, space - needed):
             room = needed
-            for column in kept:
-                column._cells[:] = [_broken(str(cell), column.width or 0) for cell in column.cells]
     _shrink(others, words, room)
-    screen.print(table)
+    screen.print(_with_broken_names(table, kept) if kept and kept[0].width else table)
 
 
 def _shrink(columns: Sequence[Column], least: Sequence[int], room: int) -> bool:
@@ -170,6 +173,22 @@ def _shrink(columns: Sequence[Column], least: Sequence[int], room: int) -> bool:
     for column, width in zip(columns, widths, strict=True):
         column.width = width
     return True
+
+
+def _with_broken_names(table: Table, names: Sequence[Column]) -> Table:
+    """The same table; names that are wider than their column are broken between their parts."""
+    shown = fitting_table((), (), str(table.title) if table.title else None)
+    shown.caption = table.caption
+    columns = table.columns
+    for one in columns:
+        shown.add_column(one.header, justify=one.justify, overflow=one.overflow, width=one.width)
+    texts = (
+        [_broken(str(cell), one.width or 0) if one in names else cell for cell in one.cells]
+        for one in columns
+    )
+    for row, cells in zip(table.rows, zip(*texts, strict=True), strict=True):
+        shown.add_row(*cells, style=row.style)
+    return shown
 
 
 def _broken(name: str, width: int) -> str:

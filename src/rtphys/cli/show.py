@@ -162,7 +162,6 @@ def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Sta
         table.add_row(key, (", ".join(numbers) or "asset's own") + note, label.unit, style=style)
     if unmeasured := [k for k, one in labels.items() if one.could_act and one.acted is None]:
         table.caption = f"not measured whether they acted: {', '.join(unmeasured)}"
-        table.caption_justify = "left"
     print_table(table)
     table = fitting_table(["stage"], ["from", "to", "touched"], "\nStages")
     for name, start, end, touched in stages:

@@ -79,10 +79,12 @@ PolicyOptions = Annotated[
 class EvaluationSpec:
     """A policy in one task under one protocol."""
 
-    policy: Annotated[str, Option("idle, random, jitter, expert, replay:DATASET, ...")]
+    policy: Annotated[
+        str, Option("expert, random, replay:DATASET, lerobot:PATH, python:FILE:NAME ...")
+    ]
     episode: Annotated[EpisodeSpec, Offers("split", "embodiment")] = EpisodeSpec(split="unseen")
     recording: Annotated[RecordingSpec, Offers("senses", "size")] = RecordingSpec()
-    seed: Annotated[Seed, Option("Seed of the policy's own chance.", "policy_seed")] = 0
+    seed: Annotated[Seed, Option("The policy's own random seed.", "policy_seed")] = 0
     options: PolicyOptions = field(default_factory=dict[str, str])
     sentences: Annotated[
         str | None,

@@ -37,14 +37,14 @@ class CollectionSpec:
     max_attempts: Annotated[
         Positive | None,
         Extent,
-        Option("Attempts of each task, those of earlier runs included."),
+        Option("Attempts of each task at most, including earlier runs."),
     ] = None
     twin: Annotated[
         str | None, Option("A second protocol: record each seed under both, keep only pairs.")
     ] = None
     keep_failures: Annotated[
         NumberOrAll,
-        Option("Draw and keep failed attempts too, so many of each task, or `all`."),
+        Option("Also draw and keep this many failed attempts of each task, or `all`."),
     ] = None
     sweep: str | None = None  # "friction=0.05,0.2": this holds one of these, on the same seeds
     config: str | None = None  # name of the folder; None: after what varies

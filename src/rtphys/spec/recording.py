@@ -65,7 +65,7 @@ class RecordingSpec:
     layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
     look: str | None = None  # name of the textures and lights (`load_look`); None: the spec's own
     shader: Annotated[
-        str, one_of("shader", SHADERS), Option("slim, default, minimal or rt: what draws.")
+        str, one_of("shader", SHADERS), Option("What draws: slim, default, minimal or rt.")
     ] = "slim"
 
     def __post_init__(self) -> None:

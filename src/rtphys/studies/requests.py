@@ -81,8 +81,8 @@ class CertificationRun:
         int,
         at_least(0),
         Option(
-            "Solve the first so many instances of each list again instead; a list whose states "
-            "agree gets the present fingerprint."
+            "Instead: solve the first N instances of each list again; a list whose states agree "
+            "gets the present fingerprint."
         ),
     ] = 0
     workers: Workers = None
@@ -230,17 +230,15 @@ class EvaluationRun:
     ] = None
     video: Annotated[
         str | None,
-        Option("Also write MP4s: of `failures`, of the first so many episodes of each, or `all`."),
+        Option("Also write MP4s of `failures`, of the first N episodes of each list, or `all`."),
     ] = None
     record: Annotated[
         Path | None, Option("Also write the episodes, and the failed ones, as a dataset.")
     ] = None
     accept_changes: Annotated[
-        bool, Option("Run on lists that have another certification fingerprint.")
+        bool, Option("Also run lists whose certification fingerprint differs.")
     ] = False
-    timeout: Annotated[float, at_least(1), Option("Seconds of an episode before it is lost.")] = (
-        1800.0
-    )
+    timeout: Annotated[float, at_least(1), Option("Longest time of an episode [s].")] = 1800.0
     workers: Workers = None
 
     def __post_init__(self) -> None:
@@ -278,14 +276,14 @@ class Run:
         str, one_of("runner", ("local", "ray")), Option("local, or ray: on a Ray cluster.")
     ] = "local"
     address: Annotated[
-        str | None, Option("Address of the Ray cluster; `local` makes a private one.")
+        str | None, Option("Address of the Ray cluster; `local` starts a private one.")
     ] = None
     gpus: Annotated[
         int | None,
         at_least(0, most=64),
-        Option("GPUs with drawing workers; 0: each worker draws; default all that draw."),
+        Option("GPUs with drawing workers. Default: all; 0: each worker draws."),
     ] = None
-    shard: Annotated[str, Option("i/n: one part of n, for `rtphys merge` to join.")] = ""
+    shard: Annotated[str, Option("i/n: collect part i of n; `rtphys merge` joins them.")] = ""
 
     def __post_init__(self) -> None:
         if self.address is not None and self.runner != "ray":
