@@ -53,7 +53,7 @@ def test_croissant_has_a_record_per_episode(dataset: Dataset) -> None:
 
 
 def test_the_card_identifies_the_dataset_and_each_episode(dataset: Dataset) -> None:
-    digest = re.findall(r"--expect (sha256:[0-9a-f]{64})`", card(dataset, TEXT))
+    digest = re.findall(r"`(sha256:[0-9a-f]{64})`", card(dataset, TEXT))
     assert [verify(dataset.path).digest] == digest
     (records,) = metadata(dataset)["recordSet"]
     listed = [row["episodes/state_digest"] for row in records["data"]]

@@ -117,8 +117,8 @@ def card(dataset: Dataset, text: CardText) -> str:
         "## Provenance",
         f"Made by a scripted expert in simulation: {made}. "
         f"Dataset format {dataset.manifest.dataset_version}.",
-        f"Digest of this dataset: `{digest}`; `rtphys verify path/to/this/folder --expect {digest}` "
-        "tells whether a copy is this dataset. `croissant.json` has a state digest of each episode, "
+        f"Digest of this dataset: `{digest}`, which `rtphys verify` prints for every copy of it. "
+        "`croissant.json` has a state digest of each episode, "
         "of its seed, states, actions and label: the same on every machine that collects it again, "
         "whatever draws the pictures.",
     ]
