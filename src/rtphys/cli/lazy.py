@@ -99,7 +99,6 @@ FORMER = {
     "verify": {"--replay": "--reproduce"},
     "physics": {"prove": "law-test", "--seed": "--first-seed"},
     "show": {"--number": "--episode"},
-    "subset": {"--seeds": "--seed", "--drop-seeds": "--drop-seed"},
 }
 NO_RESUME = "a folder of another run is refused without it, too"
 GONE = {
