@@ -335,19 +335,19 @@ def _join_videos(parts: _Parts, root: Path, key: str, records: list[dict[str, ob
     joined: VideoJoiner | None = None
     for n, record in enumerate(records):
         rows = parts.records[n].rows
-        path = root / VIDEO_V30.format(video_key=key, **_at(number))
-        with files.refusals(path):
-            if joined is None:
-                path.parent.mkdir(parents=True, exist_ok=True)
-                joined = VideoJoiner(path.parent, parts.plan.rate)
-            joined.add(files.read(parts.path(VIDEO_V21, n, key)))
         place = {f"videos/{key}/{name}": value for name, value in _at(number).items()}
         place |= {f"videos/{key}/from_timestamp": first / rate}
         record |= {**place, f"videos/{key}/to_timestamp": (first + rows) / rate}
         first += rows
-        if joined.size > VIDEO_MB * 1_000_000 or n + 1 == len(records):
-            files.replace_pieces(path, joined.finish())
-            number, first, joined = number + 1, 0, None
+        path = root / VIDEO_V30.format(video_key=key, **_at(number))
+        with files.refusals(path):
+            if joined is None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                joined = VideoJoiner(path, parts.plan.rate)
+            joined.add(files.read(parts.path(VIDEO_V21, n, key)))
+            if joined.size > VIDEO_MB * 1_000_000 or n + 1 == len(records):
+                joined.finish()
+                number, first, joined = number + 1, 0, None
 
 
 def _write_episodes(parts: _Parts, path: Path, records: list[dict[str, object]]) -> None:
