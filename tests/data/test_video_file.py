@@ -57,6 +57,18 @@ def test_a_joined_video_is_not_held_in_memory(data: bytes, tmp_path: Path) -> No
     assert kinds.index(b"moov") < kinds.index(b"mdat")
 
 
+def test_a_full_disk_is_no_fault_of_the_video(data: bytes, tmp_path: Path) -> None:
+    joined = video.VideoJoiner(tmp_path / "joined.mp4", Fraction(video.FPS))
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MB // 4, before[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            for _ in range(MB // len(data)):
+                joined.add(data)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
 def test_colours_are_true(data: bytes) -> None:
     first = next(video.decode(data))
     assert first[-4, 4].argmax() == 0

@@ -116,14 +116,15 @@ class VideoJoiner:
         with _opened(data) as (source, stream):
             self._stream = self._stream or self._container.add_stream_from_template(stream)
             later = self._frames / self._rate / Fraction(stream.time_base or 1)
-            for packet in source.demux(stream):
-                if packet.pts is None or packet.dts is None:  # the end
-                    continue
-                packet.pts, packet.dts = packet.pts + int(later), packet.dts + int(later)
-                packet.stream = self._stream
-                self.size += packet.size
-                self._container.mux(packet)
-                self._frames += 1
+            packets = [*source.demux(stream)]
+        for packet in packets:  # here, since what a disk refuses is no fault of the MP4
+            if packet.pts is None or packet.dts is None:  # the end
+                continue
+            packet.pts, packet.dts = packet.pts + int(later), packet.dts + int(later)
+            packet.stream = self._stream
+            self.size += packet.size
+            self._container.mux(packet)
+            self._frames += 1
 
     def finish(self) -> None:
         """The file is whole. The joiner cannot be used afterwards."""
