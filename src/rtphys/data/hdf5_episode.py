@@ -17,8 +17,7 @@ import numpy as np
 from h5py import h5t  # pyright: ignore[reportAttributeAccessIssue]
 
 from rtphys.core.errors import BadFile, UnknownName
-from rtphys.core.untrusted import open_ordinary
-from rtphys.data import jpeg
+from rtphys.data import files, jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import (
     ARMS,
@@ -297,13 +296,8 @@ class EpisodeFile:
             IndexError: no such frame.
         """
         camera = official_camera(camera)
-        try:
-            opened = open_ordinary(self.path)
-        except (OSError, ValueError, BadFile):
-            with open_read(self.path):  # says what is wrong
-                raise
-        try:
-            key = stamp(os.fstat(opened)), camera
+        with files.open_binary(self.path) as opened:
+            key = stamp(os.fstat(opened.fileno())), camera
             if (spans := _spans.get(key)) is None:
                 with open_read(self.path) as file:
                     self._check(file, camera)
@@ -319,9 +313,7 @@ class EpisodeFile:
             offset, size = first.offset + index * first.size, first.size
             if index >= first.rows:  # the one that lies apart
                 offset, size = last.offset, last.size
-            return os.pread(opened, size, offset).rstrip(b"\0")
-        finally:
-            os.close(opened)
+            return os.pread(opened.fileno(), size, offset).rstrip(b"\0")
 
     def _check(self, file: h5py.File, camera: str) -> None:
         if camera not in (known := _cameras(file, self.layout)):
