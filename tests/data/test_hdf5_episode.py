@@ -22,7 +22,6 @@ from rtphys.data.hdf5_episode import (
     episode_bytes,
     read_frames,
     read_pictures,
-    read_sentences,
 )
 from rtphys.data.hdf5_file import content_digest
 
@@ -104,7 +103,7 @@ def test_text_is_scalar_utf8(file: h5py.File) -> None:
         assert h5py.check_string_dtype(file[key].dtype).length is None
     assert file["data_format_version"][()].decode() == "v1.0"
     assert file["instruction"][()].decode() == "ring the bell"
-    assert json.loads(file["instructions"][()]) == SEEN == read_sentences(file)
+    assert json.loads(file["instructions"][()]) == SEEN
     assert file.attrs["source_format"] == "RoboTwin"
     assert file.attrs["source_path"] == "native_collection"
     assert file["additional_info/frequency"][()] == 15

@@ -45,7 +45,6 @@ from rtphys.data.hdf5_file import (
     put,
     rows_at,
     stamp,
-    text,
     texts,
 )
 from rtphys.data.hdf5_senses import read_senses, write_senses
@@ -174,27 +173,24 @@ def _cameras(file: h5py.File, layout: str) -> list[str]:
 
 
 def read_frames(file: h5py.File, layout: str) -> Frames:
-    """Raises `BadFile`: arrays are missing, damaged, or contradict each other."""
-    try:
-        record, seen = group(file, GROUP), _cameras(file, layout)
-        if strange := set(seen) - set(CAMERAS):
-            raise KeyError(f"{min(strange)} is no camera")
-        frames = Frames(
-            **{name: array(file, key) for name, (key, _) in NUMBERS[layout].items()},
-            stage=array(record, "stage"),
-            joint_names=texts(note(record, "joint_names"), file),
-            stages=texts(note(record, "stages"), file),
-            object_poses=arrays(record, "object_poses"),
-            contacts=arrays(record, "contacts"),
-            cameras={
-                name: CameraFrames(
-                    **{key: rows.all(file) for key, rows in _calibration(layout, name).items()}
-                )
-                for name in sorted(seen)
-            },
-        )
-    except DAMAGED as error:
-        raise BadFile(file.filename, f"not a whole {layout} file ({error})") from error
+    """Raises `KeyError`, `ValueError`, `BadFile`: arrays are missing, or contradict each other."""
+    record, seen = group(file, GROUP), _cameras(file, layout)
+    if strange := set(seen) - set(CAMERAS):
+        raise KeyError(f"{min(strange)} is no camera")
+    frames = Frames(
+        **{name: array(file, key) for name, (key, _) in NUMBERS[layout].items()},
+        stage=array(record, "stage"),
+        joint_names=texts(note(record, "joint_names"), file),
+        stages=texts(note(record, "stages"), file),
+        object_poses=arrays(record, "object_poses"),
+        contacts=arrays(record, "contacts"),
+        cameras={
+            name: CameraFrames(
+                **{key: rows.all(file) for key, rows in _calibration(layout, name).items()}
+            )
+            for name in sorted(seen)
+        },
+    )
     frames.check(file.filename)
     return frames
 
@@ -223,16 +219,6 @@ def read_pictures(file: h5py.File, layout: str, camera: str) -> Pictures:
     except (*DAMAGED, IndexError, jpeg.BadImage) as error:
         raise BadFile(file.filename, f"has no pictures of {camera} ({error})") from error
     return Pictures([*streams, last], (height, width, depth))
-
-
-def read_sentences(file: h5py.File) -> list[str]:
-    """The seen instructions of a native file, at least one. Raises `BadFile`."""
-    try:
-        if seen := texts(text(file, "instructions"), file):
-            return [*seen]
-        raise ValueError("instructions are no list of sentences")
-    except DAMAGED as error:
-        raise BadFile(file.filename, f"not a whole native file ({error})") from error
 
 
 def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed | None]:

@@ -310,8 +310,8 @@ class _TaskCheck:
             of, count = folders.get(Path(folder), (place, -1))
             for path in (Path(folder, name) for name in names):
                 number = episode_number(path)
-                listed = number is not None and number < count and of.episode(number).named(path)
-                if path in known or path == listed:
+                listed = () if number is None or number >= count else of.episode(number).all()
+                if path in known or path in listed:
                     continue
                 if path.suffix == files.TEMPORARY or number == count:
                     report.notes.append(f"{path}: {CUT_OFF}")

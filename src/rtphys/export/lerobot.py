@@ -63,7 +63,7 @@ EPISODES_V30 = "meta/episodes/chunk-000/file-000.parquet"
 def export_lerobot(
     dataset: Dataset,
     out: Path,
-    spec: ExportSpec | None = None,
+    spec: ExportSpec = ExportSpec(),
     progress: Progress | None = None,
     notice: Callable[[str], None] = lambda _: None,
 ) -> Path:
@@ -74,7 +74,7 @@ def export_lerobot(
     Args:
         dataset: episodes to export, in this order.
         out: new folder.
-        spec: by default `ExportSpec()`.
+        spec: what it holds of each episode.
         progress: called after each episode.
         notice: is given a line about what is left out.
 
@@ -85,7 +85,6 @@ def export_lerobot(
     """
     if not len(dataset):
         raise BadFile(dataset.path, "the dataset has no episode to export")
-    spec = spec or ExportSpec()
     plan = plan_for(dataset, spec)
     if plan.left_out:
         names = ", ".join(plan.left_out)
