@@ -79,11 +79,6 @@ class VideoWriter:
         frame = av.VideoFrame.from_numpy_buffer(planes, format="yuv420p")
         self._container.mux(self._stream.encode(frame))
 
-    @property
-    def size(self) -> int:
-        """Bytes written so far; the encoder holds a few pictures more."""
-        return self._buffer.tell()
-
     def finish(self) -> bytes:
         """The whole file. The writer cannot be used afterwards."""
         self._container.mux(self._stream.encode())
