@@ -68,6 +68,10 @@ class Fingerprint(Model):
     versions: Annotated[dict[str, str], AfterValidator(lambda found: dict(sorted(found.items())))]
     embodiment: str = DEFAULT
 
+    def to_json(self) -> dict[str, JSON]:
+        """As files hold it; the robot only where it is not the usual one."""
+        return self.model_dump(mode="json", exclude_defaults=True)
+
     def changes(self, now: "Fingerprint") -> list[str]:
         """Why `evaluate` refuses a list with this fingerprint now: a clause for each difference.
 
