@@ -15,7 +15,7 @@ from rtphys.data import jpeg
 from rtphys.data.encode import EncodedImages, encode_images
 from rtphys.data.episode import Frames
 from rtphys.data.files import facts_of
-from rtphys.data.hdf5_episode import episode_bytes, read_episode, read_sentences
+from rtphys.data.hdf5_episode import episode_bytes, read_episode
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.json_text import compact, pretty
 from rtphys.data.layout import EMBODIMENT, MANIFEST, TaskDataset
@@ -63,7 +63,7 @@ class Forger:
         """Rewrites an episode's arrays and pictures, the official ones along; also its video."""
         paths = self.place.episode(number)
         with open_read(paths.hdf5) as file:
-            seen = read_sentences(file)
+            seen = json.loads(file["instructions"][()])
         frames, images, _ = read_episode(paths.hdf5, "native")
         frames = change(frames, images) or frames
         paths.hdf5.write_bytes(episode_bytes("native", frames, images, seen))

@@ -54,6 +54,15 @@ def test_reads_what_was_written(path: Path) -> None:
     assert [line.check for line in read_lines(path)][-1] == ledger.check
 
 
+def test_a_row_that_cannot_follow_is_named_by_its_line(path: Path) -> None:
+    def add(row: Row) -> None:
+        if row.seed == 2:
+            raise ValueError("seed 2 follows seed 1")
+
+    with pytest.raises(BadFile, match=r"ledger\.jsonl: line 4: seed 2 follows seed 1"):
+        Ledger(path, RUN, Row, add)
+
+
 def test_opening_writes_nothing(tmp_path: Path) -> None:
     ledger, found = opened(tmp_path / "a" / "ledger.jsonl")
     assert not found and not ledger.path.parent.exists() and ledger.lines == 0

@@ -18,7 +18,7 @@ from rtphys.data.check_episode import check_hdf5
 from rtphys.data.dataset import Dataset
 from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_episode import episode_bytes, read_episode
-from rtphys.data.hdf5_file import open_read, packed, write_packed
+from rtphys.data.hdf5_file import packed, write_packed
 from rtphys.data.palette import PALETTE, coloured, row_of
 from rtphys.data.rewrite import convert
 from rtphys.data.staging import stage_episode
@@ -44,6 +44,10 @@ OFFICIAL = {
 }
 
 
+def opened(layout: str, senses: tuple[str, ...] = sensing.SENSES) -> h5py.File:
+    return h5py.File(io.BytesIO(file_of(layout, senses)))
+
+
 def file_of(layout: str, senses: tuple[str, ...] = sensing.SENSES) -> bytes:
     frames, images = synthetic.frames_of(4, T), encode_images(synthetic.pictures(4, T), layout)
     made = sensing.sensed(4, T, senses) if senses else None
@@ -52,7 +56,7 @@ def file_of(layout: str, senses: tuple[str, ...] = sensing.SENSES) -> bytes:
 
 @pytest.mark.parametrize("layout", OFFICIAL)
 def test_official_keys_and_types(layout: str) -> None:
-    with open_read(file_of(layout)) as file:
+    with opened(layout) as file:
         for key, (shape, dtype) in OFFICIAL[layout].items():
             assert (file[key].shape, file[key].dtype) == (shape, dtype), key
             chunks = None if "pointcloud" in key else (1, *shape[1:])
@@ -88,7 +92,7 @@ def test_a_picture_has_the_colours_of_its_ids() -> None:
 
 @pytest.mark.parametrize("layout", OFFICIAL)
 def test_everything_else_is_the_same_without_senses(layout: str) -> None:
-    with open_read(file_of(layout)) as sensing_file, open_read(file_of(layout, ())) as plain:
+    with opened(layout) as sensing_file, opened(layout, ()) as plain:
         keys: list[str] = []
         plain.visititems(lambda k, v: keys.append(k) if isinstance(v, h5py.Dataset) else None)
         assert len(keys) > 25
@@ -131,7 +135,7 @@ def test_dp3_reads_the_clouds() -> None:
 
 
 def test_without_clouds_the_legacy_key_is_there_and_empty() -> None:
-    with open_read(file_of("legacy", ("depth",))) as file:
+    with opened("legacy", ("depth",)) as file:
         assert file["pointcloud"].shape == (T, 0)
 
 

@@ -13,10 +13,12 @@ import pytest
 import synthetic
 
 from rtphys.core import bounds
-from rtphys.data import files, video
+from rtphys.data import video
 from rtphys.data.check_episode import check_video
 from rtphys.data.encode import encode_images
 from rtphys.data.faults import BadEpisode
+
+MB = 2**20
 
 
 @pytest.fixture(scope="module")
@@ -37,22 +39,34 @@ def test_index_comes_first(data: bytes) -> None:
 
 
 def test_a_joined_video_is_not_held_in_memory(data: bytes, tmp_path: Path) -> None:
-    times = 12 * video.PIECE // len(data)
+    times = 12 * MB // len(data)
     out = tmp_path / "joined.mp4"
     tracemalloc.start()
-    joined = video.VideoJoiner(tmp_path, Fraction(video.FPS))
+    joined = video.VideoJoiner(out, Fraction(video.FPS))
     for _ in range(times):
         joined.add(data)
-    files.replace_pieces(out, joined.finish())
+    joined.finish()
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     whole = out.read_bytes()
-    assert len(whole) > 8 * video.PIECE and peak < len(whole) / 2
+    assert len(whole) > 8 * MB and peak < len(whole) / 2
     assert [path.name for path in tmp_path.iterdir()] == [out.name]
     assert video.frame_count(whole) == 20 * times
     assert video.index_first(whole) == whole
     kinds = [kind for kind, _, _ in video.boxes(whole, 0, len(whole))]
     assert kinds.index(b"moov") < kinds.index(b"mdat")
+
+
+def test_a_full_disk_is_no_fault_of_the_video(data: bytes, tmp_path: Path) -> None:
+    joined = video.VideoJoiner(tmp_path / "joined.mp4", Fraction(video.FPS))
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MB // 4, before[1]))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            for _ in range(MB // len(data)):
+                joined.add(data)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_colours_are_true(data: bytes) -> None:

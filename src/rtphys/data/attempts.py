@@ -13,7 +13,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import Model, Seed
 from rtphys.data.layout import LEDGER, EpisodePaths, TaskDataset
-from rtphys.data.ledger import Line, parse_row, read_header, read_lines, read_rows
+from rtphys.data.ledger import read_header, read_lines, read_rows
 from rtphys.spec.collection import TaskHeader
 
 Number = Annotated[int, Field(ge=0, le=EPISODES)]
@@ -118,13 +118,6 @@ class Totals:
         else:
             self.failures += row.kept is not None
             self.rejections[row.reason] += 1
-
-    def add_line(self, line: Line, path: Path) -> Row:
-        """Counts the attempt of a ledger's line, and returns it. Raises `BadFile`."""
-        row = parse_row(ATTEMPT, line, path)
-        with line.named(path):
-            self.add(row)
-        return row
 
 
 def read_attempts(path: Path) -> Iterator[Row]:

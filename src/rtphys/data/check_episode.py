@@ -22,9 +22,8 @@ from rtphys.data.hdf5_episode import (
     derived,
     read_frames,
     read_pictures,
-    read_sentences,
 )
-from rtphys.data.hdf5_file import array, holds, note, open_read, text
+from rtphys.data.hdf5_file import array, holds, note, open_read, text, texts
 from rtphys.data.hdf5_senses import declared, read_names, sense_streams
 from rtphys.data.layout import EMBODIMENT, EpisodePaths, embodiment_folder
 from rtphys.data.schema import FailureMeta, Instructions, PhysMeta
@@ -201,9 +200,10 @@ def check_hdf5(path: Path, layout: str, *, decode: bool) -> Hdf5Facts:
 
 def _facts(file: h5py.File, layout: str, decode: bool) -> Hdf5Facts:
     frames = read_frames(file, layout)
-    expected, seen, problems = derived(frames, layout), list[str](), list[str]()
+    expected, seen, problems = derived(frames, layout), tuple[str, ...](), list[str]()
     if layout == "native":
-        seen = read_sentences(file)
+        if not (seen := texts(text(file, "instructions"), file)):
+            raise ValueError("it has no sentence")
         frequency = int(array(file, "additional_info/frequency"))
         constants = {
             "source_format": (note(file, "source_format"), "RoboTwin"),
@@ -235,7 +235,7 @@ def _facts(file: h5py.File, layout: str, decode: bool) -> Hdf5Facts:
                 problems.append(f"{name} picture {index} {problem}")
     sensed, senses = _check_senses(file, layout, frames, shapes, decode)
     problems += sensed
-    return Hdf5Facts((*problems, *_motion(frames)), frames, tuple(seen), shapes, senses)
+    return Hdf5Facts((*problems, *_motion(frames)), frames, seen, shapes, senses)
 
 
 def _picture_problem(stream: bytes, shape: tuple[int, ...], layout: str, decode: bool) -> str:

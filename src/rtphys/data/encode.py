@@ -1,10 +1,9 @@
 """Turns the stream of pictures into JPEG streams and the video while the next frame renders."""
 
-import queue
-import threading
 import time
+from collections import deque
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 from rtphys.data import jpeg
@@ -35,41 +34,33 @@ def encode_images(images: Iterable[Images], layout: str = "native") -> EncodedIm
         images: T frames; all have the same cameras and sizes.
         layout: of the file that the streams are for, which decides about their channels.
     """
-    frames: queue.Queue[Images | None] = queue.Queue(AHEAD)  # None ends it
-    failed = threading.Event()
-    made = EncodedImages()
+    made, sizes = EncodedImages(), dict[str, tuple[int, ...]]()
+    video: VideoWriter | None = None
 
-    def encode() -> EncodedImages:
-        sizes, video = dict[str, tuple[int, ...]](), None
-        try:
-            while (frame := frames.get()) is not None:
-                shapes = {name: picture.shape for name, picture in frame.items()}
-                if not made.jpegs:
-                    sizes, made.jpegs = shapes, {name: [] for name in frame}
-                    if VIDEO_CAMERA in frame:
-                        video = VideoWriter(*frame[VIDEO_CAMERA].shape[:2])
-                if shapes != sizes:
-                    raise BadEpisode([f"pictures change from {sizes} to {shapes}"])
-                for name, picture in frame.items():
-                    made.jpegs[name].append(jpeg.encode(picture, layout))
-                if video is not None:
-                    video.add(frame[VIDEO_CAMERA])
-        except BaseException:
-            failed.set()
-            while frames.get() is not None:  # so that the renderer never waits for a place
-                pass
-            raise
+    def encode(frame: Images) -> None:
+        nonlocal sizes, video
+        shapes = {name: picture.shape for name, picture in frame.items()}
+        if not made.jpegs:
+            sizes, made.jpegs = shapes, {name: [] for name in frame}
+            if VIDEO_CAMERA in frame:
+                video = VideoWriter(*frame[VIDEO_CAMERA].shape[:2])
+        if shapes != sizes:
+            raise BadEpisode([f"pictures change from {sizes} to {shapes}"])
+        for name, picture in frame.items():
+            made.jpegs[name].append(jpeg.encode(picture, layout))
+        if video is not None:
+            video.add(frame[VIDEO_CAMERA])
+
+    def finish() -> None:
         made.video = b"" if video is None else video.finish()
         made.cpu_s = time.thread_time()
-        return made
 
     with ThreadPoolExecutor(1, "rtphys-encode") as pool:
-        encoded = pool.submit(encode)
-        try:
-            for frame in images:
-                frames.put(frame)
-                if failed.is_set():
-                    break
-        finally:
-            frames.put(None)
-        return encoded.result()
+        waiting = deque[Future[None]]()
+        for frame in images:
+            waiting.append(pool.submit(encode, frame))
+            if len(waiting) > AHEAD:
+                waiting.popleft().result()
+        for one in (*waiting, pool.submit(finish)):
+            one.result()
+    return made

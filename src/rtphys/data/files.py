@@ -44,52 +44,49 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
 
 
-def _write(path: Path, pieces: Iterable[bytes], whole: bytes | None = None) -> None:
-    """Writes and syncs, and compares what the disk then has with `whole`; else leaves no file."""
+def write_synced(path: Path, data: bytes) -> FileFacts:
+    """Writes, syncs, reads back, compares. A failed write leaves no file. Raises `CannotWrite`."""
+    with _all_or_nothing(path):
+        _write(path, (data,))
+        if path.read_bytes() != data:  # a digest would take five times as long
+            raise OSError("the disk returned other bytes than were written")
+    return FileFacts.of(data)
+
+
+def replace_file(path: Path, data: bytes) -> None:
+    """Atomic: temporary name in the same folder, sync, rename, sync the folder."""
+    temporary = hidden(path, TEMPORARY)
+    write_synced(temporary, data)
+    with _all_or_nothing(temporary):  # a name may be refused, as one too long
+        move(temporary, path)
+
+
+def replace_pieces(path: Path, pieces: Iterable[bytes]) -> None:
+    """As `replace_file`, for a content that need not fit into memory. Raises `CannotWrite`."""
+    temporary = hidden(path, TEMPORARY)
+    with _all_or_nothing(temporary):
+        _write(temporary, pieces)
+        move(temporary, path)
+
+
+@contextmanager
+def _all_or_nothing(path: Path) -> Iterator[None]:
+    """Removes the file if the block fails. Raises `CannotWrite`."""
     try:
         with refusals(path):
-            path.unlink(missing_ok=True)  # of a killed run; or a link, which must not be followed
-            with path.open("xb") as file:
-                file.writelines(pieces)
-                file.flush()
-                os.fsync(file.fileno())
-            # A digest would take five times as long.
-            if whole is not None and path.read_bytes() != whole:
-                raise OSError("the disk returned other bytes than were written")
+            yield
     except BaseException:
         with suppress(OSError):
             path.unlink()
         raise
 
 
-def write_synced(path: Path, data: bytes) -> FileFacts:
-    """Writes, syncs, reads back, compares. A failed write leaves no file. Raises `CannotWrite`."""
-    _write(path, (data,), data)
-    return FileFacts.of(data)
-
-
-def replace_file(path: Path, data: bytes) -> FileFacts:
-    """Atomic: temporary name in the same folder, sync, rename, sync the folder."""
-    facts = write_synced(hidden(path, TEMPORARY), data)
-    _put_in_place(path)
-    return facts
-
-
-def replace_pieces(path: Path, pieces: Iterable[bytes]) -> None:
-    """As `replace_file`, for a content that need not fit into memory. Raises `CannotWrite`."""
-    _write(hidden(path, TEMPORARY), pieces)
-    _put_in_place(path)
-
-
-def _put_in_place(path: Path) -> None:
-    """Gives the temporary file its name. A refused name, such as one too long, leaves no file."""
-    temporary = hidden(path, TEMPORARY)
-    try:
-        move(temporary, path)
-    except BaseException:
-        with suppress(OSError):
-            temporary.unlink()
-        raise
+def _write(path: Path, pieces: Iterable[bytes]) -> None:
+    path.unlink(missing_ok=True)  # of a killed run; or a link, which must not be followed
+    with path.open("xb") as file:
+        file.writelines(pieces)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def move(source: Path, target: Path) -> None:

@@ -17,8 +17,7 @@ import numpy as np
 from h5py import h5t  # pyright: ignore[reportAttributeAccessIssue]
 
 from rtphys.core.errors import BadFile, UnknownName
-from rtphys.core.untrusted import open_ordinary
-from rtphys.data import jpeg
+from rtphys.data import files, jpeg
 from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import (
     ARMS,
@@ -46,7 +45,6 @@ from rtphys.data.hdf5_file import (
     put,
     rows_at,
     stamp,
-    text,
     texts,
 )
 from rtphys.data.hdf5_senses import read_senses, write_senses
@@ -175,27 +173,24 @@ def _cameras(file: h5py.File, layout: str) -> list[str]:
 
 
 def read_frames(file: h5py.File, layout: str) -> Frames:
-    """Raises `BadFile`: arrays are missing, damaged, or contradict each other."""
-    try:
-        record, seen = group(file, GROUP), _cameras(file, layout)
-        if strange := set(seen) - set(CAMERAS):
-            raise KeyError(f"{min(strange)} is no camera")
-        frames = Frames(
-            **{name: array(file, key) for name, (key, _) in NUMBERS[layout].items()},
-            stage=array(record, "stage"),
-            joint_names=texts(note(record, "joint_names"), file),
-            stages=texts(note(record, "stages"), file),
-            object_poses=arrays(record, "object_poses"),
-            contacts=arrays(record, "contacts"),
-            cameras={
-                name: CameraFrames(
-                    **{key: rows.all(file) for key, rows in _calibration(layout, name).items()}
-                )
-                for name in sorted(seen)
-            },
-        )
-    except DAMAGED as error:
-        raise BadFile(file.filename, f"not a whole {layout} file ({error})") from error
+    """Raises `KeyError`, `ValueError`, `BadFile`: arrays are missing, or contradict each other."""
+    record, seen = group(file, GROUP), _cameras(file, layout)
+    if strange := set(seen) - set(CAMERAS):
+        raise KeyError(f"{min(strange)} is no camera")
+    frames = Frames(
+        **{name: array(file, key) for name, (key, _) in NUMBERS[layout].items()},
+        stage=array(record, "stage"),
+        joint_names=texts(note(record, "joint_names"), file),
+        stages=texts(note(record, "stages"), file),
+        object_poses=arrays(record, "object_poses"),
+        contacts=arrays(record, "contacts"),
+        cameras={
+            name: CameraFrames(
+                **{key: rows.all(file) for key, rows in _calibration(layout, name).items()}
+            )
+            for name in sorted(seen)
+        },
+    )
     frames.check(file.filename)
     return frames
 
@@ -224,16 +219,6 @@ def read_pictures(file: h5py.File, layout: str, camera: str) -> Pictures:
     except (*DAMAGED, IndexError, jpeg.BadImage) as error:
         raise BadFile(file.filename, f"has no pictures of {camera} ({error})") from error
     return Pictures([*streams, last], (height, width, depth))
-
-
-def read_sentences(file: h5py.File) -> list[str]:
-    """The seen instructions of a native file, at least one. Raises `BadFile`."""
-    try:
-        if seen := texts(text(file, "instructions"), file):
-            return [*seen]
-        raise ValueError("instructions are no list of sentences")
-    except DAMAGED as error:
-        raise BadFile(file.filename, f"not a whole native file ({error})") from error
 
 
 def read_episode(path: Path, layout: str) -> tuple[Frames, EncodedImages, Sensed | None]:
@@ -297,13 +282,8 @@ class EpisodeFile:
             IndexError: no such frame.
         """
         camera = official_camera(camera)
-        try:
-            opened = open_ordinary(self.path)
-        except (OSError, ValueError, BadFile):
-            with open_read(self.path):  # says what is wrong
-                raise
-        try:
-            key = stamp(os.fstat(opened)), camera
+        with files.open_binary(self.path) as opened:
+            key = stamp(os.fstat(opened.fileno())), camera
             if (spans := _spans.get(key)) is None:
                 with open_read(self.path) as file:
                     self._check(file, camera)
@@ -319,9 +299,7 @@ class EpisodeFile:
             offset, size = first.offset + index * first.size, first.size
             if index >= first.rows:  # the one that lies apart
                 offset, size = last.offset, last.size
-            return os.pread(opened, size, offset).rstrip(b"\0")
-        finally:
-            os.close(opened)
+            return os.pread(opened.fileno(), size, offset).rstrip(b"\0")
 
     def _check(self, file: h5py.File, camera: str) -> None:
         if camera not in (known := _cameras(file, self.layout)):

@@ -2,10 +2,8 @@
 
 import errno
 import hashlib
-import io
 import math
 import os
-import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -28,7 +26,7 @@ from rtphys.core.bounds import (
     MAX_PIXELS,
 )
 from rtphys.core.errors import BadFile
-from rtphys.core.untrusted import LINK, parse
+from rtphys.core.untrusted import open_ordinary, parse
 
 GROUP = "rtphys"  # what the official layouts do not hold, or less exactly
 LAST = f"{GROUP}/last"  # what native rows lack of the last frame
@@ -89,8 +87,8 @@ def write_packed(made: h5py.Dataset, index: int, frame: NDArray[Any]) -> None:
 
 
 @contextmanager
-def open_read(source: Path | bytes) -> Iterator[h5py.File]:
-    """Opens a file or its bytes; every reader opens files so.
+def open_read(path: Path) -> Iterator[h5py.File]:
+    """Opens a file; every reader opens files so.
 
     A file is a tree of groups and arrays that lie in the file itself. Nothing in it leads to
     another file, back to a group above, or twice to the same place.
@@ -99,32 +97,23 @@ def open_read(source: Path | bytes) -> Iterator[h5py.File]:
         BadFile: it is not HDF5, is too large, or is no such tree. What HDF5 itself raises while the
             file is open becomes a `BadFile` too.
     """
-    where, opened, seen = "<memory>", io.BytesIO(), ()
     try:
-        if isinstance(source, bytes):
-            opened = io.BytesIO(source)
-        else:
-            where = opened = source
-            facts = source.lstat()
-            if stat.S_ISLNK(facts.st_mode):
-                raise BadFile(where, LINK)
-            if not stat.S_ISREG(facts.st_mode):
-                raise BadFile(where, "is no ordinary file")
-            if (size := facts.st_size) > LARGEST_EPISODE:
-                raise BadFile(where, f"has {size} bytes; at most {LARGEST_EPISODE} are read")
-            seen = stamp(facts)
-        with h5py.File(opened, "r") as file:
-            if seen not in _trees:
+        with os.fdopen(open_ordinary(path), "rb", buffering=0) as ordinary:
+            facts = os.fstat(ordinary.fileno())
+        if facts.st_size > LARGEST_EPISODE:
+            raise BadFile(path, f"has {facts.st_size} bytes; at most {LARGEST_EPISODE} are read")
+        with h5py.File(path, "r") as file:
+            if stamp(facts) not in _trees:
                 if reason := _stray_link(file):
-                    raise BadFile(where, reason)
-                if seen and len(_trees) < MAX_REMEMBERED:
-                    _trees.add(seen)
+                    raise BadFile(path, reason)
+                if len(_trees) < MAX_REMEMBERED:
+                    _trees.add(stamp(facts))
             yield file
     except (*DAMAGED, RuntimeError, MemoryError) as error:
         problem = f"not a whole HDF5 file ({error})"
         if number := getattr(error, "errno", None):  # what the system refuses is no damage
             problem = "no such file" if number == errno.ENOENT else os.strerror(number).lower()
-        raise BadFile(where, problem) from error
+        raise BadFile(path, problem) from error
 
 
 def stamp(facts: os.stat_result) -> tuple[int, ...]:
@@ -325,7 +314,7 @@ def rows_at(layout: str, legacy: str, native: str, camera: str, view: str) -> Ro
 # ---- a digest ------------------------------------------------------------------------------------
 
 
-def content_digest(source: Path | bytes) -> str:
+def content_digest(path: Path) -> str:
     """SHA-256 over every group, dataset and attribute: names, types, shapes and values.
 
     Independent of where HDF5 puts the bytes, so two files with equal content agree even when
@@ -350,7 +339,7 @@ def content_digest(source: Path | bytes) -> str:
             for n in packed_frames:
                 feed("frame", frame_of(found, n))
 
-    with open_read(source) as file:
+    with open_read(path) as file:
         visit("/", file)
         file.visititems(visit)
     return digest.hexdigest()

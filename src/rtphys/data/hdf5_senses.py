@@ -14,10 +14,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from rtphys.core.errors import BadFile, UnknownName
+from rtphys.core.errors import UnknownName
 from rtphys.data.episode import CAMERA_KEYS, Sensed, Track
 from rtphys.data.hdf5_file import (
-    DAMAGED,
     GROUP,
     Rows,
     array,
@@ -178,11 +177,8 @@ def read_names(file: h5py.File, senses: Iterable[str]) -> dict[str, tuple[str, .
 
 
 def read_senses(file: h5py.File, layout: str, cameras: Iterable[str]) -> Sensed | None:
-    """All that a file holds; None where it holds no senses. Raises `BadFile`."""
-    try:
-        return _read(file, layout, cameras, senses) if (senses := declared(file)) else None
-    except DAMAGED as error:
-        raise BadFile(file.filename, f"what was sensed is damaged ({error})") from error
+    """All that a file holds; None where it holds no senses. Raises as `declared`."""
+    return _read(file, layout, cameras, senses) if (senses := declared(file)) else None
 
 
 def _read(file: h5py.File, layout: str, cameras: Iterable[str], senses: tuple[str, ...]) -> Sensed:
@@ -264,9 +260,6 @@ class SenseFile:
     def _opened(self, read: Callable[[h5py.File], T], sense: str = "") -> T:
         """What is read of the open file, which must hold a sense."""
         with open_read(self.path) as file:
-            try:
-                if sense and sense not in (known := declared(file)):
-                    raise UnknownName("sense", sense, known, self.path)
-                return read(file)
-            except DAMAGED as error:
-                raise BadFile(self.path, f"what was sensed is damaged ({error})") from error
+            if sense and sense not in (known := declared(file)):
+                raise UnknownName("sense", sense, known, self.path)
+            return read(file)

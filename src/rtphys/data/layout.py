@@ -55,10 +55,6 @@ class EpisodePaths:
     def all(self) -> tuple[Path, ...]:
         return (self.hdf5, self.video, self.phys_meta, self.instruction)
 
-    def named(self, other: Path) -> Path:
-        """The file of this episode that lies in the same folder as that of another one."""
-        return next(path for path in self.all() if path.parent == other.parent)
-
 
 @dataclass(frozen=True)
 class TaskDataset:

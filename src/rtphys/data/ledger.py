@@ -112,7 +112,8 @@ class Ledger(Generic[H, R]):
     Args:
         header: the spec of the run, as a dataclass.
         row: type of a row: a dataclass, a pydantic model, or a union of them.
-        restore: is given every row that is there already, in order; the file is read once.
+        restore: is given every row that is there already, in order; the file is read once. It may
+            raise `ValueError` for one that cannot be.
 
     Raises:
         DatasetMismatch: the file was begun with another spec; names each field that differs.
@@ -128,7 +129,9 @@ class Ledger(Generic[H, R]):
             return
         for line in read_lines(path):
             if line.number > 1:
-                restore(parse_row(row, line, path))
+                attempt = parse_row(row, line, path)
+                with line.named(path):
+                    restore(attempt)
             else:
                 before = _header(type(header), line, path)
                 if clauses := differences(stored(before), stored(header)):

@@ -10,11 +10,11 @@ from pathlib import Path
 from rtphys.core.errors import BadFile, shortened
 from rtphys.core.untrusted import parse_mapping
 from rtphys.data import files
-from rtphys.data.attempts import Totals
+from rtphys.data.attempts import ATTEMPT, Totals
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import Count, pretty
 from rtphys.data.layout import LEDGER, MANIFEST, TaskDataset
-from rtphys.data.ledger import START, read_lines
+from rtphys.data.ledger import Ledger
 from rtphys.spec.collection import DATASET_VERSION, CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.stored import CLOSED, load, stored
@@ -82,11 +82,9 @@ def task_entry(header: TaskHeader, totals: Totals, listed: int, ledger: LedgerSt
 
 def read_entry(place: TaskDataset, header: TaskHeader) -> TaskEntry:
     """The entry of a task dataset whose side files cover its whole ledger. Raises `BadFile`."""
-    totals, state = Totals(), LedgerState(0, 0, START)
-    for line in read_lines(place.ledger):
-        if line.number > 1:
-            totals.add_line(line, place.ledger)
-        state = LedgerState(line.number, line.end, line.check)
+    totals = Totals()
+    ledger = Ledger(place.ledger, header, ATTEMPT, totals.add)
+    state = LedgerState(ledger.lines, ledger.end, ledger.check)
     return task_entry(header, totals, totals.attempts, state)
 
 

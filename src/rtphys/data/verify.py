@@ -8,7 +8,6 @@ import hashlib
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.metadata import version
@@ -21,7 +20,15 @@ from rtphys.core.cache import NoCache, user_cache
 from rtphys.core.errors import BadFile, counted
 from rtphys.core.untrusted import JSON, check_inside, parse_mapping
 from rtphys.data import files
-from rtphys.data.attempts import Accepted, KeptFailure, Rejected, Row, Totals, ledgers_below
+from rtphys.data.attempts import (
+    ATTEMPT,
+    Accepted,
+    KeptFailure,
+    Rejected,
+    Row,
+    Totals,
+    ledgers_below,
+)
 from rtphys.data.check_draws import DrawCheck
 from rtphys.data.check_episode import Effort, Problem, check_episode
 from rtphys.data.files import FileFacts
@@ -36,7 +43,7 @@ from rtphys.data.layout import (
     TaskDataset,
     episode_number,
 )
-from rtphys.data.ledger import read_header, read_lines
+from rtphys.data.ledger import parse_row, read_header, read_lines
 from rtphys.data.manifest import (
     LedgerState,
     Manifest,
@@ -216,10 +223,14 @@ class _TaskCheck:
         path, spec, end = self.place.ledger, header.spec, 0
         size = path.stat().st_size
         for line in read_lines(path):
-            row = self.totals.add_line(line, path) if line.number > 1 else None
+            row = None
+            if line.number > 1:
+                row = parse_row(ATTEMPT, line, path)
+                with line.named(path):
+                    self.totals.add(row)
             if line.number == self.entry.ledger.lines:
                 state = LedgerState(line.number, line.end, line.check)
-                self.counted = task_entry(header, deepcopy(self.totals), self.entry.listed, state)
+                self.counted = task_entry(header, self.totals, self.entry.listed, state)
             self.newer += line.number > self.entry.ledger.lines
             end = line.end
             if row is None:
@@ -299,8 +310,8 @@ class _TaskCheck:
             of, count = folders.get(Path(folder), (place, -1))
             for path in (Path(folder, name) for name in names):
                 number = episode_number(path)
-                listed = number is not None and number < count and of.episode(number).named(path)
-                if path in known or path == listed:
+                listed = () if number is None or number >= count else of.episode(number).all()
+                if path in known or path in listed:
                     continue
                 if path.suffix == files.TEMPORARY or number == count:
                     report.notes.append(f"{path}: {CUT_OFF}")

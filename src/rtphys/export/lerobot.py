@@ -63,7 +63,7 @@ EPISODES_V30 = "meta/episodes/chunk-000/file-000.parquet"
 def export_lerobot(
     dataset: Dataset,
     out: Path,
-    spec: ExportSpec | None = None,
+    spec: ExportSpec = ExportSpec(),
     progress: Progress | None = None,
     notice: Callable[[str], None] = lambda _: None,
 ) -> Path:
@@ -74,7 +74,7 @@ def export_lerobot(
     Args:
         dataset: episodes to export, in this order.
         out: new folder.
-        spec: by default `ExportSpec()`.
+        spec: what it holds of each episode.
         progress: called after each episode.
         notice: is given a line about what is left out.
 
@@ -85,7 +85,6 @@ def export_lerobot(
     """
     if not len(dataset):
         raise BadFile(dataset.path, "the dataset has no episode to export")
-    spec = spec or ExportSpec()
     plan = plan_for(dataset, spec)
     if plan.left_out:
         names = ", ".join(plan.left_out)
@@ -335,19 +334,19 @@ def _join_videos(parts: _Parts, root: Path, key: str, records: list[dict[str, ob
     joined: VideoJoiner | None = None
     for n, record in enumerate(records):
         rows = parts.records[n].rows
-        path = root / VIDEO_V30.format(video_key=key, **_at(number))
-        with files.refusals(path):
-            if joined is None:
-                path.parent.mkdir(parents=True, exist_ok=True)
-                joined = VideoJoiner(path.parent, parts.plan.rate)
-            joined.add(files.read(parts.path(VIDEO_V21, n, key)))
         place = {f"videos/{key}/{name}": value for name, value in _at(number).items()}
         place |= {f"videos/{key}/from_timestamp": first / rate}
         record |= {**place, f"videos/{key}/to_timestamp": (first + rows) / rate}
         first += rows
-        if joined.size > VIDEO_MB * 1_000_000 or n + 1 == len(records):
-            files.replace_pieces(path, joined.finish())
-            number, first, joined = number + 1, 0, None
+        path = root / VIDEO_V30.format(video_key=key, **_at(number))
+        with files.refusals(path):
+            if joined is None:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                joined = VideoJoiner(path, parts.plan.rate)
+            joined.add(files.read(parts.path(VIDEO_V21, n, key)))
+            if joined.size > VIDEO_MB * 1_000_000 or n + 1 == len(records):
+                joined.finish()
+                number, first, joined = number + 1, 0, None
 
 
 def _write_episodes(parts: _Parts, path: Path, records: list[dict[str, object]]) -> None:

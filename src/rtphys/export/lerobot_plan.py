@@ -21,7 +21,6 @@ READERS = {
 }
 """Version of the format -> who reads it."""
 
-VERSIONS = tuple(READERS)
 SENTENCES = ("first", "all", "task")
 # [Hz] LeRobot's tools for v3.0 cut videos at a whole
 # number of frames a second: with 50/3 they show the pictures of other frames, and say nothing.
@@ -60,7 +59,7 @@ class ExportSpec:
     """What an export holds of a dataset."""
 
     version: Annotated[
-        str, one_of("LeRobot version", VERSIONS), Option("v3.0, or v2.1 for openpi and GR00T.")
+        str, one_of("LeRobot version", READERS), Option("v3.0, or v2.1 for openpi and GR00T.")
     ] = "v3.0"
     camera_names: Annotated[
         str, Option("aloha, robotwin, or pairs: head_camera=top,left_camera=wrist.")
