@@ -68,7 +68,7 @@ docs/dataset.md
   a seed is kept only if the expert succeeds with every value
     test_sweeps::test_a_seed_is_kept_only_where_every_value_succeeds
     test_sweeps::test_a_sweep_is_sound_made_again_and_read_by_value
-  keeps every tried seed for every value
+  that was tried is then there for every value
     test_sweeps::test_with_failures_every_seed_is_there_with_every_value
   Datasets of another version are refused
     test_dataset_writer::test_foreign_manifest_is_refused
@@ -307,7 +307,7 @@ docs/protocols.md
     test_protocol::test_a_severity_draws_the_same_point_of_narrower_ranges
   gives a seed the same physics and look in all tasks
     test_independent_worlds::test_paired_tasks_share_physics_and_look_but_no_layout
-  `evaluate` has no `--set`
+  `evaluate` cannot hold an attribute
     test_registry::test_no_option_is_taken_and_ignored
     test_main::test_an_option_that_is_gone_says_what_there_is_now
 docs/releases.md
@@ -441,7 +441,7 @@ NO_PROMISES = {  # a part of the sentence -> why it needs no row
     "`Failed: 1`, exit code 1": "the same",
     "its `MultiInputPolicy` refuses a mapping": "another program's",
     "**Gone**: `collect --estimate`": "says what there was",
-    "(not kept: 1.1.0 refuses them)": "the same",
+    "(This was not kept: 1.1.0 refuses the datasets of 1.0.0.)": "the same",
     "what it refuses": "the head of a table",
 }
 PAGES = ("README.md", *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")))

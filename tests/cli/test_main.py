@@ -221,6 +221,12 @@ def test_a_former_name_leads_to_one_that_is_there(command: str, now: str) -> Non
     assert now in {*known, *below}
 
 
+def test_the_former_name_of_a_command_is_said_too() -> None:
+    result = RUN.invoke(app, ["verify-manifest", "/no"])
+    assert "note: `rtphys verify-manifest` is called `rtphys verify` now" in result.stderr
+    assert "note" not in RUN.invoke(app, ["verify", "/no"]).stderr
+
+
 def test_video_without_a_value_is_all_as_it_was() -> None:
     line = ["evaluate", "click_bel", "--policy", "idle", "--protocol", "clean", "--video"]
     assert "`--video` of `rtphys evaluate` takes all, failures" in RUN.invoke(app, line).stderr

@@ -1,6 +1,7 @@
 """`rtphys physics` and `rtphys domains` from the command line."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -128,6 +129,8 @@ def test_unknown_names_are_refused_with_the_nearest(app, command, nearest):
 def test_law_test_exits_by_the_outcome(monkeypatch):
     text = output_of(physics, "law-test", "restitution", "camera_angle")
     assert "trials obey the laws of 2 attributes" in text
+    stated = re.findall(r"labels state a tolerance of (.*)", text)
+    assert stated == ["0.05 at 0.5", "0.01 deg at 10"]
     real = Lab.world
     monkeypatch.setattr(Lab, "world", lambda lab, props, values: real(lab, props, {}))
     result = RUN.invoke(physics, ["law-test", "restitution", "--json"])

@@ -85,7 +85,7 @@ def test_a_damaged_dataset_has_no_digest_and_its_cure_is_named(
     cure = f"to make damaged and missing files again: rtphys collect --repair --out {dataset}"
     assert (cure in result.stderr) is ((name, how) != ("manifest.json", "damaged"))
     if name != "manifest.json":
-        assert "but the dataset is not sound" in result.stdout
+        assert "whose manifest it has: files are damaged or missing" in result.stdout
 
 
 def test_the_digest_of_a_sound_dataset_is_told_though_another_is_expected(dataset: Path) -> None:
@@ -106,7 +106,9 @@ def test_what_was_not_made_again_as_it_is_has_no_digest(
     result = verify(dataset, "--reproduce", "1")
     assert result.exit_code == 1
     assert not re.search(r"^digest", result.output, re.MULTILINE)
-    assert f"its manifest is that of {digest}, but it was not made again as it is" in result.stdout
+    assert (
+        f"it is not the dataset {digest}, whose manifest it has: it was not made" in result.stdout
+    )
 
 
 def test_what_is_newer_than_the_manifest_is_covered_by_no_digest(dataset: Path) -> None:

@@ -11,9 +11,9 @@ import pytest
 from rtphys.data.dataset import Dataset
 from rtphys.data.state_digests import state_digest
 from rtphys.data.verify import verify
-from rtphys.export.card import CardText, card, write_card
+from rtphys.export.card import CardText, card, croissant, write_card
 
-TEXT = CardText("Bells", url="https://example.org/bells", published="2026-11-21")
+TEXT = CardText("Bells", "cc-by-4.0", url="https://example.org/bells", published="2026-11-21")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -29,12 +29,17 @@ def metadata(dataset: Dataset) -> dict:
 def test_card_counts(dataset: Dataset) -> None:
     text = card(dataset, TEXT)
     front = text.split("---")[1].splitlines()
-    assert "license: apache-2.0" in front and "- robotics" in front and "- n<1K" in front
+    assert "license: cc-by-4.0" in front and "- robotics" in front and "- n<1K" in front
     assert "| click_bell | phys_random | 3 | 4 | 75% |" in text
     assert "by reason: slipped 1." in text
     assert "3 bimanual demonstrations (12 frames at 16.67 Hz)" in text
     frictions = [float(e.physics.scalar("friction")) for e in dataset]
     assert f"| `friction` | 1 | 3 | {min(frictions):.4g} | {max(frictions):.4g} |" in text
+
+
+def test_nobody_is_given_a_licence(dataset: Dataset) -> None:
+    assert "license" not in card(dataset, CardText()).lower()
+    assert "license" not in croissant(dataset, CardText())
 
 
 def test_croissant_lists_every_file_with_its_checksum(dataset: Dataset) -> None:

@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 from rtphys.results import breaks as module
-from rtphys.results.breaks import MIN_EPISODES, bins, breaks, fit
+from rtphys.results.breaks import MIN_EPISODES, bins, breaks, fit, without_evidence
 from rtphys.results.evaluation import EpisodeRecord
 from rtphys.results.statistics import Rate
 
@@ -32,6 +32,9 @@ def test_the_attribute_that_breaks_a_policy_comes_first() -> None:
     first, *rest = breaks(played)
     assert first.key == "friction" and first.curve.slope > 3 and first.p_holm < 1e-6
     assert [one.key for one in rest] == ["center_of_mass"] and rest[0].p_holm > 0.01
+    found = {"phys_random": [first, *rest], "only_friction": [], "clean": rest}
+    (line,) = without_evidence(found)
+    assert line.startswith("clean: no attribute has a significant effect")
 
 
 def test_attributes_that_share_a_draw_are_one() -> None:

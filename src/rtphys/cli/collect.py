@@ -29,6 +29,7 @@ from rtphys.cli.terminal import (
 from rtphys.core.errors import BadValue, RtphysError, counted
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.layout import TaskDataset
+from rtphys.senses import drawn
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.option import Option, Tasks, checked_dataclass
 from rtphys.spec.protocol import load_protocol
@@ -125,7 +126,7 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
     say(f"{made} in {minutes:.1f} min, in {run.out}", err=request.as_json)
     say_digest(run.out, err=request.as_json)
     if given_up := [f"{one.name}: {one.stopped}" for one in done if one.stopped]:
-        raise Incomplete("; ".join(given_up) + "; `rtphys check` tells why attempts fail")
+        raise Incomplete("; ".join(given_up) + _why_they_fail(specs, run))
     say("to check every file: " + command_line("verify", run.out), err=request.as_json)
 
 
@@ -201,11 +202,20 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
     if unknown and not cpu:
         have = "this task has" if len(unknown) == 1 else "these tasks have"
         takes = f"no cost estimate: {have} not been measured"
+    if any(one.recording.size or drawn(one.recording.senses) for one in there_not):
+        takes += "; its CPU time is that of pictures of 320x240 without depth and segmentation"
     say(
         f"{counted(wanted, 'episodes')} in {run.out}, at most {_bytes(room_needed(specs, MOST))}"
         f"; {takes}; nothing was collected",
         err=as_json,
     )
+
+
+def _why_they_fail(specs: Sequence[CollectionSpec], run: Run) -> str:
+    """What to do to see why attempts fail."""
+    if any(spec.keep_failures for spec in specs):
+        return f"; `{command_line('report', run.out)}` shows failures that were kept"
+    return "; `--keep-failures 5` keeps some, which `rtphys report` shows"
 
 
 def _seconds(number: float) -> str:

@@ -202,7 +202,7 @@ def verify(checks: Checks) -> None:
     memory = None if checks.fresh else checking.default_path()
     with progress_bar("verifying") as bar:
         report = checking.verify(out, effort, memory=memory, progress=bar)
-    doubt = "" if report.sound else "the dataset is not sound"  # what follows asks whose it is
+    doubt = "" if report.sound else "files are damaged or missing"  # what follows asks whose it is
     wrong, made = list[str](), ""
     if report.sound and not (report.episodes or report.failures):
         wrong.append("it holds no episode: the run was aborted, or no attempt was accepted")
@@ -239,7 +239,7 @@ def verify(checks: Checks) -> None:
     if report.digest and not doubt:
         say(f"digest {report.digest}")
     elif report.digest:
-        say(f"its manifest is that of {report.digest}, but {doubt}")
+        say(f"it is not the dataset {report.digest}, whose manifest it has: {doubt}")
     if report.damaged:
         cure = command_line("collect", "--repair", "--out", out)
         say(f"to make damaged and missing files again: {cure}", err=True)

@@ -17,7 +17,7 @@ from rtphys.cli.screen import campaign, fitting_table, print_parts, print_rows, 
 from rtphys.cli.terminal import Incomplete, say, say_json
 from rtphys.core.errors import counted
 from rtphys.results import read_results
-from rtphys.results.breaks import TOGETHER, drawn_together
+from rtphys.results.breaks import TOGETHER, drawn_together, without_evidence
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
 from rtphys.results.statistics import Rate, percent, rate_text
 from rtphys.results.summary import Counts, Summary
@@ -147,7 +147,8 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
                     say(pair.caution)
         if any(summary.breaks.values()):
             print_table(attributes_table(summary))
-            for line in [*left_out_of(summary), *drawn_together_in(summary), TOGETHER]:
+            notes = without_evidence(summary.breaks)
+            for line in [*notes, *left_out_of(summary), *drawn_together_in(summary), TOGETHER]:
                 say(line)
     out = run.folder(spec.policy)
     broken, every = errors_of(read_results(out))

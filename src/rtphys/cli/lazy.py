@@ -197,6 +197,8 @@ def _own_domain(parent: str = "global") -> str:
 def _as_called_now(args: list[str]) -> list[str]:
     """A command line in which former names are replaced."""
     command = ALIASES.get(args[0], args[0]) if args else ""
+    if args and command != args[0]:
+        say(f"note: `rtphys {args[0]}` is called `rtphys {command}` now", err=True)
     words = [command, *args[1:]] if args else []
     for place, word in enumerate(words[1:], start=1):
         bare = word == "--video" and (words[place + 1 :] or ["-"])[0].startswith("-")

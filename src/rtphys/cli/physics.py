@@ -153,6 +153,7 @@ def law_test(
             continue
         # Not a table, whose cells would wrap on a narrow terminal.
         say(f"\n{law.key}:  {law.law}")
+        say(f"labels state a tolerance of {stated(law.key, law.settings[-1])}")
         say(f"{'':5}{'law':>10} {'simulator':>10} {'unit':6} {'error':>8}  at, and what")
         for t in shown:
             numbers = f"{t.expected:10.4g} {t.measured:10.4g} {t.unit:6} {100 * t.error:7.2g}%"
@@ -165,6 +166,14 @@ def law_test(
         say(f"{total - failed} of {total} trials obey the laws of {of}")
     if failed:
         raise typer.Exit(1)
+
+
+def stated(key: str, value: Value) -> str:
+    """The tolerance that a label of a value states, such as "0.05 at 0.5"."""
+    unit = attribute(key).unit.strip("1")
+    return (
+        f"{attribute(key).deviation(value) or 0.0:.2g} {unit}".strip() + f" at {value_text(value)}"
+    )
 
 
 def worst(trials: "Sequence[Trial]") -> "list[Trial]":

@@ -60,7 +60,7 @@ class CardText:
     """Facts about a publication that the manifest does not hold."""
 
     name: Annotated[str, Option("Name of the dataset.")] = "rtphys demonstrations"
-    license: Annotated[str, Option("SPDX identifier.")] = "apache-2.0"
+    license: Annotated[str, Option("SPDX identifier, such as cc-by-4.0. Default: none.")] = ""
     url: Annotated[str, Option("Address where it will be published.")] = ""
     published: Annotated[str, Option("Date of publication, YYYY-MM-DD.")] = ""
 
@@ -85,7 +85,9 @@ def card(dataset: Dataset, text: CardText) -> str:
     frames = sum(entry.frames for entry in entries)
     size = next((name for limit, name in SIZES if frames < limit), "n>1M")
     front = [
-        *("---", f"license: {text.license}", "language:", "- en", f"pretty_name: {text.name}"),
+        "---",
+        *([f"license: {text.license}"] if text.license else []),
+        *("language:", "- en", f"pretty_name: {text.name}"),
         *("task_categories:", "- robotics", "tags:"),
         *(f"- {tag}" for tag in ("robotics", "manipulation", "bimanual", "RoboTwin", "physics")),
         *("size_categories:", f"- {size}", "---"),
@@ -103,8 +105,8 @@ def card(dataset: Dataset, text: CardText) -> str:
         "\n".join(front),
         f"# {text.name}",
         f"{counted(len(dataset), 'bimanual demonstrations')} ({frames} frames at 16.67 Hz) of "
-        f"{counted(len(dataset.tasks), 'simulated tasks')}. Physics differs from episode to "
-        f"episode; the {_count(dataset)} in force in the contact solver are stored with each.",
+        f"{counted(len(dataset.tasks), 'simulated tasks')}. Each episode "
+        f"stores the {_count(dataset)} as they were in force in the contact solver.",
         "## Episodes",
         _task_table(dataset),
         f"Attempts without an episode, by reason: {counts}." if counts else "",
@@ -128,8 +130,9 @@ def card(dataset: Dataset, text: CardText) -> str:
 FILES = """\
 | path | content |
 |---|---|
-| `manifest.json` | seeds, attempts, rejections by reason, resolved domains, SHA-256 of every file |
-| `<config>/<task>/<embodiment>/data/` | trajectories, RoboTwin's XPolicyLab v1.0 HDF5 |
+| `manifest.json` | attempts, rejections by reason, domains, the checksum of every ledger |
+| `<config>/<task>/<embodiment>/ledger.jsonl` | every attempt, and SHA-256 of every file |
+| `…/data/` | trajectories, RoboTwin's XPolicyLab v1.0 HDF5 |
 | `…/video/` | the head camera as MP4 |
 | `…/phys_meta/` | the physics of each episode as read back from the simulator |
 | `…/instruction/` | sentences, seen and unseen |
@@ -153,7 +156,7 @@ every episode from its seed again."""
 
 
 def _task_table(dataset: Dataset) -> str:
-    rows = ["| task | protocol | episodes | attempts | accepted |", "|---|---|---:|---:|---:|"]
+    rows = ["| task | configuration | episodes | attempts | accepted |", "|---|---|---:|---:|---:|"]
     for entry in dataset.task_datasets:
         tried, spec = entry.attempts, entry.spec
         share = f"{entry.episodes / tried:.0%}" if tried else "–"
@@ -199,7 +202,7 @@ def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
         "name": text.name,
         "description": f"{counted(len(dataset), 'simulated bimanual manipulation episodes')} "
         f"with {_count(dataset)} each, as they were in force in the contact solver.",
-        "license": f"https://spdx.org/licenses/{text.license}",
+        **({"license": f"https://spdx.org/licenses/{text.license}"} if text.license else {}),
         "url": text.url or "https://example.org/not-published-yet",
         "version": "1.0.0",
         **({"datePublished": text.published} if text.published else {}),

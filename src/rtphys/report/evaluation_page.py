@@ -11,7 +11,7 @@ from rtphys.core.errors import counted
 from rtphys.data.files import read, replace_file
 from rtphys.data.layout import REPORT
 from rtphys.physics.attribute import attribute, is_attribute
-from rtphys.results.breaks import TOGETHER, Break, drawn_together
+from rtphys.results.breaks import TOGETHER, Break, drawn_together, without_evidence
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
 from rtphys.results.statistics import rate_text
 from rtphys.results.summary import summarise
@@ -49,6 +49,7 @@ def write_evaluation_report(results: Results) -> Path:
         "<h2>Which physics breaks the policy</h2>",
         _table(("protocol", "attribute", "range", "log-odds of success from lowest to highest",
                 "p (Holm)"), breaks),
+        *(f"<p class=soft>{escape(line)}</p>" for line in without_evidence(summary.breaks)),
         *(f"<p class=soft>drawn together: {escape(', '.join(keys))}; `rtphys sensitivity` "
           "of each tells them apart</p>" for keys in drawn_together(shown)),
         f"<p class=soft>{escape(TOGETHER)}</p>",

@@ -8,10 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rtphys.laws.audit.selection import UNLIKELY, Selection
-from rtphys.results.breaks import Break
+from rtphys.results.breaks import SIGNIFICANT, Break
 
 COLUMNS = 4  # of panels
-SIGNIFICANT = 0.05  # adjusted p-value below which the title of an attribute's panel is red
 BINS = 12  # of a histogram
 
 

@@ -1,7 +1,7 @@
 """Which physics breaks a policy: logistic regression of success on every attribute that varied."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from rtphys.results.statistics import Rate, holm
 Floats = NDArray[np.float64]
 MIN_EPISODES = 10  # below which no curve is fitted
 BINS = 5
+SIGNIFICANT = 0.05  # adjusted p-value below which an effect counts as one
 # Standard deviations of the normal priors; both are wide and only matter at perfect separation.
 SLOPE_SPREAD = 5.0  # of the change in log-odds over the whole range of x
 LEVEL_SPREAD = 10.0  # of a group's log-odds at the smallest x
@@ -114,6 +115,16 @@ def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
     adjusted = holm([effect.curve.p for effect in effects])
     effects = [replace(effect, p_holm=p) for effect, p in zip(effects, adjusted, strict=True)]
     return sorted(effects, key=lambda effect: effect.curve.p)
+
+
+def without_evidence(breaks: Mapping[str, Sequence[Break]]) -> list[str]:
+    """A line for each protocol under which no attribute has a significant effect."""
+    return [
+        f"{protocol}: no attribute has a significant effect (p with Holm's correction below "
+        f"{SIGNIFICANT}); the first is only the most suspect"
+        for protocol, effects in breaks.items()
+        if effects and all(effect.p_holm >= SIGNIFICANT for effect in effects)
+    ]
 
 
 def drawn_together(effects: Iterable[Break]) -> list[tuple[str, ...]]:

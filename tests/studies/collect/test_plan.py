@@ -103,6 +103,9 @@ def test_a_dry_run_answers_where_the_disk_is_too_small(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [*line, "--dry-run"])
     assert done.exit_code == 0 and "9000000 episodes in" in done.stdout
     assert "here and now it would be refused: " in done.stderr and "GB are needed" in done.stderr
+    assert "pictures of 320x240" not in done.stdout
+    done = CliRunner().invoke(app, [*line, "--dry-run", "--size", "128x96"])
+    assert "its CPU time is that of pictures of 320x240" in done.stdout
 
 
 OTHER_SHADER = RecordingSpec(shader="default")
@@ -156,6 +159,7 @@ def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(own_task, tmp_p
     done = CliRunner().invoke(app, ["collect", *options])
     assert done.exit_code == 4
     assert "hopeless: the most attempts that were allowed were made: 3" in done.stderr
+    assert "`--keep-failures 5` keeps some, which `rtphys report` shows" in done.stderr
     assert verify(out).problems == []
     leaf = json.loads((out / "manifest.json").read_text())["task_datasets"][
         "phys_random_all/hopeless/aloha_agilex"
