@@ -324,11 +324,9 @@ def learner() -> str:
     """Table of networks trained on what `feels` does, by what they see beside pictures."""
     rows = []
     for task, solved in results.load("learner").items():
-        seen = [solved[sees] for sees in SEES]
-        gains = (_worth(more, seen[0]) for more in seen[1:])
-        rows.append((f"`{task}`", f"{_chance(task):.0%}", *map(_rate, seen), *gains))
-    head = ("task", "chance", "joints", "touch", "memory")
-    return _table((*head, "touch minus joints", "memory minus joints"), rows)
+        rates = (_rate(solved[sees]) if sees in solved else "" for sees in SEES)
+        rows.append((f"`{task}`", f"{_chance(task):.0%}", *rates))
+    return _table(("task", "chance", *SEES), rows)
 
 
 def suite_robots() -> str:

@@ -45,6 +45,16 @@ def lines(
             "protocol clean: friction is swept: 0.05, 0.3, 0.8; nothing else varies but the layout",
         ),
         (
+            {"protocol": "clean", "overrides": {"friction": 2.0}},
+            "protocol clean: friction is held at 2 (domain global: [0.01, 1.25]); "
+            "nothing else varies but the layout",
+        ),
+        (
+            {"protocol": "clean", "sweep": "gripper_joint_damping=1,5"},
+            "protocol clean: gripper_joint_damping is swept: 1, 5 (domain global: [0.5, 3]); "
+            "nothing else varies but the layout",
+        ),
+        (
             {"only": ("friction",), "sweep": "friction=0.1,0.2"},
             "protocol only_friction: friction is swept: 0.1, 0.2; "
             "nothing else varies but the layout",

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from rtphys.physics.attribute import attributes
 from rtphys.physics.distribution import Distribution, Fixed, SameAs
 from rtphys.physics.domain import Domain
+from rtphys.physics.load import domain_for_task
 from rtphys.physics.reach import split
 from rtphys.physics.values import Value
 from rtphys.spec.collection import CollectionSpec
@@ -66,9 +67,15 @@ def _line(side: CollectionSpec, held: Values) -> str:
         are = "is" if len(absent) == 1 else "are"
         parts.append(f"{', '.join(absent)} {are} nominal, although the task draws that elsewhere")
     several = [key for key in episode.overrides if len(held[key]) > 1]
-    parts += [f"{key} is swept: {', '.join(map(_text, held[key]))}" for key in several]
+    usual = episode.ranges or domain_for_task(episode.task)
+    parts += [
+        f"{key} is swept: {', '.join(map(_text, held[key]))}{_outside(usual, key, held[key])}"
+        for key in several
+    ]
     one = [key for key in episode.overrides if key not in several]
-    parts += [f"{key} is held at {_text(episode.overrides[key])}" for key in one]
+    parts += [
+        f"{key} is held at {_text(held[key][0])}{_outside(usual, key, held[key])}" for key in one
+    ]
     parts += [f"{key} varies with the look" for key in by_source["look"]]
     if looks := _looks(rules.visual):
         parts.append(f"{_and(looks)} vary")
@@ -78,6 +85,14 @@ def _line(side: CollectionSpec, held: Values) -> str:
         parts.append(f"nothing {'else ' * bool(parts)}varies but the layout")
     what = "protocol" if side.twin_of is None else "twin"
     return f"{what} {episode.protocol}: {'; '.join(parts)}"
+
+
+def _outside(domain: Domain, key: str, values: Sequence[Value]) -> str:
+    """Says so where the domain never draws one of the values."""
+    rule = _rule(domain, key)
+    if rule is None or all(value in rule for value in values):
+        return ""
+    return f" (domain {domain.name}: {rule})"
 
 
 def _of_the_task(drawn: Sequence[str], named: Sequence[str]) -> list[str]:
