@@ -13,9 +13,9 @@ from operator import itemgetter
 from pathlib import Path
 
 from rtphys.core.bounds import LARGEST_EPISODE
-from rtphys.core.errors import BadFile, BadValue
+from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.untrusted import JSON, parse_mapping
-from rtphys.data import files, jpeg, schema, staging
+from rtphys.data import files, jpeg, staging
 from rtphys.data.attempts import Accepted, KeptFailure, Row, read_attempts
 from rtphys.data.faults import PartsMismatch
 from rtphys.data.files import FileFacts
@@ -26,6 +26,7 @@ from rtphys.data.schema import FailureMeta, Instructions, PhysMeta, SceneEntry
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.spec.collection import TaskHeader
+from rtphys.spec.recording import LAYOUTS
 from rtphys.spec.stored import differences, problems_of, stored
 
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
@@ -84,6 +85,8 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
         BadValue: `out` is the source itself.
         DatasetMismatch: `out` holds something else.
     """
+    if layout not in LAYOUTS:
+        raise UnknownName("layout", layout, LAYOUTS)
     parts: list[_Part] = []
     for entry in read_manifest(source).task_datasets.values():
         recording = replace(entry.spec.recording, layout=layout)
@@ -199,7 +202,14 @@ def _copied(place: TaskDataset, held: OnDisk, seed: int, folder: Path) -> Staged
             raise BadFile(path, "is not what its ledger says")
         return data
 
-    meta = _label(sound(paths.phys_meta), paths.phys_meta)
+    meta = parse_mapping(sound(paths.phys_meta), paths.phys_meta)
+    # What the ledger will say of it must be there.
+    attributes = meta.get("attributes")
+    labels = attributes.values() if isinstance(attributes, Mapping) else [None]
+    complete = [isinstance(one, Mapping) and {"value", "could_act"} <= one.keys() for one in labels]
+    if not ("episode" in meta and isinstance(meta.get("verdict"), Mapping) and all(complete)):
+        raise BadFile(paths.phys_meta, "episode, verdict or attributes are missing")
+    del meta["episode"]  # its number changes
     shutil.rmtree(folder, ignore_errors=True)
     files.make_folder(folder)
     written = {
@@ -226,16 +236,16 @@ def encoded_episode(paths: EpisodePaths, layout: str, scene: Mapping[str, JSON])
     """An episode as its files hold it. Raises `BadFile`."""
     frames, images, sensed = read_episode(paths.hdf5, layout)
     images.video = files.read(paths.video)
-    meta = _label(files.read(paths.phys_meta), paths.phys_meta)
-    words = schema.read(Instructions, paths.instruction).model_dump()
+    failed = paths.phys_meta.parents[1].name == FAILURES
+    content: list[dict[str, JSON]] = []
+    for kind, path in (
+        (FailureMeta if failed else PhysMeta, paths.phys_meta),
+        (Instructions, paths.instruction),
+    ):
+        content.append(parse_mapping(files.read(path), path))
+        with problems_of(path):
+            kind.model_validate(content[-1])
     with problems_of(paths.hdf5):
         SceneEntry.model_validate(scene)
+    meta, words = content
     return EncodedEpisode(frames, images, meta, scene, words, sensed)
-
-
-def _label(data: bytes, path: Path) -> dict[str, JSON]:
-    """The label in a file as it stands there, whatever its number. Raises `BadFile`."""
-    meta = parse_mapping(data, path)
-    with problems_of(path):
-        (FailureMeta if path.parents[1].name == FAILURES else PhysMeta).model_validate(meta)
-    return meta

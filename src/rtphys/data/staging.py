@@ -102,7 +102,9 @@ def stage_encoded(folder: Path, episode: EncodedEpisode, layout: str) -> StagedE
         words = pretty(episode.instructions, ascii_only=layout == "legacy")
         contents = {HDF5: data, VIDEO: images.video, INSTRUCTION: words}
         facts = {name: files.write_synced(folder / name, one) for name, one in contents.items()}
-        EpisodeFile(folder / HDF5, layout).frames()  # it can be read again
+        count = len(EpisodeFile(folder / HDF5, layout).frames())
+        if count != len(frames):
+            raise BadEpisode([f"{folder / HDF5} holds {count} frames, not the {len(frames)} given"])
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
