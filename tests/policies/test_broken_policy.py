@@ -53,7 +53,7 @@ def test_a_policy_that_does_not_say_whether_it_needs_pictures(tmp_path: Path) ->
 @pytest.fixture
 def job(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], EvaluationTask]:
     """Jobs whose episode is made of nothing; its record is its trace."""
-    monkeypatch.setattr(evaluate, "_judged", lambda episode, trace: trace)
+    monkeypatch.setattr(evaluate, "_judged", lambda episode, trace, sees: trace)
     monkeypatch.setattr(evaluate, "begin", lambda *_: None)
     spec = EpisodeSpec("click_bell", "clean")
     return lambda number: EvaluationTask(spec.at(0), PolicySetup("click_bell", seed=number))
