@@ -1,6 +1,6 @@
 """Measure how often tasks with their own domain are feasible under it and under the global domain.
 
-`scripts/feasibility.py [--seeds N]` tries the same seeds under both domains, without pictures, and
+`scripts/feasibility.py --seeds N` tries the same seeds under both domains, without pictures, and
 writes docs/results/feasibility.json task by task. `scripts/tables.py` makes a table of it. Tasks
 that the file has with so many seeds and this code are not tried again.
 """
