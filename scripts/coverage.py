@@ -166,6 +166,7 @@ def draw(path: Path) -> None:
         unit = attributes()[name.partition(".")[0]].unit
         ax.set_xlabel(name if unit == "1" else f"{name} [{unit}]", fontsize=9)
         ax.tick_params(labelsize=8)
+        ax.locator_params(axis="x", nbins=5)
     for ax in axes.flat[len(shown) :]:
         ax.set_axis_off()
     axes.flat[0].legend(fontsize=8)

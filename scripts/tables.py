@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
+import coverage
 import policy_tables
 from com_inside import Bodies, narrowed, survival
 from masses import theirs as robotwin_mass
@@ -103,6 +104,7 @@ DOCUMENTS = (
     DOCS / "benchmark.md",
     DOCS / "maps.md",
     DOCS / "physics_suite.md",
+    DOCS / "training_set.md",
     DOCS / "visual_policy.md",
     DOCS / "reference" / "task.md",
 )
@@ -538,7 +540,10 @@ TABLES = {
     "suite_robots": suite_robots,
     "hidden": hidden,
     "relevance": relevance,
-    **{name: lambda of=of: _table(*of()) for name, of in policy_tables.TABLES.items()},
+    **{
+        name: lambda of=of: _table(*of())
+        for name, of in (policy_tables.TABLES | coverage.TABLES).items()
+    },
 }
 
 

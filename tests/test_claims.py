@@ -390,6 +390,13 @@ docs/sensitivity.md
     test_commands_with_many_workers::test_many_workers_give_what_one_gives
   other options, another policy or an edited policy file are refused
     test_sensitivity::test_what_an_edited_policy_did_is_not_continued
+docs/training_set.md
+  State digests are the same on every machine, with any number of workers
+    test_state_digests::test_pictures_the_layout_and_the_machine_do_not_count
+    test_certified_lists::test_the_expert_solves_the_first_instance_bit_for_bit
+    test_commands_with_many_workers::test_many_workers_give_what_one_gives
+  `verify` compares as many episodes as there are, from the first on
+    test_state_digests::test_as_many_are_compared_as_there_are
 docs/trust.md
   Reading one executes no code and unpickles nothing
     test_hostile::test_nothing_that_reads_can_unpickle_or_run_what_it_reads
