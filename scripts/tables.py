@@ -331,6 +331,18 @@ def learner() -> str:
     return _table(("task", "chance", *SEES), rows)
 
 
+def suite_tolerance() -> str:
+    """Table of the physical suite: attributes that break a replay, and how far each may go."""
+    rows = []
+    for task, found in results.load("sensitivity_suite").items():
+        broken = [(key, of) for key, of in found["attributes"].items() if of["share"] < 1]
+        shown = [
+            f"`{key}` {of['tolerance'][0]:.3g} to {of['tolerance'][1]:.3g}" for key, of in broken
+        ]
+        rows.append((f"`{task}`", f"{len(found['seeds'])}", ", ".join(shown) or "none"))
+    return _table(("task", "seeds", "attributes that break a replay, and what it tolerates"), rows)
+
+
 def suite_robots() -> str:
     """Table of the physical suite on other robots: attempts of the expert that succeed."""
     measured = results.load("robots_physics")
@@ -537,6 +549,7 @@ TABLES = {
     "knowing_suite": knowing_suite,
     "knowing_fifty": knowing_fifty,
     "learner": learner,
+    "suite_tolerance": suite_tolerance,
     "suite_robots": suite_robots,
     "hidden": hidden,
     "relevance": relevance,
