@@ -30,7 +30,7 @@ KINDS = {  # RoboTwin, _camera_config.yml
 CAMERAS = {name: f"{name}_camera" for name in ("head", "left", "right", "front")}
 HEAD = CAMERAS["head"]
 USUAL = ("head", "left", "right")
-# Tasks in which an arm hides what the front camera shows (scripts/in_view.py). A policy in an
+# Tasks in which an arm hides from the head camera what the front camera shows. A policy in an
 # evaluation still sees the usual three.
 FRONT_TOO = ("place_phone_stand",)
 LAYOUTS = ("native", "legacy")
