@@ -1,14 +1,16 @@
-"""The policy that trembles: what it adds, what it is keyed by, and that it fails."""
+"""The policies that see nothing: what they add, what they are keyed by, and that they fail."""
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 import pytest
 
+from rtphys.assets.action_layout import ActionLayout
 from rtphys.assets.pack import default_pack
 from rtphys.episode import Observation, PolicyEpisode
-from rtphys.policies.baselines import SPREAD, Jitter
+from rtphys.policies.baselines import SPREAD, Jitter, RandomWalk
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies.check import solves
 from rtphys.task.spec import load_task
@@ -16,16 +18,44 @@ from rtphys.task.spec import load_task
 MIDDLE = np.full(14, 0.5)  # of limits -10 .. 11 and openings 0 .. 1
 
 
+def opened(
+    policy: Jitter | RandomWalk,
+    seed: int,
+    joints: Sequence[int] = (6, 6),
+    limits: tuple[float, float] = (-10.0, 11.0),
+) -> Jitter | RandomWalk:
+    """The policy at the beginning of an episode of a robot with so many joints an arm."""
+    limbs = [SimpleNamespace(limits=np.array([limits] * n)) for n in joints]
+    robot = SimpleNamespace(limbs=limbs, action_layout=ActionLayout(*joints))
+    world = SimpleNamespace(robot=SimpleNamespace(embodiment=robot))
+    episode = SimpleNamespace(seed=seed, rollout=SimpleNamespace(world=world))
+    policy.reset(cast(PolicyEpisode, episode))
+    return policy
+
+
+def acted(policy: Jitter | RandomWalk, command: np.ndarray) -> np.ndarray:
+    return policy.act(cast(Observation, SimpleNamespace(vector=command)))
+
+
 def actions(seed: int, command: np.ndarray, count: int) -> np.ndarray:
-    limb = SimpleNamespace(limits=np.array([[-10.0, 11.0]] * 6))
-    robot = SimpleNamespace(embodiment=SimpleNamespace(limbs=(limb, limb)))
-    world = SimpleNamespace(robot=robot)
-    policy = Jitter()
-    policy.reset(
-        cast(PolicyEpisode, SimpleNamespace(seed=seed, rollout=SimpleNamespace(world=world)))
-    )
-    seen = cast(Observation, SimpleNamespace(vector=command))
-    return np.array([policy.act(seen) for _ in range(count)])
+    policy = opened(Jitter(), seed)
+    return np.array([acted(policy, command) for _ in range(count)])
+
+
+def walk(seed: int, joints: Sequence[int]) -> np.ndarray:
+    """Two hundred commands that follow each other."""
+    policy, command = opened(RandomWalk(), seed, joints, (-0.1, 0.2)), np.zeros(sum(joints) + 2)
+    return np.array([command := acted(policy, command) for _ in range(200)])
+
+
+@pytest.mark.parametrize("joints", [(6, 6), (6, 7)])
+def test_the_random_walk_stays_within_limits_and_is_keyed(joints: tuple[int, int]) -> None:
+    walked, again, other = (walk(seed, joints) for seed in (1, 1, 2))
+    hands = walked[:, [joints[0], -1]]
+    arms = np.delete(walked, [joints[0], -1], axis=1)
+    assert arms.min() >= -0.1 and arms.max() <= 0.2 < np.ptp(arms)
+    assert 0 <= hands.min() <= hands.max() <= 1
+    assert (walked == again).all() and (walked != other).any()
 
 
 def test_every_number_trembles_about_the_present_command() -> None:

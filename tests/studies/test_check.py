@@ -3,7 +3,6 @@
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -11,7 +10,6 @@ from rtphys.assets.pack import default_pack
 from rtphys.cli.authoring import complaints
 from rtphys.cli.main import app
 from rtphys.core.library import bundled
-from rtphys.policies.baselines import Walk
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import check as check_module
 from rtphys.studies.check import BASELINES, CheckResult, Score, check, solves, watch
@@ -87,20 +85,6 @@ def test_what_no_task_may_do_is_complained_about(
     trials: list[tuple[str, int, CheckResult]], said: list[str]
 ) -> None:
     assert complaints([score_of(*trials)]) == said
-
-
-def test_the_random_walk_stays_within_limits_and_is_keyed() -> None:
-    limits = np.array([[[-0.1, 0.2]] * 6] * 2)
-    walks = []
-    for seed in (1, 1, 2):
-        source, walk = Walk(seed, limits), [np.zeros(14)]
-        for _ in range(200):
-            walk.append(source.after(walk[-1]))
-        walks.append(np.array(walk[1:]))
-    arms, hands = walks[0][:, [0, 5, 7, 12]], walks[0][:, [6, 13]]
-    assert arms.min() >= -0.1 and arms.max() <= 0.2 < np.ptp(arms)
-    assert 0 <= hands.min() <= hands.max() <= 1
-    assert (walks[0] == walks[1]).all() and (walks[0] != walks[2]).any()
 
 
 def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPatch) -> None:

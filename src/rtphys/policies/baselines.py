@@ -31,44 +31,38 @@ class Idle(Stepwise):
         return observation.vector
 
 
-class Walk:
-    """Random walk of joint targets and gripper openings with drift, reflected at the limits.
+def limits(episode: PolicyEpisode) -> tuple[Array, Array]:
+    """Lowest and highest numbers (N,) of an action: joints [rad], and openings, 0..1."""
+    limbs = episode.rollout.world.robot.embodiment.limbs
+    low, high = np.concatenate([np.vstack([limb.limits, [0.0, 1.0]]) for limb in limbs]).T
+    return low, high
 
-    Args:
-        seed: episode seed; the walk has a stream of its own.
-        limits: (2, n, 2) [rad] of the left and right arm's joints.
+
+class RandomWalk(Stepwise):
+    """`random` walks at random from the home posture: a task that it solves is too easy.
+
+    Each step keeps most of the last one, and turns back at the limits.
     """
 
-    def __init__(self, seed: int, limits: Array) -> None:
-        self._rng = stream(seed, "policy", "random")
-        gripper = np.array([[0.0, 1.0]])
-        self._low, self._high = np.concatenate([limits[0], gripper, limits[1], gripper]).T
-        self._scale = np.array(([ARM_STEP] * len(limits[0]) + [GRIP_STEP]) * 2)
+    needs_images = False
+
+    def reset(self, episode: PolicyEpisode) -> None:
+        self._rng = stream(episode.seed, "policy", "random")
+        self._low, self._high = limits(episode)
+        self._scale = np.full(len(self._low), ARM_STEP)
+        layout = episode.rollout.world.robot.embodiment.action_layout
+        self._scale[list(layout.grippers)] = GRIP_STEP
         self._step = self._rng.normal(size=len(self._scale)) * self._scale
 
-    def after(self, command: Array) -> Array:
-        """The command that follows another, in the robot's `ActionLayout`."""
+    def act(self, observation: Observation) -> Array:
         fresh = self._rng.normal(size=len(self._scale)) * self._scale
         self._step = DRIFT * self._step + np.sqrt(1 - DRIFT**2) * fresh
-        target = command + self._step
+        target = observation.vector + self._step
         low, high = target < self._low, target > self._high
         target = np.where(low, 2 * self._low - target, target)
         target = np.where(high, 2 * self._high - target, target)
         self._step = np.where(low | high, -self._step, self._step)
         return np.clip(target, self._low, self._high)
-
-
-class RandomWalk(Stepwise):
-    """`random` walks at random from the home posture: a task that it solves is too easy."""
-
-    needs_images = False
-
-    def reset(self, episode: PolicyEpisode) -> None:
-        arms = episode.rollout.world.robot.arms
-        self._walk = Walk(episode.seed, np.array([arm.limb.limits for arm in arms]))
-
-    def act(self, observation: Observation) -> Array:
-        return self._walk.after(observation.vector)
 
 
 class Jitter(Stepwise):
@@ -81,9 +75,7 @@ class Jitter(Stepwise):
 
     def reset(self, episode: PolicyEpisode) -> None:
         self._rng = stream(episode.seed, "policy", "jitter")
-        limbs = episode.rollout.world.robot.embodiment.limbs
-        bounds = np.concatenate([np.vstack([limb.limits, [0.0, 1.0]]) for limb in limbs])
-        self._low, self._high = bounds.T
+        self._low, self._high = limits(episode)
 
     def act(self, observation: Observation) -> Array:
         target = observation.vector + self._rng.normal(scale=SPREAD, size=len(observation.vector))
