@@ -7,12 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError
 
 import results
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.core.poses import Array, Pose
-from rtphys.laws.lab import Lab, pose_of
+from rtphys.laws.lab import Lab, bears, pose_of
 from rtphys.physics.handles import GRAVITY
 from rtphys.sim.body import SimBody
 from rtphys.sim.engine import RATE, TIME_STEP
@@ -26,7 +25,6 @@ EASE = 0.5  # [s] in which the push grows to LOW: a blow would rock what is tall
 AFTER = 0.1  # [s] from the slip until it is noticed
 WINDOW = 5  # [steps] over which a speed is measured
 REST = RATE // 2  # [steps] until the objects stand
-MARGIN = 0.9  # of the face on which an object stands: what pushes harder tips it
 GAP = 0.06  # [m] between two copies: they slide by less than half of that
 CLEAR = 0.15  # [m] y of the copies' row: the hands at home are nearer to the robot
 
@@ -123,14 +121,9 @@ def _face(body: SimBody) -> Array:
 
 def _stands(body: SimBody, mu: float) -> bool:
     """Whether a body rests on a face within which its weight and the strongest push act."""
-    com, face = pose_of(body) @ body.com, _face(body)
-    middle = face.mean(axis=0)
-    try:
-        inner = Delaunay(middle + MARGIN * (face - middle))
-    except (QhullError, ValueError):  # a point or a line
-        return False
+    com = pose_of(body) @ body.com
     ahead = np.array([HIGH * mu * (com[2] - TABLE_TOP), 0.0])
-    return bool((inner.find_simplex([com[:2], com[:2] + ahead]) >= 0).all())
+    return bears(_face(body), np.array([com[:2], com[:2] + ahead]))
 
 
 UPRIGHT = Pose((0, 0, 0), (0.5**0.5, 0.5**0.5, 0, 0))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rtphys.core.poses import Array, Pose
-from rtphys.laws.lab import NONE, Lab, floating, launch, pose_of, puck, record, slope, wait
+from rtphys.laws.lab import NONE, Lab, floating, hold, launch, pose_of, puck, record, slope, wait
 from rtphys.laws.law import LawTest, Trial, Values, number
 from rtphys.physics.handles import GRAVITY
 from rtphys.physics.values import Value
@@ -160,17 +160,11 @@ def _gripped(
     if grip.aside:
         body.set_com(body.nominal_com + pose_of(body).R.T @ (grip.aside * up))
     for locked, steps in ((True, HOLD), (False, TENTH)):
-        _hold(body, locked)
+        hold(body.component, locked)
         world.robot.left.grip(0.0)
         wait(world, steps)
     _, pressed = record(world, TENTH, lambda: squeeze(world))
     return world, body, float(pressed.mean())
-
-
-def _hold(body: SimBody, still: bool) -> None:
-    """Fix a body where it is, or let it go."""
-    axes = [still] * 6
-    body.component.set_locked_motion_axes(axes)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def _pull(world: World, body: SimBody, force: float) -> None:
@@ -250,7 +244,7 @@ def breakaway_on_object(lab: Lab, values: Values, mu: float) -> float:
     up = number(values.get("object_scale", 1.0)) * (BELOW[2] + ABOVE[2]) + 1e-4
     offset = world.X_WT.R @ (OVER, 0.0, up)
     home = to_sapien(Pose(pose_of(block).p + offset, pose_of(plate).q))
-    _hold(block, True)
+    hold(block.component, True)
     lean = np.sin(np.radians(number(values.get("table_tilt", 0.0))))
 
     def slides(push: float) -> bool:

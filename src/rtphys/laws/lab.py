@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from scipy.spatial import Delaunay, QhullError
 
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
@@ -77,6 +79,24 @@ def launch(body: SimBody, velocity: Sequence[float]) -> None:
     """Give a rigid body a velocity (3,) [m/s]."""
     rigid = body.component
     rigid.set_linear_velocity(list(velocity))  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def hold(component: Any, still: bool) -> None:  # SAPIEN's type of it lacks the method
+    """Fix a rigid body where it is, or let it go."""
+    component.set_locked_motion_axes([still] * 6)
+
+
+INNER = 0.9  # of the face on which a body stands: what pushes harder tips it
+
+
+def bears(face: Array, loads: Array) -> bool:
+    """Whether points (n, 2) where loads act lie within the face (m, 2) on which a body stands."""
+    middle = face.mean(axis=0)
+    try:
+        inner = Delaunay(middle + INNER * (face - middle))
+    except (QhullError, ValueError):  # a point or a line
+        return False
+    return bool((inner.find_simplex(loads) >= 0).all())
 
 
 def floating(world: World, name: str) -> SimBody:
@@ -157,6 +177,6 @@ def pushed_block(
     return np.polyfit(t, v, 1)[0]
 
 
-def puck(x: float = 0.15, y: float = -0.05) -> Box:
+def puck(x: float = 0.15) -> Box:
     """A flat plate on the table, which slides but cannot tip over."""
-    return Box(name="puck", pose=Pose((x, y, 0)), half_size=(0.05, 0.05, 0.01))
+    return Box(name="puck", pose=Pose((x, -0.05, 0)), half_size=(0.05, 0.05, 0.01))

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple, cast
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError
 
 from rtphys.core.poses import Array, Pose
 from rtphys.laws.audit.specimen import REST, Finding, Measurement, Specimen, Unmeasured, hang, lift
+from rtphys.laws.lab import bears, hold
 from rtphys.laws.restitution import SPEEDS, rebounds
 from rtphys.physics.attribute import attribute
 from rtphys.physics.attributes.restitution import deviation_at
@@ -23,7 +23,6 @@ ABOUT = [np.array(d) for d in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 SETTLE, EASE, PUSH = 40, 50, 100  # [steps] until all lies still; until a push is whole; of the push
 LAW = (SHARES[-1] - 1) / 2  # [mu g t²] way of what slides under the last push
 SLID = 0.3  # of that way
-INNER = 0.9  # of the face on which it stands: what pushes harder tips it
 UPRIGHT = 0.996  # cosine between a contact's normal and the vertical: 5 deg
 RATTLE = 0.1  # coefficient below which the ways are too short to tell
 
@@ -56,7 +55,7 @@ def drop_objects(specimen: Specimen) -> list[Finding]:
             place = f"{thing.name}, impact at {speed:g} m/s"
             allowed = deviation_at(speed) * max(1.0, 2 * e)
             findings.append(Measurement(key, place, e, worst, allowed))
-        _lock(thing, False)
+        hold(thing.root, False)
         hang(thing, away.p)
     return findings
 
@@ -86,7 +85,7 @@ def push_stands(specimen: Specimen, ends: Mapping[str, Pose]) -> list[Finding]:
         if mu < RATTLE:
             continue
         for thing, _ in starts:
-            _lock(thing, thing is not stand.top)
+            hold(thing.root, thing is not stand.top)
         found = [_slips_at(world, stand, ends, mu, along) for along in ABOUT]
         worst = min((mu * share for share in found if share is not None), default=None)
         place = f"{stand.top.name} on {stand.below.name}"
@@ -96,7 +95,7 @@ def push_stands(specimen: Specimen, ends: Mapping[str, Pose]) -> list[Finding]:
             allowed = attribute("friction").deviation(mu)
             findings.append(Measurement(key, place, mu, worst, allowed))
     for thing, start in starts:
-        _lock(thing, False)
+        hold(thing.root, False)
         _put(thing, start)
     return findings
 
@@ -130,13 +129,9 @@ def _slips_at(
     body = stand.top.bodies[0]
     normal = world.X_WT.R[:, 2]
     lean = float(np.hypot(*normal[:2]))
-    com, middle = ends[stand.top.name] @ body.com, stand.face[:, :2].mean(axis=0)
+    com = ends[stand.top.name] @ body.com
     reach = SHARES[-1] * mu * (com[2] - stand.face[:, 2].mean())
-    try:
-        face = Delaunay(middle + INNER * (stand.face[:, :2] - middle))
-    except (QhullError, ValueError):  # a point or a line
-        return None
-    if (face.find_simplex([com[:2], com[:2] + reach * along]) < 0).any():
+    if not bears(stand.face[:, :2], np.array([com[:2], com[:2] + reach * along])):
         return None
     for share in SHARES:
         _put(stand.top, ends[stand.top.name])
@@ -160,8 +155,3 @@ def _put(thing: SceneObject, pose: Pose) -> None:
     thing.root.entity.set_pose(to_sapien(pose))
     thing.root.set_linear_velocity(REST)  # pyright: ignore[reportAttributeAccessIssue]
     thing.root.set_angular_velocity(REST)  # pyright: ignore[reportAttributeAccessIssue]
-
-
-def _lock(thing: SceneObject, still: bool) -> None:
-    axes = [still] * 6
-    thing.root.set_locked_motion_axes(axes)  # pyright: ignore[reportAttributeAccessIssue]
