@@ -63,7 +63,6 @@ def command_lines() -> Iterator[Case]:
         yield Case(("verify", name or "no"))
         if name:
             yield Case(("verify", "dataset", "--expect", name))
-            yield Case(("verify", "dataset", "--reproduce", "1", "--shader", name))
         if name != "no_such":  # which would be a fine name
             yield Case(("new-task", name))
         yield Case(("export", "lerobot", "dataset", "--out", "out", "--version", name))
