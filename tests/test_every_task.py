@@ -37,10 +37,6 @@ def layout(task: Task, seed: int) -> list[tuple[object, ...]]:
     ]
 
 
-def test_there_are_tasks() -> None:
-    assert set(QUICK) <= set(EVERY)
-
-
 @pytest.mark.parametrize("name", EVERY)
 def test_a_layout_depends_on_the_seed_alone(name: str) -> None:
     task = load_task(name)
