@@ -85,21 +85,6 @@ def test_a_failure_is_one_line_and_an_exit_code(
     assert "Traceback" not in result.output
 
 
-def test_a_cache_that_another_user_built_is_named_by_every_command(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, failing: Failing
-) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    link = tmp_path / "rtphys" / "assets" / "link.json"
-    link.parent.mkdir(parents=True)
-    refused = PermissionError(errno.EACCES, "Permission denied", str(link))
-    assert f"{link}: Permission denied" in failing(refused).stderr  # to write it
-    monkeypatch.setattr(lazy.os, "access", lambda path, mode: False)
-    cure = f"let its owner run `chmod -R a+rX {tmp_path}/rtphys`, or set XDG_CACHE_HOME"
-    assert cure in failing(refused).stderr
-    elsewhere = PermissionError(errno.EACCES, "Permission denied", str(tmp_path / "x"))
-    assert "XDG_CACHE_HOME" not in failing(elsewhere).stderr
-
-
 def test_what_cannot_be_written_is_refused_with_its_cause(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     done = RUN.invoke(app, ["new-task", "stir_soup", "--in", str(tmp_path / "file")])

@@ -1,7 +1,6 @@
 """A command group that imports a command's module only when that command is called."""
 
 import errno
-import os
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,13 +8,11 @@ from contextlib import contextmanager
 from importlib import import_module
 from io import TextIOWrapper
 from keyword import iskeyword
-from pathlib import Path
 
 import typer
 from typer.core import TyperGroup
 
 from rtphys.cli.terminal import GIVEN, Interrupted, command_line, say
-from rtphys.core.cache import NoCache, reading_cache, user_cache
 from rtphys.core.errors import BadValue, RtphysError
 from rtphys.core.extras import cure_of
 
@@ -246,24 +243,7 @@ def _refusals_said() -> Iterator[None]:
         where = f"{error.filename}: " if error.filename else ""
         full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         hint = "; free some space, then repeat the command" if full else ""
-        _stop(_said_of_the_cache(error) or f"{where}{error.strerror or error}{hint}", 2)
-
-
-def _said_of_the_cache(error: OSError) -> str:
-    """Cause and cure, where another user's cache may not be read; empty for any other error."""
-    path = Path(str(error.filename or ""))
-    readable = os.access(path if os.path.lexists(path) else path.parent, os.R_OK)
-    try:
-        if (
-            isinstance(error, PermissionError)
-            and not readable
-            and path.is_relative_to(user_cache())
-        ):
-            with reading_cache():
-                raise error
-    except NoCache as said:
-        return str(said) if said.__cause__ is error else ""
-    return ""
+        _stop(f"{where}{error.strerror or error}{hint}", 2)
 
 
 def add_commands(app: typer.Typer) -> None:
