@@ -208,3 +208,16 @@ def test_a_disk_that_is_too_small_is_named(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr("shutil.disk_usage", lambda place: usage)
     with pytest.raises(RtphysError, match="GB"):
         render(RenderSpec(data=data, out=tmp_path / "out", add=("depth",)))
+
+
+def test_space_is_needed_for_what_is_not_drawn_yet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    needed = list[float]()
+    monkeypatch.setattr(module, "pack_with", lambda digest: object())
+    monkeypatch.setattr(module, "check_space", lambda out, room: needed.append(room))
+    monkeypatch.setattr(module, "check_drawable", lambda shader: 0)
+    data = synthetic_dataset(tmp_path / "data")
+    for out in (tmp_path / "new", synthetic_dataset(tmp_path / "drawn")):
+        module._check(RenderSpec(data=data, out=out), Dataset(data))
+    assert needed[0] > needed[1] == 0

@@ -78,7 +78,6 @@ class TaskWriter:
         if not self._ledger.lines:
             if leftovers:  # somebody else's
                 raise DatasetMismatch(place.folder, ["its episodes have no ledger"])
-            self._ledger.start()
             return
         shutil.rmtree(place.staging, ignore_errors=True)
         for path in leftovers:
@@ -94,6 +93,11 @@ class TaskWriter:
         if self.header.spec.made_by == "collect":
             return self.header.spec.seed(self.totals.attempts)
         return self.totals.last_seed + 1
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is a ledger: not before the first attempt, or a checkpoint."""
+        return self._ledger.lines > 0
 
     @property
     def done(self) -> bool:
@@ -154,7 +158,7 @@ class TaskWriter:
         later = self.header.spec.made_by != "collect" and outcome.seed > self.next_seed
         if outcome.seed != self.next_seed and not later:
             raise ValueError(f"the outcome of seed {outcome.seed} is not that of {self.next_seed}")
-        self.check_there()
+        self.begin()
         staged = outcome.kept if isinstance(outcome, Rejection) else outcome
         meta = cast(Mapping[str, Any], staged.phys_meta) if staged else {}
         row: Accepted | Rejected
@@ -183,8 +187,9 @@ class TaskWriter:
         if staged is not None:
             shutil.rmtree(staged.folder, ignore_errors=True)
 
-    def check_there(self) -> None:
-        """Raises `CannotWrite`: somebody has removed the folder meanwhile."""
+    def begin(self) -> None:
+        """Begins the ledger if there is none. Raises `CannotWrite`: somebody has removed it."""
+        self._ledger.start()
         self._ledger.check_there()
 
     def _placed(self, staged: StagedEpisode, place: TaskDataset, number: int) -> dict[str, Any]:
@@ -304,7 +309,7 @@ class DatasetWriter:
             last: also those side files that are not due yet.
         """
         for writer in self._tasks.values():
-            writer.check_there()
+            writer.begin()
             writer.write_side_files(last)
         if self._others is None:
             self._others = self._of_earlier_runs()
@@ -336,6 +341,8 @@ class DatasetWriter:
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
         """Last checkpoint, then unlocks, also when it fails. Called when no worker runs."""
+        if error:  # what was refused leaves nothing behind
+            self._tasks = {name: one for name, one in self._tasks.items() if one.begun}
         # The first error is the one to show; a full disk also fails the last checkpoint.
         with suppress(*([CannotWrite] if error else [])):
             try:
