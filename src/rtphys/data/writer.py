@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any, Self, cast
 
@@ -69,11 +70,10 @@ class TaskWriter:
     def __init__(self, out: Path, header: TaskHeader) -> None:
         self.task_dataset, self.header = TaskDataset.of(out, header.spec), header
         self.wanted = header.spec.episodes
-        self.totals = Totals()
         self._listed = 0  # attempts that the side files cover
         place = self.task_dataset
         place.check_links()
-        self._ledger = Ledger(place.ledger, header, ATTEMPT, self.totals.add)
+        self._read_ledger()
         leftovers = self._unlisted()
         if not self._ledger.lines:
             if leftovers:  # somebody else's
@@ -86,6 +86,11 @@ class TaskWriter:
         for path in place.folder.rglob(f".*{files.TEMPORARY}"):
             if path.is_file():
                 path.unlink()
+
+    def _read_ledger(self) -> None:
+        totals = Totals()
+        ledger = Ledger(self.task_dataset.ledger, self.header, ATTEMPT, totals.add)
+        self.totals, self._ledger = totals, ledger
 
     @property
     def next_seed(self) -> int:
@@ -113,6 +118,12 @@ class TaskWriter:
         """Whether a committed attempt gave an episode; reads the ledger."""
         rows = read_attempts(self.task_dataset.ledger)
         return next(isinstance(row, Accepted) for row in rows if row.seed == seed)
+
+    def seeds(self) -> Iterator[int]:
+        """Those of the attempts that are there now; reads the ledger."""
+        if there := self.totals.attempts:
+            for row in islice(read_attempts(self.task_dataset.ledger), there):
+                yield row.seed
 
     def staging(self, seed: int) -> Path:
         """Folder into which a worker stages the attempt of a seed."""
@@ -182,8 +193,12 @@ class TaskWriter:
                     **self._placed(staged, self.task_dataset.failures, number),
                 )
                 row = row.model_copy(update={"kept": kept})
-        self._ledger.append(row, durable=row.on_disk is not None)
-        self.totals.add(row)
+        try:
+            self._ledger.append(row, durable=row.on_disk is not None)
+            self.totals.add(row)
+        except KeyboardInterrupt:  # the row may be written and not counted
+            self._read_ledger()
+            raise
         if staged is not None:
             shutil.rmtree(staged.folder, ignore_errors=True)
 
@@ -220,7 +235,8 @@ class TaskWriter:
             self._listed = self.totals.attempts
 
     def entry(self) -> TaskEntry:
-        """The task dataset's part of the manifest."""
+        """The task dataset's part of the manifest, which must not outlive a row that it counts."""
+        self._ledger.sync()
         state = LedgerState(self._ledger.lines, self._ledger.end, self._ledger.check)
         return task_entry(self.header, self.totals, self._listed, state)
 
