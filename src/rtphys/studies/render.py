@@ -16,6 +16,7 @@ from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.encode import VIDEO_CAMERA, encode_images
+from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch
 from rtphys.data.json_text import plain
 from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import TaskEntry, episodes_there
@@ -184,7 +185,10 @@ class RenderSeries(Series[RenderTask, Redrawn]):
                 self._places[row.seed] = paths, row.kept.scene_info
         accepted = len(seeds) - len(self._rejections)
         self.writer = writer = dataset.task(_header(wanted, entry), accepted)
-        left = [seed for seed in seeds if seed > writer.totals.last_seed]
+        there = list(writer.seeds())
+        if there != seeds[: len(there)]:
+            raise DatasetMismatch(writer.task_dataset.folder, [OTHER_SEEDS])
+        left = seeds[len(there) :]
         task = entry.spec.episode.task
         progress = Progress(task, accepted, writer.totals.episodes, writer.totals.attempts)
         super().__init__(progress, left, owed=len(left))
