@@ -149,6 +149,15 @@ def test_a_missing_system_library_is_named_with_its_package() -> None:
     assert doctor.check_compiled().status == "ok"
 
 
+def test_a_file_in_the_current_folder_breaks_no_module(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "selectors.py").write_text("raise RuntimeError('a file of the user')")
+    monkeypatch.chdir(tmp_path)
+    assert doctor.check_compiled().status == "ok"
+    assert doctor.probe(doctor.PROBE, doctor.PROBE_LIMIT)[0] == "ok"
+
+
 def test_a_broken_module_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(natives, "MODULES", ("json", "no_such_module_at_all"))
     assert natives.failures() == {

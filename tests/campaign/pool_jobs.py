@@ -34,6 +34,11 @@ def dying_setup() -> Callable[[Trouble], int]:
     os.abort()
 
 
+def hanging_setup() -> Callable[[object], int]:
+    time.sleep(3600)
+    raise AssertionError
+
+
 def killed_setup() -> Callable[[Trouble], int]:
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError

@@ -1,6 +1,7 @@
 """Workers that crash, hang, leak and raise; and a supervisor that does not mind."""
 
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -10,7 +11,14 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from pool_jobs import Trouble, broken_setup, dying_setup, killed_setup, setup
+from pool_jobs import (
+    Trouble,
+    broken_setup,
+    dying_setup,
+    hanging_setup,
+    killed_setup,
+    setup,
+)
 
 from rtphys.campaign import local
 from rtphys.campaign.local import LocalPool, OutsideTrouble, limits_for_user_code
@@ -236,6 +244,40 @@ def test_workers_that_cannot_start_end_the_run_with_their_last_words(
     ):
         pool.submit("0", Trouble(), print)
         drain(pool)
+
+
+@pytest.mark.parametrize(
+    ("broken", "said"),
+    [(broken_setup, "pack = 'nowhere'"), (hanging_setup, "was not ready after 1 s")],
+)
+def test_a_large_first_job_hides_no_worker_that_cannot_start(
+    broken: Callable[[], Callable[[bytes], int]], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A job that fills the line would keep the pool from hearing anything else."""
+    monkeypatch.setattr(local, "START_SECONDS", 1.0)
+    with pytest.raises(CannotStart, match=said), LocalPool[bytes, int](broken, 1, QUICK) as pool:
+        pool.submit("0", bytes(10**7), print)
+        while pool.busy:
+            pool.wait()
+
+
+def test_what_lies_in_the_current_folder_is_not_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "selectors.py").write_text("raise RuntimeError('a file of the user')")
+    monkeypatch.chdir(tmp_path)
+    assert isinstance(run([Trouble()])[0], int)
+
+
+def test_more_workers_than_the_usual_limit_of_open_files_allows() -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    few = len(list(Path("/proc/self/fd").iterdir())) + 15
+    resource.setrlimit(resource.RLIMIT_NOFILE, (few, hard))
+    try:
+        found = run([Trouble()] * 8, size=8)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    assert all(isinstance(outcome, int) for outcome in found.values())
 
 
 ORPHAN = """

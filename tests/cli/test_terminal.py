@@ -4,6 +4,7 @@ import io
 import json
 import os
 import shlex
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -134,3 +135,26 @@ def test_an_output_that_takes_nothing(
         ["sh", "-c", f"exec {shlex.join(command)} >&-"], stderr=subprocess.PIPE, text=True
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("command", "function"),
+    [
+        ("merge a b", "merge_datasets"),
+        ("subset a", "write_subset"),
+        ("convert a", "convert_dataset"),
+    ],
+)
+def test_what_continues_says_so_when_it_is_stopped(
+    command: str, function: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: object) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    # Without a handler of its own, a command would end this process.
+    signal.signal(signal.SIGTERM, lambda *_: None)
+    collect(tmp_path / "a", 1)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(f"rtphys.cli.datasets.{function}", stopped)
+    done = CliRunner().invoke(app, [*command.split(), "--out", "new"])
+    assert done.exit_code == 130 and "To go on, repeat: rtphys" in done.stderr

@@ -14,11 +14,11 @@ import h5py
 import numpy as np
 import pytest
 import synthetic
-from collected import FOLDER, FRAMES, collect, content, outcome
+from collected import FOLDER, FRAMES, collect, content, outcome, wanting
 
 from rtphys.core.errors import BadFile
 from rtphys.data import faults, files
-from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.attempts import Accepted, Totals, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.lock import check_unlocked
 from rtphys.data.staging import stage_episode
@@ -275,6 +275,50 @@ def test_full_disk_at_any_moment_loses_nothing(
         assert verify(tmp_path).problems == []
     collect(tmp_path, 4)
     assert content(tmp_path) == reference
+
+
+@pytest.mark.parametrize("counted", [False, True])
+def test_ctrl_c_between_a_row_and_its_count(
+    tmp_path: Path,
+    reference: dict[str, bytes],
+    monkeypatch: pytest.MonkeyPatch,
+    counted: bool,
+) -> None:
+    add = Totals.add
+
+    def interrupted(totals: Totals, row: Accepted) -> None:
+        if counted:
+            add(totals, row)
+        monkeypatch.setattr(Totals, "add", add)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), DatasetWriter(tmp_path) as dataset:
+        task = dataset.task(wanting(4))
+        task.record(outcome(task, 0))
+        monkeypatch.setattr(Totals, "add", interrupted)
+        task.record(outcome(task, 1))
+    assert verify(tmp_path).problems == []
+    assert len(Dataset(tmp_path)) == 2
+    collect(tmp_path, 4)
+    assert content(tmp_path) == reference
+
+
+def test_the_disk_has_every_row_that_the_manifest_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also the last ones, which gave no episode: a crash of the machine must not lose them."""
+    synced, really = dict[int, int](), os.fsync  # file -> bytes that a crash leaves
+
+    def fsync(file: int) -> None:
+        really(file)
+        synced[os.fstat(file).st_ino] = os.fstat(file).st_size
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    collect(tmp_path, 3, attempts=3)
+    (entry,) = Dataset(tmp_path).task_datasets
+    ledger = entry.below(tmp_path).ledger
+    assert entry.rejections == {"slipped": 1}
+    assert synced[ledger.stat().st_ino] == entry.ledger.bytes == ledger.stat().st_size
 
 
 @pytest.mark.parametrize("part", [".", "phys_random/click_bell"])

@@ -12,7 +12,7 @@ from collected import FOLDER, collect, content, content_but_pictures
 from pages import ROOT, blocks
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset
-from rtphys.data.faults import PartsMismatch
+from rtphys.data.faults import DatasetMismatch, PartsMismatch
 from rtphys.data.rewrite import convert, merge, subset
 from rtphys.data.verify import verify
 
@@ -82,6 +82,25 @@ def test_each_goes_on_where_it_was(three: Path, tmp_path: Path, name: str) -> No
     REWRITES[name](source, tmp_path / "cut")
     REWRITES[name](source, tmp_path / "whole")
     assert content(tmp_path / "cut") == content(tmp_path / "whole")
+
+
+@pytest.mark.parametrize("first", [{0, 1}, {3}, {0, 3}])
+def test_a_part_of_other_seeds_is_not_continued(
+    first: set[int], three: Path, tmp_path: Path
+) -> None:
+    """Neither with seeds that come before those that are there, nor without some of these."""
+
+    def take(seeds: set[int]) -> None:
+        subset(three, tmp_path / "part", lambda _: True, lambda row: row.seed in seeds)
+
+    take(first)
+    before = content(tmp_path / "part")
+    for seeds in ({0, 1, 3}, {1}):
+        if seeds == {0, 1, 3} and first == {0, 1}:
+            continue  # that is how a call that was cut off goes on
+        with pytest.raises(DatasetMismatch, match="its seeds are not those"):
+            take(seeds)
+        assert content(tmp_path / "part") == before
 
 
 def test_refusals(three: Path, tmp_path: Path) -> None:

@@ -11,13 +11,23 @@ from rtphys.campaign.series import Listener, Progress
 from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
+from rtphys.data.faults import DatasetMismatch
+from rtphys.data.selection import Selection
 from rtphys.data.verify import verify
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import render as module
 from rtphys.studies.collect import collect
-from rtphys.studies.render import LostStates, MissingPack, RenderTask, RenderWorker, render
+from rtphys.studies.render import (
+    LostStates,
+    MissingPack,
+    RenderSeries,
+    RenderTask,
+    RenderWorker,
+    render,
+)
 from rtphys.studies.requests import RenderSpec, Run
 
 TASK = "click_bell"
@@ -132,15 +142,17 @@ def _pack_and_packs(source: Path):
 # ---- refused before any work ---------------------------------------------------------------------
 
 
-def synthetic_dataset(folder: Path) -> Path:
+def synthetic_dataset(folder: Path, more: int = 0) -> Path:
+    """One episode, and so many attempts `more` that failed."""
     import synthetic
 
     from rtphys.data.staging import stage_episode
-    from rtphys.data.writer import DatasetWriter
 
     with DatasetWriter(folder) as opened:
         task = opened.task(synthetic.header())
         task.record(stage_episode(task.staging(0), synthetic.episode(0)))
+        for seed in range(1, 1 + more):
+            task.record(Rejection(seed, "slipped"))
     return folder
 
 
@@ -208,3 +220,34 @@ def test_a_disk_that_is_too_small_is_named(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setattr("shutil.disk_usage", lambda place: usage)
     with pytest.raises(RtphysError, match="GB"):
         render(RenderSpec(data=data, out=tmp_path / "out", add=("depth",)))
+
+
+def test_other_seeds_are_not_drawn_into_the_same_folder(tmp_path: Path) -> None:
+    """Those before the ones that are there would be left out without a word."""
+    data = synthetic_dataset(tmp_path / "data", more=2)
+
+    def begin(seeds: str) -> RenderSeries:
+        plan = RenderSpec(data=data, out=tmp_path / "out", part=Selection(seed=seeds))
+        with DatasetWriter(plan.out) as dataset:
+            study = RenderSeries(plan, Dataset(data).task_datasets[0], dataset)
+            if study.seeds == [1]:
+                study.writer.record(Rejection(1, "slipped"))
+        return study
+
+    assert begin("1").seeds == [1]
+    assert begin("1:3").seeds == [2]
+    with pytest.raises(DatasetMismatch, match="its seeds are not those"):
+        begin("0:3")
+
+
+def test_space_is_needed_for_what_is_not_drawn_yet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    needed = list[float]()
+    monkeypatch.setattr(module, "pack_with", lambda digest: object())
+    monkeypatch.setattr(module, "check_space", lambda out, room: needed.append(room))
+    monkeypatch.setattr(module, "check_drawable", lambda shader: 0)
+    data = synthetic_dataset(tmp_path / "data")
+    for out in (tmp_path / "new", synthetic_dataset(tmp_path / "drawn")):
+        module._check(RenderSpec(data=data, out=out), Dataset(data))
+    assert needed[0] > needed[1] == 0

@@ -1,6 +1,7 @@
 """A pool of worker processes on this machine, which may crash, hang or leak without harm."""
 
 import os
+import resource
 import selectors
 import signal
 import subprocess
@@ -104,7 +105,8 @@ class _Server(Generic[J, R]):
         self._said = TemporaryFile()  # noqa: SIM115 - `close` closes it
         handle, parent = str(theirs.fileno()), str(os.getpid())
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "rtphys.campaign.worker", handle, parent],
+            # -P: nothing is imported from the folder that a user happens to be in.
+            [sys.executable, "-P", "-m", "rtphys.campaign.worker", handle, parent],
             stdin=subprocess.DEVNULL,
             stdout=self._said,
             stderr=self._said,
@@ -119,7 +121,7 @@ class _Server(Generic[J, R]):
         self.line.send_bytes(ForkingPickler.dumps(setup))
 
     def fork(self) -> _Worker[J, R]:
-        """A new worker, which may get its first job at once. Raises `OSError`: the server died."""
+        """A new worker, which says when it is ready. Raises `OSError`: the server died."""
         ours, theirs = Pipe()
         log, prints = TemporaryFile(), TemporaryFile()  # noqa: SIM115 - `_Worker.close` does
         worker = _Worker[J, R](self, ours, log, prints)
@@ -175,6 +177,9 @@ class LocalPool(WorkerPool[J, R]):
     """Workers on this machine, started when they are first needed; no more than memory allows."""
 
     def __post_init__(self) -> None:
+        # The usual 1024 open files are enough for 340 workers.
+        most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
         fit = max(int(MEMORY_FOR_WORKERS * free_memory() / WORKER_MEMORY), 1)
         self._asked, self.size = self.size, min(self.size, fit)
         self._server: _Server[J, R] | None = None
@@ -235,8 +240,9 @@ class LocalPool(WorkerPool[J, R]):
                 idle = (worker for worker in self._workers if worker.job is None)
                 worker = next(idle, None) or self._fork()
                 worker.job, worker.since = job, time.monotonic()
-                if worker.ready and worker.pid is not None:
-                    worker.used = Usage.of(worker.pid)
+                if not worker.ready:  # one that never will be must hold nothing up
+                    break
+                worker.used = Usage.of(worker.pid or 0)
                 try:
                     worker.line.send(job.content)
                     break
@@ -347,6 +353,8 @@ class LocalPool(WorkerPool[J, R]):
             with suppress(EOFError, OSError):
                 worker.server.hear()
                 worker.used = Usage.of(worker.pid or 0)
+            with suppress(OSError):  # it has died, which is heard on its line
+                worker.line.send(job.content)
             return
         worker.job, worker.done = None, worker.done + 1
         spent = resident_bytes(worker.pid or 0) > self.limits.memory

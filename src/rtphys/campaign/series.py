@@ -37,7 +37,7 @@ class Progress:
     stopped: str = ""  # why it was given up
     solved: int | None = None  # of `accepted`; None in studies in which only successes count
     by: str = ""  # who tries, where a study has several in turn, such as "baselines"
-    each: int = 1  # episodes that a result which counts stands for: one a twin, one a value
+    made: int = 0  # episodes of this run, where a result stands for several: of twins, of values
     new_accepted: int = field(default=0, init=False)  # of this run
     new_attempts: int = field(default=0, init=False)  # likewise
 

@@ -120,7 +120,7 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
         say_json([count | end for count, end in zip(counts, ends, strict=True)])
     else:
         print_table(summary_table(done))
-    new = sum(progress.new_accepted * progress.each for progress in done)
+    new = sum(progress.made for progress in done)
     minutes = (time.monotonic() - began) / 60
     made = counted(new, "new episodes")
     say(f"{made} in {minutes:.1f} min, in {run.out}", err=request.as_json)

@@ -143,7 +143,7 @@ def convert(
 
         rtphys convert data --out data_legacy --to legacy
     """
-    with progress_bar("converting") as bar:
+    with resumable(), progress_bar("converting") as bar:
         written = convert_dataset(source, out, to, bar)
     say("pictures of the other layout were encoded again, for their channel order", err=True)
     for name in written:

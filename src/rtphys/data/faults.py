@@ -5,6 +5,7 @@ from pathlib import Path
 
 from rtphys.core.errors import RtphysError
 
+OTHER_SEEDS = "its seeds are not those that are asked for"
 _RIGHT = "permission denied; give this user the right to write there, or choose another folder"
 CAUSES = {
     errno.ENOSPC: "the disk is full; free some space, then repeat the command",

@@ -125,6 +125,7 @@ class Ledger(Generic[H, R]):
     ) -> None:
         self.path, self.header, self._row = path, header, row
         self.lines, self.end, self.check = 0, 0, START  # whole lines, their bytes, the last check
+        self._synced = False
         if not (path.exists() or path.is_symlink()):
             return
         for line in read_lines(path):
@@ -149,11 +150,19 @@ class Ledger(Generic[H, R]):
         """Adds one row. Raises `CannotWrite`, and then the file is as it was.
 
         Args:
-            durable: wait until the disk has it. Without, a crash of the machine may lose the row.
+            durable: wait until the disk has it. Without, a crash of the machine may lose the row,
+                until `sync`.
         """
         self.start()
         self.check_there()
         self._write(compact(adapter(self._row).dump_python(row, mode="json")), durable=durable)
+
+    def sync(self) -> None:
+        """Waits until the disk has every row. Raises `CannotWrite`."""
+        if not self._synced:
+            with files.refusals(self.path), open(self.path, "rb", opener=files.unlinked) as file:
+                os.fsync(file.fileno())
+            self._synced = True
 
     def check_there(self) -> None:
         """Raises `CannotWrite`: the file is gone, so what follows would have no beginning."""
@@ -179,3 +188,4 @@ class Ledger(Generic[H, R]):
                 file.truncate(self.end)
                 raise
         self.lines, self.end, self.check = self.lines + 1, self.end + len(line), check
+        self._synced = durable

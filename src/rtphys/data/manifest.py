@@ -4,6 +4,7 @@ It is derived from the ledgers, which list every attempt and every file with its
 the last check of each ledger's chain, so its digest covers them all, and it stays small.
 """
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -97,6 +98,16 @@ def manifest_bytes(entries: Mapping[str, TaskEntry]) -> bytes:
 def read_manifest(out: Path) -> Manifest:
     """The manifest of a dataset folder. Raises `BadFile`."""
     return parse_manifest(read_bytes(out), out / MANIFEST)
+
+
+def episodes_there(out: Path) -> dict[str, int]:
+    """Episodes of each task dataset in a folder, of which the manifest may lack the last few.
+
+    Raises `BadFile`: the manifest is damaged, or of another version.
+    """
+    if not os.path.exists(out / MANIFEST):  # noqa: PTH110 - that of a path object may raise
+        return {}
+    return {name: entry.episodes for name, entry in read_manifest(out).task_datasets.items()}
 
 
 def read_bytes(out: Path) -> bytes:

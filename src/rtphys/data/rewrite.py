@@ -17,7 +17,7 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging
 from rtphys.data.attempts import Accepted, KeptFailure, Row, read_attempts
-from rtphys.data.faults import PartsMismatch
+from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch, PartsMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import read_episode
 from rtphys.data.layout import FAILURES, EpisodePaths, TaskDataset
@@ -175,9 +175,12 @@ def _write(
         for part in parts:
             writer = dataset.task(part.header, sum(entry.episodes for _, entry in part.sources))
             names.append(writer.task_dataset.name)
+            there = writer.seeds()  # of an earlier call
             for place, row in part.rows():
                 done += isinstance(row, Accepted)
-                if row.seed <= writer.totals.last_seed:  # done by an earlier call
+                if (before := next(there, None)) is not None:
+                    if before != row.seed:
+                        raise DatasetMismatch(writer.task_dataset.folder, [OTHER_SEEDS])
                     continue
                 held, folder = row.on_disk, writer.staging(row.seed)
                 outcome = held and part.stage(place, held, row.seed, folder)
@@ -188,6 +191,8 @@ def _write(
                 dataset.checkpoint_if_due()
                 if progress:
                     progress(done, total)
+            if next(there, None) is not None:
+                raise DatasetMismatch(writer.task_dataset.folder, [OTHER_SEEDS])
     return names
 
 

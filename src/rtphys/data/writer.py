@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any, Self, cast
 
@@ -69,16 +70,14 @@ class TaskWriter:
     def __init__(self, out: Path, header: TaskHeader) -> None:
         self.task_dataset, self.header = TaskDataset.of(out, header.spec), header
         self.wanted = header.spec.episodes
-        self.totals = Totals()
         self._listed = 0  # attempts that the side files cover
         place = self.task_dataset
         place.check_links()
-        self._ledger = Ledger(place.ledger, header, ATTEMPT, self.totals.add)
+        self._read_ledger()
         leftovers = self._unlisted()
         if not self._ledger.lines:
             if leftovers:  # somebody else's
                 raise DatasetMismatch(place.folder, ["its episodes have no ledger"])
-            self._ledger.start()
             return
         shutil.rmtree(place.staging, ignore_errors=True)
         for path in leftovers:
@@ -88,12 +87,22 @@ class TaskWriter:
             if path.is_file():
                 path.unlink()
 
+    def _read_ledger(self) -> None:
+        totals = Totals()
+        ledger = Ledger(self.task_dataset.ledger, self.header, ATTEMPT, totals.add)
+        self.totals, self._ledger = totals, ledger
+
     @property
     def next_seed(self) -> int:
         """The lowest seed whose outcome is not committed."""
         if self.header.spec.made_by == "collect":
             return self.header.spec.seed(self.totals.attempts)
         return self.totals.last_seed + 1
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is a ledger: not before the first attempt, or a checkpoint."""
+        return self._ledger.lines > 0
 
     @property
     def done(self) -> bool:
@@ -109,6 +118,12 @@ class TaskWriter:
         """Whether a committed attempt gave an episode; reads the ledger."""
         rows = read_attempts(self.task_dataset.ledger)
         return next(isinstance(row, Accepted) for row in rows if row.seed == seed)
+
+    def seeds(self) -> Iterator[int]:
+        """Those of the attempts that are there now; reads the ledger."""
+        if there := self.totals.attempts:
+            for row in islice(read_attempts(self.task_dataset.ledger), there):
+                yield row.seed
 
     def staging(self, seed: int) -> Path:
         """Folder into which a worker stages the attempt of a seed."""
@@ -154,7 +169,7 @@ class TaskWriter:
         later = self.header.spec.made_by != "collect" and outcome.seed > self.next_seed
         if outcome.seed != self.next_seed and not later:
             raise ValueError(f"the outcome of seed {outcome.seed} is not that of {self.next_seed}")
-        self.check_there()
+        self.begin()
         staged = outcome.kept if isinstance(outcome, Rejection) else outcome
         meta = cast(Mapping[str, Any], staged.phys_meta) if staged else {}
         row: Accepted | Rejected
@@ -178,13 +193,18 @@ class TaskWriter:
                     **self._placed(staged, self.task_dataset.failures, number),
                 )
                 row = row.model_copy(update={"kept": kept})
-        self._ledger.append(row, durable=row.on_disk is not None)
-        self.totals.add(row)
+        try:
+            self._ledger.append(row, durable=row.on_disk is not None)
+            self.totals.add(row)
+        except KeyboardInterrupt:  # the row may be written and not counted
+            self._read_ledger()
+            raise
         if staged is not None:
             shutil.rmtree(staged.folder, ignore_errors=True)
 
-    def check_there(self) -> None:
-        """Raises `CannotWrite`: somebody has removed the folder meanwhile."""
+    def begin(self) -> None:
+        """Begins the ledger if there is none. Raises `CannotWrite`: somebody has removed it."""
+        self._ledger.start()
         self._ledger.check_there()
 
     def _placed(self, staged: StagedEpisode, place: TaskDataset, number: int) -> dict[str, Any]:
@@ -215,7 +235,8 @@ class TaskWriter:
             self._listed = self.totals.attempts
 
     def entry(self) -> TaskEntry:
-        """The task dataset's part of the manifest."""
+        """The task dataset's part of the manifest, which must not outlive a row that it counts."""
+        self._ledger.sync()
         state = LedgerState(self._ledger.lines, self._ledger.end, self._ledger.check)
         return task_entry(self.header, self.totals, self._listed, state)
 
@@ -304,7 +325,7 @@ class DatasetWriter:
             last: also those side files that are not due yet.
         """
         for writer in self._tasks.values():
-            writer.check_there()
+            writer.begin()
             writer.write_side_files(last)
         if self._others is None:
             self._others = self._of_earlier_runs()
@@ -336,6 +357,8 @@ class DatasetWriter:
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
         """Last checkpoint, then unlocks, also when it fails. Called when no worker runs."""
+        if error:  # what was refused leaves nothing behind
+            self._tasks = {name: one for name, one in self._tasks.items() if one.begun}
         # The first error is the one to show; a full disk also fails the last checkpoint.
         with suppress(*([CannotWrite] if error else [])):
             try:

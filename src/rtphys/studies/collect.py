@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 
 from rtphys.assets.pack import STAMP, Pack, default_pack
 from rtphys.campaign.local import LocalPool
@@ -15,6 +16,7 @@ from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.layout import TaskDataset
 from rtphys.data.lock import check_unlocked
+from rtphys.data.manifest import episodes_there
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
@@ -148,9 +150,11 @@ class CollectionSeries(Series[CollectionTask, Results]):
             name += f", {spec.sweep}"
         elif spec.name != spec.episode.protocol:
             name += f", {spec.name}"
-        complete = behind.totals.episodes if spec.paired else accepted_by_all(writers)
+        complete, fruitless = behind.totals.episodes, behind.totals.since_accepted
+        if behind.totals.attempts and not spec.paired:
+            complete, fruitless = accepted_by_all(writers)
         progress = Progress(name, behind.wanted, complete, behind.totals.attempts)
-        progress.fruitless, progress.each = behind.totals.since_accepted, len(self.sides)
+        progress.fruitless = fruitless
         step = spec.seed(1) - spec.seed(0)
         end = spec.first_seed + (spec.max_attempts or MAX_SEEDS)
         super().__init__(progress, range(behind.next_seed, end, step))
@@ -178,6 +182,7 @@ class CollectionSeries(Series[CollectionTask, Results]):
             rejected = isinstance(outcome, Rejection)
             if seed >= writer.next_seed:
                 writer.record(outcome)
+                self.progress.made += not rejected
             elif rejected == writer.accepted(seed):
                 now = f"rejected ({outcome.reason})" if rejected else "accepted"
                 clause = f"seed {seed} is {now} when its twin is made, and was not before"
@@ -193,13 +198,14 @@ class CollectionSeries(Series[CollectionTask, Results]):
             writer.discard(seed)
 
 
-def accepted_by_all(writers: Sequence[TaskWriter]) -> int:
-    """How many seeds gave an episode in each; reads the ledgers."""
-    seeds = [
-        {row.seed for row in read_attempts(place.ledger) if isinstance(row, Accepted)}
-        for place in (writer.task_dataset for writer in writers)
-    ]
-    return len(set.intersection(*seeds))
+def accepted_by_all(writers: Sequence[TaskWriter]) -> tuple[int, int]:
+    """How many seeds gave an episode in each, and how many came after them; reads the ledgers."""
+    complete = fruitless = 0
+    ledgers = (read_attempts(writer.task_dataset.ledger) for writer in writers)
+    for rows in zip(*ledgers, strict=False):  # a kill leaves some an attempt ahead
+        whole = all(isinstance(row, Accepted) for row in rows)
+        complete, fruitless = complete + whole, 0 if whole else fruitless + 1
+    return complete, fruitless
 
 
 # ---- what is refused before any work -----------------------------------------------------------
@@ -247,9 +253,19 @@ def check_machine(specs: Sequence[CollectionSpec], run: Run) -> int:
     Raises `RtphysError`: names the cure.
     """
     check_unlocked(run.out)
-    check_space(run.out, room_needed(specs))
+    check_space(run.out, room_needed(missing(specs, run.out)))
     check_drawable(shader=specs[0].recording.shader)
     return run.size()
+
+
+def missing(specs: Sequence[CollectionSpec], out: Path) -> list[CollectionSpec]:
+    """Each side with the episodes that it still lacks. Raises `BadFile`."""
+    there, left = episodes_there(out), list[CollectionSpec]()
+    for side in (side for spec in specs for side in spec.sides):
+        episodes = side.episodes - there.get(TaskDataset.of(out, side).name, 0)
+        if episodes > 0:
+            left.append(replace(side, twin=None, episodes=episodes))
+    return left
 
 
 def check_assets(specs: Sequence[CollectionSpec], tasks: Mapping[str, Task], pack: Pack) -> None:

@@ -16,9 +16,10 @@ from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.encode import VIDEO_CAMERA, encode_images
+from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch
 from rtphys.data.json_text import plain
-from rtphys.data.layout import MANIFEST, EpisodePaths
-from rtphys.data.manifest import TaskEntry
+from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
+from rtphys.data.manifest import TaskEntry, episodes_there
 from rtphys.data.rewrite import encoded_episode
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection
@@ -105,6 +106,7 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     if wanted.out.resolve() == wanted.data.resolve():
         raise BadValue("out", str(wanted.out), "it is the dataset itself; name another folder")
     needed, packs, shaders, known = 0.0, dict[str, Pack](), set[str](), costs()
+    there = episodes_there(wanted.out)
     for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
         recording = wanted.recording(entry)
@@ -113,11 +115,13 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         if drawn(recording.senses):
             renderer.check_senses(recording.shader)
         cost = known.get(entry.spec.episode.task, Cost(0, 0, 0))
-        needed += entry.episodes * episode_bytes(cost, recording, _visual(wanted, entry))
+        name = TaskDataset.of(wanted.out, _header(wanted, entry).spec).name
+        left = max(entry.episodes - there.get(name, 0), 0)
+        needed += left * episode_bytes(cost, recording, _visual(wanted, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
-            name = entry.resolved.assets.get("pack", "unknown")
-            task, named = entry.spec.episode.task, f"{digest} (pack {name})"
+            pack_name = entry.resolved.assets.get("pack", "unknown")
+            task, named = entry.spec.episode.task, f"{digest} (pack {pack_name})"
             why = f"{task} was collected with assets of digest {named}"
             raise MissingPack(f"{wanted.data}: {why}, which are not on this machine; link them")
         packs[digest] = pack
@@ -181,7 +185,10 @@ class RenderSeries(Series[RenderTask, Redrawn]):
                 self._places[row.seed] = paths, row.kept.scene_info
         accepted = len(seeds) - len(self._rejections)
         self.writer = writer = dataset.task(_header(wanted, entry), accepted)
-        left = [seed for seed in seeds if seed > writer.totals.last_seed]
+        there = list(writer.seeds())
+        if there != seeds[: len(there)]:
+            raise DatasetMismatch(writer.task_dataset.folder, [OTHER_SEEDS])
+        left = seeds[len(there) :]
         task = entry.spec.episode.task
         progress = Progress(task, accepted, writer.totals.episodes, writer.totals.attempts)
         super().__init__(progress, left, owed=len(left))

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 from collecting import PLAN, complete, content
-from robotless import plans
+from robotless import HARD, plans
 
+from rtphys.campaign import series
 from rtphys.core.errors import BadValue
 from rtphys.data.attempts import Accepted, Rejected, read_attempts
 from rtphys.data.dataset import Dataset
@@ -62,6 +63,33 @@ def test_with_failures_every_seed_is_there_with_every_value(tmp_path: Path) -> N
     assert complete(collect(fewer, Run(tmp_path / "b", workers=2)))
     assert complete(collect(specs, Run(tmp_path / "b", workers=1)))
     assert content(tmp_path / "b") == content(tmp_path / "a")
+
+
+@pytest.mark.usefixtures("without_robot")
+def test_it_is_given_up_after_as_many_attempts_if_it_is_cut_off(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where one value alone succeeds now and then."""
+    monkeypatch.setattr(series, "FRUITLESS", 20)
+    hard = replace(plans(1, 5)[0], keep_failures="all").of_task(HARD)
+    specs = swept(hard, SWEEP)
+    (whole,) = collect(specs, Run(tmp_path / "whole", workers=1))
+    assert whole.stopped == "none of the last 20 attempts was accepted"
+    cut = [replace(one, max_attempts=whole.attempts - 4) for one in specs]
+    assert not complete(collect(cut, Run(tmp_path / "cut", workers=1)))
+    (again,) = collect(specs, Run(tmp_path / "cut", workers=1))
+    assert (again.stopped, again.new_attempts) == (whole.stopped, 4)
+    assert content(tmp_path / "cut") == content(tmp_path / "whole")
+
+
+@pytest.mark.usefixtures("without_robot")
+@pytest.mark.parametrize("kept", [None, "all"])
+def test_the_episodes_of_all_values_are_counted(kept: str | None, tmp_path: Path) -> None:
+    specs = swept(replace(plans(1, 5)[0], keep_failures=kept), SWEEP)
+    (first,) = collect([replace(one, episodes=2) for one in specs], Run(tmp_path, workers=1))
+    assert first.made == len(Dataset(tmp_path))
+    (then,) = collect(specs, Run(tmp_path, workers=1))
+    assert first.made + then.made == len(Dataset(tmp_path))
 
 
 def test_a_shard_has_all_values_of_a_sweep() -> None:

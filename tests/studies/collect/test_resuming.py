@@ -1,0 +1,44 @@
+"""What is there already needs no more space, and a run that is refused leaves it as it was."""
+
+import shutil
+from collections import namedtuple
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from collecting import complete, content
+from robotless import plans
+
+from rtphys.core.errors import RtphysError
+from rtphys.data.faults import DatasetMismatch
+from rtphys.spec.recording import RecordingSpec
+from rtphys.studies.collect import collect
+from rtphys.studies.requests import Run, room_needed
+
+pytestmark = pytest.mark.usefixtures("without_robot")
+FREE = namedtuple("Usage", "total used free")(10**12, 10**12 - 10**9, 10**9)
+
+
+def test_space_is_needed_for_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    large = RecordingSpec(size="1280x960")
+    specs = [replace(spec, recording=large, twin="phys_random") for spec in plans(2)]
+    nearly = [replace(spec, episodes=spec.episodes - 1) for spec in specs]
+    assert complete(collect(nearly, Run(tmp_path / "begun", workers=1)))
+    assert room_needed(specs) / specs[0].episodes < FREE.free < room_needed(specs)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: FREE)
+    with pytest.raises(RtphysError, match=r"2\.6 GB are needed and 1\.0 GB are free"):
+        collect(specs, Run(tmp_path / "new", workers=1))
+    assert complete(collect(specs, Run(tmp_path / "begun", workers=1)))
+
+
+def test_a_refused_run_begins_none_of_its_task_datasets(tmp_path: Path) -> None:
+    """Of which the last was collected otherwise."""
+    first, second = plans(2, 2)
+    assert complete(collect([second], Run(tmp_path, workers=1)))
+    before = content(tmp_path)
+    with pytest.raises(DatasetMismatch, match="first_seed was 3, now 50"):
+        collect([replace(one, first_seed=50) for one in (first, second)], Run(tmp_path, workers=1))
+    assert content(tmp_path) == before
+    assert complete(collect([first, second], Run(tmp_path, workers=1)))
