@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+import synthetic
 from collected import collect
 from evaluations import FINGERPRINT
 from still_life import FEW
@@ -444,6 +445,8 @@ def test_the_rejects_of_a_dataset_are_those_of_its_protocol_alone(tmp_path: Path
     assert (own.tried_under, other.tried_under) == ("", "phys_random")
     counts = [CountsOf.of([], [one]) for one in (own, other)]
     assert [(one.feasible, one.tried) for one in counts] == [(3, 4), (3, None)]
+    collect(tmp_path / "data", 1, synthetic.header(overrides={"friction": 0.2}))  # listed before
+    assert module.certified(wish, "phys_random", TASK, FINGERPRINT).instances == own.instances
     panda = FINGERPRINT.model_copy(update={"embodiment": "franka-panda"})
     said = "with the robot franka_panda, only with aloha-agilex; set `embodiment`"
     with pytest.raises(BadValue, match=said):

@@ -23,6 +23,7 @@ from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
+from rtphys.data.manifest import TaskEntry
 from rtphys.data.staging import StagedEpisode
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode import PolicyEpisode, begin
@@ -508,9 +509,14 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
         apart = f" with the robot {robot}, only with {', '.join(others)}; set `embodiment`"
         problem = f"the dataset has no episodes of {task}{apart if every else ''}"
         raise BadValue("instances", str(folder), problem)
-    own = [e for e in entries if protocol in (e.spec.episode.protocol, e.spec.name)]
+
+    def fit(entry: TaskEntry) -> tuple[bool, bool, bool]:
+        name, recorded = entry.spec.name, entry.spec.episode.protocol
+        return name == protocol, recorded == protocol, name == recorded
+
     # Another protocol's seeds will do: the layout of a seed is the same under every one.
-    entry = (own or entries)[0]
+    entry = max(entries, key=fit)
+    own = protocol in (entry.spec.name, entry.spec.episode.protocol)
     if entry.spec.episode.only is not None or entry.spec.episode.overrides:
         problem = "attributes were picked or held in it, which an evaluation does not know"
     elif entry.spec.policy is not None:
