@@ -52,6 +52,7 @@ from rtphys.results.instances import (
     list_file,
     lists_folder,
     read_list,
+    read_lists,
     write_lists,
 )
 from rtphys.results.official import result_folder, write_result
@@ -106,9 +107,6 @@ def evaluate(
         DatasetWriter(run.record) if run.record else nullcontext() as dataset,
     ):
         _check_others(out, cells[0])
-        for protocol in run.protocols:
-            copied = [one for one in lists if one.protocol == protocol]
-            write_lists(list_file(out / evaluation.INSTANCES, protocol), copied)
         studies = list[EvaluationSeries]()
         for cell, one in zip(cells, lists, strict=True):
             writer = None
@@ -117,6 +115,12 @@ def evaluate(
                     recording_header(cell.spec, one, tasks[one.task], pack, digest)
                 )
             studies.append(EvaluationSeries(out, cell, one, run.video, writer, joints))
+        for protocol in run.protocols:  # now that nothing is refused any more
+            path = list_file(out / evaluation.INSTANCES, protocol)
+            known = read_lists(path) if path.is_file() else {}
+            # One that goes further stays: more episodes were asked for once, and are there.
+            copied = [one for one in lists if one.protocol == protocol]
+            write_lists(path, (one for one in copied if not one.begins(known.get(one.task))))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
         if unfilmed := sum(study.unfilmed for study in studies):
