@@ -174,6 +174,12 @@ def test_the_command(two: list[Path], tmp_path: Path) -> None:
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_mean_of_fewer_tasks_says_of_how_many(two: list[Path]) -> None:
+    told = said(*two, "--protocol", "clean")
+    mean = next(line for line in told.splitlines() if line.startswith("mean of these tasks"))
+    assert re.split(r"\s{2,}", mean.strip())[1:] == ["100.00", "50.00 (1 of 2)"]
+
+
 def test_json(two: list[Path]) -> None:
     told = json.loads(said(*two, "--protocol", "clean", "--json"))
     assert [c["policy"] for c in told["columns"]] == ["alpha", "idle"]

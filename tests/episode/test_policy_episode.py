@@ -1,6 +1,7 @@
 """What a policy sees, and what its actions do."""
 
-from typing import get_args
+from types import SimpleNamespace
+from typing import cast, get_args
 
 import numpy as np
 import pytest
@@ -221,6 +222,22 @@ def test_a_stepwise_policy_that_returns_none_gives_up(episode: PolicyEpisode) ->
     outcome = episode.finish()
     assert (episode.taken, episode.reason) == (2, "gave_up")
     assert outcome.detail.startswith("not true: ")
+
+
+def test_a_chunk_without_actions_is_an_error_of_the_policy() -> None:
+    """It hung until the time limit of an episode."""
+
+    class Empty(Stepwise):
+        seen = 0
+
+        def act(self, observation: Observation) -> Array:
+            self.seen += 1
+            assert self.seen == 1
+            return np.empty((0, 14))
+
+    waiting = cast(PolicyEpisode, SimpleNamespace(over=False, observe=lambda: None))
+    with pytest.raises(ValueError, match="act returned no action"):
+        Empty().play(waiting)
 
 
 def test_a_stepwise_policy_names_the_kind_of_its_actions(episode: PolicyEpisode) -> None:

@@ -1,16 +1,21 @@
 """The policies that see nothing: what they add, what they are keyed by, and that they fail."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 import pytest
+import synthetic
+from collected import collect
 
 from rtphys.assets.action_layout import ActionLayout
 from rtphys.assets.pack import default_pack
+from rtphys.core.errors import BadValue
 from rtphys.episode import Observation, PolicyEpisode
-from rtphys.policies.baselines import SPREAD, Jitter, RandomWalk
+from rtphys.policies import PolicySetup, open_policy
+from rtphys.policies.baselines import SPREAD, Jitter, RandomWalk, Replay
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies.check import solves
 from rtphys.task.spec import load_task
@@ -77,6 +82,26 @@ def test_it_stays_within_limits() -> None:
 def test_it_is_keyed_by_the_episode() -> None:
     assert (actions(1, MIDDLE, 5) == actions(1, MIDDLE, 5)).all()
     assert (actions(1, MIDDLE, 5) != actions(2, MIDDLE, 5)).all()
+
+
+def swept(out: Path, *held: dict[str, float]) -> Path:
+    for overrides in held:
+        collect(out, 2, synthetic.header(overrides=overrides))
+    return out
+
+
+def test_actions_of_one_value_of_a_sweep_are_not_taken_for_those_of_another(
+    tmp_path: Path,
+) -> None:
+    """Every value has the same seeds; the last one recorded was replayed."""
+    several = swept(tmp_path / "several", {"friction": 0.2}, {"friction": 0.8})
+    for protocol in ("phys_random", "clean"):
+        with pytest.raises(BadValue, match="several configurations and no"):
+            open_policy(f"replay:{several}", PolicySetup("click_bell", protocol))
+    for held in ({}, {"friction": 0.2}), ({"friction": 0.2},):
+        found = Replay(swept(tmp_path / str(len(held)), *held), "click_bell", "phys_random")
+        (config,) = {one.config for one in found.stored.values()}
+        assert config == ("phys_random" if {} in held else "phys_random.friction=0.2")
 
 
 @pytest.mark.sim

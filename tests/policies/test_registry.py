@@ -179,11 +179,18 @@ def test_a_missing_dataset_is_named(tmp_path: Path) -> None:
 
 def test_the_digest_follows_the_files_that_a_specification_names(tmp_path: Path) -> None:
     file, folder = tmp_path / "mine.py", tmp_path / "checkpoint"
-    folder.mkdir()
+    trained, other = tmp_path / "act", tmp_path / "other.yml"
+    last = trained / "checkpoints" / "last"
+    for made in (folder, last / "pretrained_model"):
+        made.mkdir(parents=True)
     for spec, path in [
         (f"python:{file}:make", file),
         (f"robotwin:{file}?ckpt=3", file),
+        (f"robotwin:{file}", file.with_suffix(".yml")),
+        (f"robotwin:{file}?config={other}", other),
         (f"lerobot:{folder}?python=/bin/python", folder / "model.safetensors"),
+        (f"lerobot:{trained}", last / "pretrained_model" / "model.safetensors"),
+        (f"lerobot:{last}", last / "pretrained_model" / "config.json"),
         (f"replay:{folder}", folder / "manifest.json"),
     ]:
         path.write_text("one")

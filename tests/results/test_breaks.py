@@ -68,6 +68,14 @@ def test_an_attribute_that_does_not_act_is_no_factor() -> None:
     assert trials == {"friction": 30, "object_mass": 15}
 
 
+def test_tasks_in_which_an_attribute_does_not_act_do_not_move_its_curve() -> None:
+    """The figure drew each of them at 50 %."""
+    played = records(30, lambda seed: {"friction": seed / 9})
+    others = [replace(record, task=task, inert=("friction",)) for record in played for task in "az"]
+    (alone,), (among,) = breaks(played), breaks([*others, *played])
+    assert among.curve == alone.curve
+
+
 # Hours of study and whether the exam was passed: the worked example of Wikipedia's article on
 # logistic regression, which gives slope 1.5046 (standard error 0.6287) and intercept -4.0777.
 HOURS = [0.5, 0.75, 1, 1.25, 1.5, 1.75, 1.75, 2, 2.25, 2.5]

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from evaluations import instances
 
 import rtphys
 from rtphys.assets.pack import default_pack
-from rtphys.core.errors import BadValue, Infeasible, UnknownName
+from rtphys.core.errors import BadValue, Infeasible, RtphysError, UnknownName
 from rtphys.core.library import read_yaml
 from rtphys.policies.robotwin_plugin import user_args
 from rtphys.robotwin_root import (
@@ -21,6 +22,7 @@ from rtphys.robotwin_root import (
     Base_Task,
     UnStableError,
     base_task,
+    drive,
     get_face_prod,
     write_root,
 )
@@ -135,6 +137,7 @@ class open_laptop(Base_Task): ...
 class place_object_scale(Base_Task): ...
 
 
+LISTED = (100_000, 100_002)  # the seed between them is infeasible
 BLIND: dict[str, Any] = {"task_config": "demo_clean", "data_type": {"rgb": False}}  # draws nothing
 
 
@@ -260,6 +263,25 @@ def test_a_world_that_never_rests_is_unstable(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(base_task, "begin", never)
     with pytest.raises(UnStableError, match="bell still moved"):
         click_bell().setup_demo(seed=0, task_config="clean")
+
+
+def test_as_many_episodes_are_played_as_a_launcher_counts_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It multiplies the rate by that number; behind the list the expert searches on."""
+    monkeypatch.setattr(drive, "read_list", lambda *_: instances("click_bell", "clean", *LISTED))
+    env, solves = click_bell(), [True]
+    for name in ("setup_demo", "play_once"):
+        monkeypatch.setattr(env, name, lambda *_, **__: None)
+    monkeypatch.setattr(env, "check_success", lambda: solves[0])
+    plugin: Any = None
+    run = Run({"seed": 0}, {"task_config": "clean"}, env, plugin, None)
+    seeds = run.seeds()
+    assert [next(seeds) for _ in range(3)] == [*LISTED, LISTED[-1] + 1]
+    assert run.tried == 4
+    solves[0] = False
+    with pytest.raises(RtphysError, match="solves none of the 200 seeds up to 100203"):
+        next(seeds)
 
 
 def launched(root: Path, actions: np.ndarray, more: str = "") -> subprocess.CompletedProcess[str]:

@@ -6,13 +6,15 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
+import synthetic
 from collected import collect
-from evaluations import FINGERPRINT
+from evaluations import FINGERPRINT, instances, write_results
 from still_life import FEW
 from typer.testing import CliRunner
 
@@ -41,7 +43,9 @@ from rtphys.results.instances import (
     list_file,
     write_lists,
 )
+from rtphys.results.statistics import Rate
 from rtphys.results.summary import Counts as CountsOf
+from rtphys.results.summary import summarise
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import evaluate as module
 from rtphys.studies.certify import CertificationTask, CertifyWorker
@@ -125,6 +129,29 @@ def test_records_of_other_instances_are_refused(tmp_path: Path) -> None:
     other = replace(IDLE, fingerprint=FINGERPRINT.model_copy(update={"assets": "else"}))
     with pytest.raises(DatasetMismatch, match=r"fingerprint.assets was '', now 'else'"):
         EvaluationSeries(tmp_path, other, opened(tmp_path).instances)
+
+
+def test_the_lists_in_a_folder_are_those_of_its_episodes(tmp_path: Path, pack: Pack) -> None:
+    """A run that is refused leaves them alone, and one of fewer episodes does not shorten them."""
+    ground = fingerprint_of(load_task(TASK), "clean", pack)
+    spec, listed = (
+        EvaluationSpec("idle"),
+        replace(instances(TASK, "clean", *MANY), fingerprint=ground),
+    )
+    rows = [EpisodeRecord(TASK, "clean", seed, True) for seed in MANY]
+    write_results(tmp_path / "out", spec, listed, rows, ground)
+    others = replace(listed, instances=listed.instances[1:])
+    for given, problem in ((others, "seeds are not those of the instance list"), (listed, "")):
+        write_lists(list_file(tmp_path / "bench", "clean"), [given])
+        wish = EvaluationRun(
+            (TASK,), ("clean",), 1, out=tmp_path / "out", instances=tmp_path / "bench", workers=1
+        )
+        with pytest.raises(BadFile, match=problem) if problem else nullcontext():
+            evaluate(spec, wish, pack)
+        found = read_results(tmp_path / "out")
+        assert found.lists == {("clean", TASK): listed}
+        (row,) = summarise(found.records, found.lists).tasks
+        assert row.counts.of_tried == Rate(3, 4)
 
 
 def test_a_lost_episode_is_a_failure_with_its_reason(tmp_path: Path) -> None:
@@ -444,6 +471,8 @@ def test_the_rejects_of_a_dataset_are_those_of_its_protocol_alone(tmp_path: Path
     assert (own.tried_under, other.tried_under) == ("", "phys_random")
     counts = [CountsOf.of([], [one]) for one in (own, other)]
     assert [(one.feasible, one.tried) for one in counts] == [(3, 4), (3, None)]
+    collect(tmp_path / "data", 1, synthetic.header(overrides={"friction": 0.2}))  # listed before
+    assert module.certified(wish, "phys_random", TASK, FINGERPRINT).instances == own.instances
     panda = FINGERPRINT.model_copy(update={"embodiment": "franka-panda"})
     said = "with the robot franka_panda, only with aloha-agilex; set `embodiment`"
     with pytest.raises(BadValue, match=said):

@@ -341,9 +341,14 @@ def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
                 "  instances", *("-" if rate is None else str(rate.trials) for rate in rates)
             )
             differ = True
-    means = [column.mean(tasks) for column in columns]
-    shown = ["-" if mean is None else f"{100 * mean:.2f}" for mean in means]
-    table.add_row("mean of these tasks", *shown)
+
+    def mean_of(column: Column) -> str:
+        if (mean := column.mean(tasks)) is None:
+            return "-"
+        count = sum(task in column.rates and column.rates[task].trials > 0 for task in tasks)
+        return f"{100 * mean:.2f}" + f" ({count} of {len(tasks)})" * (count < len(tasks))
+
+    table.add_row("mean of these tasks", *map(mean_of, columns))
     totals = [cell(column.total(tasks), bool(column.unfinished)) for column in columns]
     table.add_row("all their rollouts", *totals)
     print_parts(table)

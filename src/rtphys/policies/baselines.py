@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from rtphys.assets.embodiment import DEFAULT
-from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue
 from rtphys.core.poses import Array
 from rtphys.core.seeds import stream
 from rtphys.data.dataset import Dataset
@@ -85,11 +85,12 @@ class Jitter(Stepwise):
 class Replay:
     """`replay:DATASET` replays the recorded actions of the same task and seed, open loop.
 
-    If the dataset has a single protocol, it may be another one: `replay:CLEAN` under `phys_random`
-    measures how far actions recorded under clean physics succeed under random physics.
+    If the dataset has a single configuration, it may be another one: `replay:CLEAN` under
+    `phys_random` measures how far actions recorded under clean physics succeed under random
+    physics.
 
     Raises `BadFile`: the folder holds no dataset; `UnknownName`, `BadValue`: the dataset lacks this
-    task, or has several protocols without this.
+    task, or has several configurations without this, such as those of a sweep.
     """
 
     needs_images = False
@@ -97,18 +98,21 @@ class Replay:
     def __init__(self, folder: Path, task: str, protocol: str, embodiment: str = DEFAULT) -> None:
         data = Dataset(folder).where(task=task, embodiment=embodiment)
         if protocol in data.protocols:
-            data = data.where(protocol=protocol)
-        elif len(data.protocols) > 1:
-            raise UnknownName("protocol", protocol, data.protocols, folder)
+            data = data.where(protocol=protocol)  # a twin's configuration has another name
+        if protocol in data.configs:
+            data = data.where(config=protocol)
+        elif len(data.configs) > 1:
+            allowed = f"several configurations and no {protocol} in it; `rtphys subset` copies one"
+            raise BadValue("policy", f"replay:{folder}", allowed)
         self._folder = folder
-        self._stored: dict[int, Stored] = {episode.seed: episode for episode in data}
+        self.stored: dict[int, Stored] = {episode.seed: episode for episode in data}
 
     def play(self, episode: PolicyEpisode) -> None:
-        if episode.seed not in self._stored:
+        if episode.seed not in self.stored:
             problem = f"{self._folder} holds no episode of {episode.task}, seed {episode.seed}"
             cure = "collect that seed, or evaluate on this dataset's own instances"
             raise PolicyGone("replay", f"{problem}; {cure}")
-        for action in self._stored[episode.seed].action:
+        for action in self.stored[episode.seed].action:
             if episode.over:
                 return
             episode.act(action)

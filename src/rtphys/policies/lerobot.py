@@ -26,7 +26,7 @@ from rtphys.physics.values import components
 from rtphys.policies import lerobot_server
 from rtphys.policies.lerobot_server import STATE
 from rtphys.policies.policy import PolicyGone, PolicySetup, ServerFailed, action_rows
-from rtphys.policies.registry import Seconds, split_options
+from rtphys.policies.registry import CHECKPOINTS, Seconds, split_options
 from rtphys.spec import recording
 from rtphys.spec.option import Positive, checked_dataclass, from_words
 
@@ -252,8 +252,8 @@ def open_lerobot(argument: str, setup: PolicySetup) -> LeRobot:
         raise BadValue("policy", "lerobot:", "name a checkpoint's folder: lerobot:PATH")
     chosen = from_words(LeRobotOptions, given, "option", f"lerobot:{path}")
     if (folder := Path(path)).exists():
-        inner = (".", "pretrained_model", "checkpoints/last/pretrained_model")
-        found = [folder / name for name in inner if (folder / name / "config.json").is_file()]
+        inner = (folder / name for name in CHECKPOINTS)
+        found = [one for one in inner if (one / "config.json").is_file()]
         if not found:
             raise BadFile(folder, "holds no LeRobot checkpoint (no config.json, model.safetensors)")
         path = str(found[0].resolve())

@@ -101,7 +101,9 @@ class Stepwise(ABC):
     def play(self, episode: PolicyEpisode) -> None:
         self.reset(episode)
         while not episode.over and (actions := self.act(episode.observe())) is not None:
-            for action in np.atleast_2d(actions):
+            if not len(chunk := np.atleast_2d(actions)):  # it would be asked for ever
+                raise ValueError("act returned no action; it returns None to give up")
+            for action in chunk:
                 episode.act(action, self.kind)
 
     def close(self) -> None:  # noqa: B027 - an empty hook on purpose

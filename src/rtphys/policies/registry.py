@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.machinery import PathFinder
+from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated
@@ -41,6 +42,9 @@ BUILTIN: dict[str, str] = {
     "python": "rtphys.policies.registry:open_python",
 }
 """Name of a policy -> "module:name" of its `Opener`, or of its class if it takes no argument."""
+
+CHECKPOINTS = ("", "pretrained_model", "checkpoints/last/pretrained_model")
+"""Where in a folder that `lerobot-train` has written a checkpoint may lie."""
 
 WITHOUT_OPTIONS = ("idle", "random", "jitter", "expert", "feels", "replay")
 
@@ -109,21 +113,27 @@ def files_digest(spec: str, options: Mapping[str, str] = MappingProxyType({})) -
     """SHA-256 over the local files that a specification and options name; empty if they name none.
 
     A file stands for itself, a folder for its JSON and weights (`*.safetensors`): so a dataset, or
-    a LeRobot checkpoint. A dotted module stands for its file, a package for all its Python files.
-    What a Python file imports is not followed. An option whose value is a file's path names it.
+    a LeRobot checkpoint, or what `lerobot-train` wrote around it. A RoboTwin plug-in stands for
+    itself and the YAML beside it. A dotted module stands for its file, a package for all its Python
+    files. What a Python file imports is not followed. An option whose value is a file's path names
+    it.
 
-    Raises `UnknownName`: no such policy; `OSError`: a file cannot be read.
+    Raises `UnknownName`: no such policy; `BadValue`: an option without a value; `OSError`: a file
+    cannot be read.
     """
     name, argument = parse_spec(spec)
-    argument = argument.partition("?")[0]
+    argument, options = split_options(argument, options)
     path = Path(argument)
     if not path.exists():  # `python:FILE:NAME`
         path = Path(argument.rpartition(":")[0])
     found = [path] if path.is_file() else []
+    if name == "robotwin" and (beside := path.with_suffix(".yml")).is_file():
+        found.append(beside)
     if name == "python" and path.suffix != ".py":
         found = _files_of_module(argument.rpartition(":")[0])
     if argument and path.is_dir() and path != Path():
-        found = sorted([*path.glob("*.json"), *path.glob("*.safetensors")])
+        kinds = product(CHECKPOINTS, ("*.json", "*.safetensors"))
+        found = sorted(file for inner, kind in kinds for file in (path / inner).glob(kind))
     values = [value for _, value in sorted(options.items())]
     found += [Path(text) for text in values if os.path.isfile(text)]  # noqa: PTH113 - of any length
     digests = [f"{file.name} {facts_of(file.resolve()).sha256}" for file in found]

@@ -101,13 +101,13 @@ def breaks(records: Sequence[EpisodeRecord]) -> list[Break]:
             columns[key] = x
         elif any(value is not None for value in x):
             same[first].append(key)
-    tasks = sorted({record.task for record in records})
     effects: list[Break] = []
     for key, column in columns.items():
         acting = [(x, r) for x, r in zip(column, records, strict=True) if x is not None]
         if len(acting) < MIN_EPISODES:
             continue
         x, success = [x for x, _ in acting], [r.success for _, r in acting]
+        tasks = sorted({r.task for _, r in acting})  # a level without episodes would be 50 %
         curve = fit(x, success, [tasks.index(r.task) for _, r in acting])
         if curve is not None:
             unit, others = attribute(key).unit, tuple(same[key])

@@ -127,6 +127,10 @@ class InstanceList:
         end = ends[episodes - 1] if episodes <= len(ends) else None
         return replace(self, instances=self.instances[:end])
 
+    def begins(self, other: "InstanceList | None") -> bool:
+        """Whether it is the first part of another list, or all of it."""
+        return other is not None and other.first(len(self.feasible)) == self
+
 
 class _Header(Model):
     """The line before a list's rows."""

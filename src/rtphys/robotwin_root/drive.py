@@ -11,7 +11,7 @@ from itertools import count
 from pathlib import Path
 
 from rtphys.core import library
-from rtphys.core.errors import BadValue, UnknownName
+from rtphys.core.errors import BadValue, RtphysError, UnknownName
 from rtphys.policies.registry import literal
 from rtphys.policies.robotwin_plugin import SKIP, Plugin, plugin_named, user_args
 from rtphys.results.instances import FIRST_SEED, benchmark_file, read_list
@@ -25,7 +25,7 @@ from rtphys.robotwin_root.base_task import (
 )
 from rtphys.spec.episode import SPLITS
 
-MAX_INFEASIBLE = 200  # consecutive infeasible seeds after which the search ends
+MAX_INFEASIBLE = 200  # consecutive infeasible seeds after which the run ends
 
 
 def parse_args_and_config(words: Sequence[str] | None = None) -> dict[str, object]:
@@ -58,8 +58,9 @@ def pairs(words: Sequence[str]) -> dict[str, object]:
 def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     """Run the episodes in this process and write `_result*.txt` below `eval_result/`.
 
-    Seed 0 uses the certified instances if there are any. Other seeds, and protocols without a
-    list, let the expert search for feasible seeds from `100000 * (1 + seed)`, as RoboTwin does.
+    Seed 0 uses the certified instances if there are any. Other seeds, protocols without a list, and
+    more episodes than a list has, let the expert search for feasible seeds from
+    `100000 * (1 + seed)`, or from the end of the list, as RoboTwin does.
     Textures are always the unseen ones; `instruction_type` chooses the sentences. What the policy
     raises ends the run without a result.
 
@@ -75,6 +76,7 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
         BadFile, UnknownName, BrokenPlugin: the configuration, task, policy or kind of instruction
             does not exist.
         CannotWrite: the file system refuses.
+        RtphysError: there are too few feasible seeds.
     """
     split = str(usr_args["instruction_type"])
     if split not in SPLITS:
@@ -114,18 +116,20 @@ class Run:
     tried: int = 0  # number of seeds so far, infeasible ones included
 
     def seeds(self) -> Iterator[int]:
-        """Seeds that the expert solves; the others are only counted."""
+        """Seeds that the expert solves; the others are only counted.
+
+        Raises `RtphysError`: it solves none of `MAX_INFEASIBLE` in a row.
+        """
         first = int(str(self.usr_args["seed"]))
         path = benchmark_file(protocol_of(self.args), self.env.task_name)
         listed = read_list(path, self.env.task_name) if first == 0 and path.is_file() else None
-        if listed is not None:
-            for one in listed.instances:
-                self.tried += 1
-                if one.feasible:
-                    yield one.seed
-            return
+        known = listed.instances if listed else ()
+        for one in known:
+            self.tried += 1
+            if one.feasible:
+                yield one.seed
         infeasible = 0  # in a row
-        for seed in count(FIRST_SEED * (1 + first)):
+        for seed in count(FIRST_SEED * (1 + first) + len(known)):
             self.tried += 1
             solved = False
             with suppress(UnStableError):
@@ -135,8 +139,9 @@ class Run:
             infeasible = 0 if solved else infeasible + 1
             if solved:
                 yield seed
-            elif infeasible >= MAX_INFEASIBLE:
-                return
+            elif infeasible >= MAX_INFEASIBLE:  # a rate would pass for one of all episodes
+                text = f"the expert solves none of the {infeasible} seeds up to {seed}"
+                raise RtphysError(f"{self.env.task_name}: {text}; no result is written")
 
     def roll_out(self, seed: int) -> None:
         """Play one episode with the policy. What it raises passes through, as in RoboTwin."""

@@ -23,6 +23,7 @@ from rtphys.data.json_text import plain, pretty
 from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
+from rtphys.data.manifest import TaskEntry
 from rtphys.data.staging import StagedEpisode
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode import PolicyEpisode, begin
@@ -51,6 +52,7 @@ from rtphys.results.instances import (
     list_file,
     lists_folder,
     read_list,
+    read_lists,
     write_lists,
 )
 from rtphys.results.official import result_folder, write_result
@@ -105,9 +107,6 @@ def evaluate(
         DatasetWriter(run.record) if run.record else nullcontext() as dataset,
     ):
         _check_others(out, cells[0])
-        for protocol in run.protocols:
-            copied = [one for one in lists if one.protocol == protocol]
-            write_lists(list_file(out / evaluation.INSTANCES, protocol), copied)
         studies = list[EvaluationSeries]()
         for cell, one in zip(cells, lists, strict=True):
             writer = None
@@ -116,6 +115,12 @@ def evaluate(
                     recording_header(cell.spec, one, tasks[one.task], pack, digest)
                 )
             studies.append(EvaluationSeries(out, cell, one, run.video, writer, joints))
+        for protocol in run.protocols:  # now that nothing is refused any more
+            path = list_file(out / evaluation.INSTANCES, protocol)
+            known = read_lists(path) if path.is_file() else {}
+            # One that goes further stays: more episodes were asked for once, and are there.
+            copied = [one for one in lists if one.protocol == protocol]
+            write_lists(path, (one for one in copied if not one.begins(known.get(one.task))))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
         if unfilmed := sum(study.unfilmed for study in studies):
@@ -508,9 +513,14 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
         apart = f" with the robot {robot}, only with {', '.join(others)}; set `embodiment`"
         problem = f"the dataset has no episodes of {task}{apart if every else ''}"
         raise BadValue("instances", str(folder), problem)
-    own = [e for e in entries if protocol in (e.spec.episode.protocol, e.spec.name)]
+
+    def fit(entry: TaskEntry) -> tuple[bool, bool, bool]:
+        name, recorded = entry.spec.name, entry.spec.episode.protocol
+        return name == protocol, recorded == protocol, name == recorded
+
     # Another protocol's seeds will do: the layout of a seed is the same under every one.
-    entry = (own or entries)[0]
+    entry = max(entries, key=fit)
+    own = protocol in (entry.spec.name, entry.spec.episode.protocol)
     if entry.spec.episode.only is not None or entry.spec.episode.overrides:
         problem = "attributes were picked or held in it, which an evaluation does not know"
     elif entry.spec.policy is not None:
