@@ -106,6 +106,8 @@ REFUSALS = {
     "physics: {camera_mode: {choice: [orbit, pan]}}": "it is one of orbit, shift, rotate",
     "physics: {camera_angle: {by: {camera_mode: {orbit: 1}}}}": "rule for camera_mode shift",
     "physics: {camera_angle: {by: {table_tilt: {a: 1}}}}": "unknown selector 'table_tilt'",
+    "physics: {friction@a: 1, 'friction@b,a': 0.5}": "FILE: has two rules for friction@a: "
+    "friction@a and friction@b,a; keep one",
     "physics: [friction]": "physics must be a mapping",
     "extends: [a, b]": "extends needs the name of one domain",
 }

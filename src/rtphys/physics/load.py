@@ -1,7 +1,7 @@
 """Reads domains from YAML files, with inheritance, and values from texts such as `friction=0.2`."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import cast
 
@@ -56,7 +56,7 @@ def _load(path: Path, children: tuple[Path, ...]) -> Domain:
     raw = content.get("physics")
     if raw is not None and not isinstance(raw, dict):
         raise BadFile(path, "physics must be a mapping of attributes to rules")
-    for key, text in _of_each_prop(cast(dict[object, object], raw or {})):
+    for key, text in _of_each_prop(cast(dict[object, object], raw or {}), path).items():
         if key not in AUXILIARY:
             check_key(key, path)
         if text is None:  # nominal
@@ -72,17 +72,23 @@ def _load(path: Path, children: tuple[Path, ...]) -> Domain:
     return Domain(path.stem, dict(sorted(rules.items())), sources, str(content.get("why", "")))
 
 
-def _of_each_prop(raw: Mapping[object, object]) -> Iterator[tuple[str, object]]:
-    """Keys and rules; one for several props (`friction@left,right`) becomes a rule of each."""
+def _of_each_prop(raw: Mapping[object, object], path: Path) -> dict[str, object]:
+    """Rules by key; one for several props (`friction@left,right`) becomes a rule of each.
+
+    Raises `BadFile`: there are two rules for one prop.
+    """
+    found, said = dict[str, object](), dict[str, str]()
     for name, rule in raw.items():
         key, props = str(name), split(str(name))[1].split(",")
-        if len(props) == 1:
-            yield key, rule
-            continue
         dealt = cast(Mapping[object, object], rule).get("deal") if isinstance(rule, dict) else None
         for place, prop in enumerate(props):
+            own = f"{split(key)[0]}{MARK}{prop.strip()}" if len(props) > 1 else key
+            if own in said:
+                raise BadFile(path, f"has two rules for {own}: {said[own]} and {key}; keep one")
             deal = {"deal": {"source": key, "place": place, "rules": dealt}}
-            yield f"{split(key)[0]}{MARK}{prop.strip()}", rule if dealt is None else deal
+            found[own] = rule if dealt is None or len(props) == 1 else deal
+            said[own] = key
+    return found
 
 
 def _parent(extends: object, path: Path, children: tuple[Path, ...]) -> Domain | None:
