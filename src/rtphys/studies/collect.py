@@ -199,7 +199,7 @@ class CollectionSeries(Series[CollectionTask, Results]):
 
 
 def accepted_by_all(writers: Sequence[TaskWriter]) -> tuple[int, int]:
-    """How many seeds gave an episode in each, and how many came after them; reads the ledgers."""
+    """How many seeds gave an episode in each, and how many were tried after the last of these."""
     complete = fruitless = 0
     ledgers = (read_attempts(writer.task_dataset.ledger) for writer in writers)
     for rows in zip(*ledgers, strict=False):  # a kill leaves some an attempt ahead
