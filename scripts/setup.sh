@@ -77,7 +77,7 @@ PY
 ensure_libraries() {
     local broken packages round
     for round in 1 2 3; do
-        broken=$("$VENV/bin/python" -W ignore -m rtphys.core.compiled_dependencies 2>/dev/null) && return
+        broken=$("$VENV/bin/python" -W ignore -m rtphys.core.dependencies 2>/dev/null) && return
         packages=$(sed -n 's/.*: \([a-z0-9.+-]\{2,\}\)$/\1/p' <<<"$broken" | sort -u)
         [ -n "$packages" ] || break
         # shellcheck disable=SC2086  # one word a package

@@ -13,7 +13,7 @@ import pytest
 
 from rtphys import doctor
 from rtphys.assets.pack import default_pack
-from rtphys.core import compiled_dependencies as natives
+from rtphys.core import dependencies as natives
 from rtphys.core import library
 from rtphys.core.cache import NoCache
 from rtphys.core.errors import RtphysError

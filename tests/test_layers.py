@@ -164,7 +164,7 @@ def test_every_third_party_package_has_one_owner() -> None:
 
 # Flags of other programs: pip and Ray in sentences, and RoboTwin's own launch script.
 FOREIGN_FLAGS = {
-    "core/extras.py": {"--force-reinstall"},
+    "core/dependencies.py": {"--force-reinstall"},
     "doctor.py": {"--upgrade", "--force-reinstall", "--no-deps"},
     "campaign/ray.py": {"--head"},
     "robotwin_root/drive.py": {"--config", "--overrides", "--key"},

@@ -26,7 +26,7 @@ from rtphys.core.cache import NoCache, reading_cache
 from rtphys.core.errors import RtphysError, counted
 
 PROBE = (sys.executable, "-P", "-W", "ignore", "-m", "rtphys.sim.probe")
-COMPILED = (sys.executable, "-P", "-W", "ignore", "-m", "rtphys.core.compiled_dependencies")
+COMPILED = (sys.executable, "-P", "-W", "ignore", "-m", "rtphys.core.dependencies")
 PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
 OPENCV = ("opencv-contrib-python-headless", "opencv-python-headless")  # either will do
 CLAUSES = 3  # differences of stale lists that are named

@@ -13,8 +13,8 @@ import typer
 from typer.core import TyperGroup
 
 from rtphys.cli.terminal import GIVEN, Interrupted, command_line, say
+from rtphys.core.dependencies import cure_of
 from rtphys.core.errors import BadValue, RtphysError
-from rtphys.core.extras import cure_of
 
 GROUPS = {
     "Make a dataset": {

@@ -14,8 +14,8 @@ from types import MappingProxyType
 from typing import Annotated
 from urllib.parse import parse_qsl
 
+from rtphys.core.dependencies import cure_of
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
-from rtphys.core.extras import cure_of
 from rtphys.core.library import load_file
 from rtphys.data.files import facts_of
 from rtphys.physics.attribute import is_attribute

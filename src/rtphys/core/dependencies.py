@@ -1,7 +1,8 @@
-"""Finds compiled packages that cannot be imported; as a program it prints one line for each.
+"""Packages that are missing or cannot be loaded, and what installs them.
 
-Wheels contain most libraries that they link, but a minimal Debian lacks a few others. Nothing else
-of rtphys is imported here: it would need those packages.
+As a program it prints one line for each compiled package that cannot be imported. Wheels contain
+most libraries that they link, but a minimal Debian lacks a few others. Nothing else of rtphys is
+imported here: it would need those packages.
 """
 
 import re
@@ -25,6 +26,17 @@ PACKAGES = {
     "libexpat.so.1": "libexpat1",
 }
 
+# Package -> the optional part of rtphys that brings it.
+EXTRAS = {
+    "pyarrow": "lerobot",
+    "websockets": "serve",
+    "msgpack": "serve",
+    "gymnasium": "gym",
+    "ray": "ray",
+    "sklearn": "identify",
+    "rerun": "view",
+}
+
 
 def failures() -> dict[str, str]:
     """Module -> why it cannot be imported. An import may crash: call this in a child process."""
@@ -41,6 +53,17 @@ def package_of(problem: str) -> str | None:
     """The Debian package of the shared library that an import error names, if known."""
     match = re.search(r"\b(lib[\w.+-]+\.so[.\d]*): cannot open", problem)
     return PACKAGES.get(match[1]) if match else None
+
+
+def cure_of(error: ImportError) -> str:
+    """The command that installs the part that is missing or broken; empty for any other package."""
+    package, _, part = (error.name or "").partition(".")
+    if package not in EXTRAS:
+        return ""
+    # A part that is missing, or a library that cannot be loaded: it is there, broken.
+    broken = part or not isinstance(error, ModuleNotFoundError)
+    force = "--force-reinstall " if broken else ""
+    return f"`pip install {force}'rtphys[{EXTRAS[package]}]'`"
 
 
 if __name__ == "__main__":
