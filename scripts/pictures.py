@@ -18,13 +18,13 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import results
-from rtphys.analysis import figures
 from rtphys.analysis.identify import read_result
 from rtphys.assets.contact_sheet import tile
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
 from rtphys.episode.generate import attempt, prepare, settle, start
 from rtphys.episode.render import StateTrajectory, render_frames
+from rtphys.report import figures
 from rtphys.sim import renderer
 from rtphys.sim.recorder import Recording
 from rtphys.spec.episode import EpisodeSpec, Recipe

@@ -17,7 +17,6 @@ from masses import theirs as robotwin_mass
 
 import results
 from rtphys import task as vocabulary
-from rtphys.analysis import figures
 from rtphys.analysis.identify import read_result
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
@@ -25,6 +24,7 @@ from rtphys.data.schema import FailureMeta
 from rtphys.physics import attributes, load_domain
 from rtphys.physics.load import domain_for_task
 from rtphys.policies.experts import OTHER
+from rtphys.report import figures
 from rtphys.results import Rate
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
 from rtphys.spec.episode import EpisodeSpec

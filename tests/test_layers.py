@@ -33,7 +33,7 @@ OWNERS = {
     "toppra": {"plan"},
     "ruckig": {"plan"},
     "sapien": {"sim"},
-    "matplotlib": {"analysis", "report"},
+    "matplotlib": {"report"},
     "pyarrow": {"export"},
     "rerun": {"view"},
     "gymnasium": {"gym"},

@@ -290,8 +290,6 @@ def compare(
         rtphys compare eval/one eval/other --protocol phys_random
         rtphys compare eval/one --paper --figure rates.png
     """
-    from rtphys.analysis.figures import draw_rates
-
     if not folders and not paper:
         raise typer.BadParameter("name a result folder, or say --paper")
     if folders and all(path.suffix == ".json" for path in folders):
@@ -301,6 +299,8 @@ def compare(
     comparison = analysis.compare(evaluations, protocol, paper)
     columns, tasks = comparison.columns, comparison.tasks
     if figure is not None:
+        from rtphys.report.figures import draw_rates
+
         title = "success among feasible seeds, 95 % intervals"
         draw_rates([(f"{c.label}, {c.protocol}", c.rates) for c in columns], tasks, title, figure)
         say(str(figure), err=True)

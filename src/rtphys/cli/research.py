@@ -56,7 +56,7 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
     with resumable(), campaign_progress("scores") as listener:
         result = judge(plan, listener)
     if output.figure is not None:
-        from rtphys.analysis.figures import IDENTIFIABILITY, draw_task_map
+        from rtphys.report.figures import IDENTIFIABILITY, draw_task_map
 
         draw_task_map(result.r2(), IDENTIFIABILITY, output.figure)
     if output.as_json:
@@ -128,7 +128,7 @@ def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
     with campaign("tasks") as (pack, listener):
         results = measure(plan, pack, listener)
     if output.figure is not None:
-        from rtphys.analysis.figures import SENSITIVITY, draw_task_map, tolerated_shares
+        from rtphys.report.figures import SENSITIVITY, draw_task_map, tolerated_shares
 
         draw_task_map(tolerated_shares(results), SENSITIVITY, output.figure)
     if output.as_json or any(result["attributes"] for result in results):

@@ -1,14 +1,168 @@
-"""Figures of an evaluation, and of what feasibility selects."""
+"""Figures of studies: maps, success rates, what breaks a policy, what feasibility selects."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
+from rtphys.core.poses import Array
 from rtphys.laws.audit.selection import UNLIKELY, Selection
 from rtphys.results.breaks import SIGNIFICANT, Break
+from rtphys.results.statistics import Rate
+
+# ---- maps of task by attribute -------------------------------------------------------------------
+
+T = TypeVar("T")
+MANY = 20  # tasks
+NOTHING = "0.85"  # grey of a cell whose attribute does not act, or was not measured
+IDENTIFIABLE = 0.5  # R² from which an attribute counts as identifiable
+Cells = Mapping[str, Mapping[str, float]]  # task -> attribute -> value from 0 to 1
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What the numbers of a map mean, and their colours."""
+
+    label: str
+    colours: str  # matplotlib's name
+
+
+SENSITIVITY = Scale("tolerated share of the range [%]", "RdYlGn")
+IDENTIFIABILITY = Scale("R² on seeds not learnt from [%]", "viridis")
+
+
+class Relevance(Enum):
+    """Whether an attribute breaks a task, and whether a robot could identify it there."""
+
+    BREAKS_IDENTIFIABLE = "breaks, identifiable"
+    BREAKS_HIDDEN = "breaks, not identifiable"
+    HARMLESS_IDENTIFIABLE = "harmless, identifiable"
+    HARMLESS_HIDDEN = "harmless, not identifiable"
+
+
+COLOURS = {  # colour-blind readers can distinguish them
+    Relevance.BREAKS_IDENTIFIABLE: "#d55e00",
+    Relevance.BREAKS_HIDDEN: "#882255",
+    Relevance.HARMLESS_IDENTIFIABLE: "#56b4e9",
+    Relevance.HARMLESS_HIDDEN: "#f5f5f5",
+}
+
+
+def tolerated_shares(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
+    """Task -> attribute -> tolerated share of its range, from the results of `sensitivity`."""
+    return {
+        result["task"]: {key: of["share"] for key, of in result["attributes"].items()}
+        for result in results
+    }
+
+
+def relevance(tolerated: Cells, r2: Cells) -> dict[str, dict[str, Relevance]]:
+    """Sensitivity x identifiability of each task and attribute for which both were measured.
+
+    An attribute breaks a task where not its whole range is tolerated.
+    """
+    found: dict[str, dict[str, Relevance]] = {}
+    for task, shares in tolerated.items():
+        for key in sorted(shares.keys() & r2.get(task, {}).keys()):
+            breaks = "breaks" if shares[key] < 1 else "harmless"
+            identifiable = "" if r2[task][key] >= IDENTIFIABLE else "not "
+            found.setdefault(task, {})[key] = Relevance(f"{breaks}, {identifiable}identifiable")
+    return found
+
+
+def draw_task_map(cells: Cells, scale: Scale, path: Path) -> None:
+    """Write a PNG of tasks and attributes, numbers in percent. Few tasks are rows, many columns.
+
+    Values outside 0 to 1 are drawn as the nearer of these.
+    """
+    panel, shares, wide = _map(cells, lambda share: 100 * np.clip(share, 0, 1))
+    image = panel.imshow(shares, vmin=0, vmax=100, cmap=scale.colours, aspect="auto")
+    for (row, column), share in np.ndenumerate(shares):
+        if np.isfinite(share):
+            red, green, blue, _ = image.cmap(share / 100)
+            colour = "k" if 0.3 * red + 0.6 * green + 0.1 * blue > 0.45 else "w"
+            style = {"fontsize": 5 if wide else 7, "color": colour, "ha": "center", "va": "center"}
+            panel.text(column, row, f"{share:.0f}", **style)
+    bar = panel.figure.colorbar(image, ax=panel, shrink=0.6, pad=0.01)
+    bar.set_label(scale.label, fontsize=8)
+    bar.ax.tick_params(labelsize=7)
+    panel.figure.savefig(path, dpi=150)
+
+
+def draw_relevance(cells: Mapping[str, Mapping[str, Relevance]], path: Path) -> None:
+    """Write a PNG: which attribute breaks a task, and which could be identified in it."""
+    order, colours = list(COLOURS), list(COLOURS.values())
+    panel, values, wide = _map(cells, order.index)
+    shown = {"cmap": ListedColormap(colours), "vmin": -0.5, "vmax": len(order) - 0.5}
+    panel.imshow(values, aspect="auto", **shown)
+    named = [Patch(facecolor=c, edgecolor="0.5", label=r.value) for r, c in COLOURS.items()]
+    named.append(Patch(facecolor=NOTHING, label="does not act, or not measured"))
+    place = {"loc": "outside upper center", "ncols": len(named) if wide else 3}
+    panel.figure.legend(handles=named, fontsize=7, frameon=False, **place)
+    panel.figure.savefig(path, dpi=150)
+
+
+def _map(
+    cells: Mapping[str, Mapping[str, T]], value: Callable[[T], float]
+) -> tuple[Any, Array, bool]:
+    """Axes of an empty map, its numbers (nan where there is none), and whether tasks are columns.
+
+    A page is wider than high, so many tasks are columns.
+    """
+    tasks, keys = sorted(cells), sorted({key for of in cells.values() for key in of})
+    rows = [[value(cells[t][k]) if k in cells[t] else np.nan for k in keys] for t in tasks]
+    table, wide = np.array(rows, float).reshape(len(tasks), len(keys)), len(tasks) > MANY
+    names = [key.replace("_", " ") for key in keys]
+    down, across = (names, tasks) if wide else (tasks, names)
+    width, height = (0.23, 0.23) if wide else (0.6, 0.2)  # [inch] of a cell
+    size = (2.6 + width * len(across), 1.9 + height * len(down))
+    panel = Figure(figsize=size, layout="constrained").subplots()
+    panel.set_facecolor(NOTHING)
+    panel.set_xticks(range(len(across)), across, rotation=60, ha="right")
+    panel.set_yticks(range(len(down)), down)
+    panel.tick_params(labelsize=7)
+    return panel, table.T if wide else table, wide
+
+
+# ---- success rates by task and policy --------------------------------------------------------
+
+ROW = 0.24  # [inch] smallest height of a task's row
+Rates = Sequence[tuple[str, Mapping[str, Rate]]]  # label of a column, its rate by task
+
+
+def draw_rates(columns: Rates, tasks: Sequence[str], title: str, path: Path) -> None:
+    """Write a PNG: a row a task, a colour a column; whiskers are 95 % intervals."""
+    height = 1.4 + len(tasks) * max(ROW, 0.09 * len(columns))
+    figure = Figure(figsize=(8.0, height), layout="constrained")
+    axes = figure.subplots()
+    for i, (label, rates) in enumerate(columns):
+        rows = [(row, rates[task]) for row, task in enumerate(tasks) if task in rates]
+        shown = [(row, rate.value, *rate.interval) for row, rate in rows if rate.value is not None]
+        row, value, low, high = np.array(shown, float).reshape(-1, 4).T
+        offset = 0.7 * ((i + 0.5) / len(columns) - 0.5)
+        whiskers = 100 * np.array([value - low, high - value])
+        style = {"fmt": "o", "ms": 3, "lw": 0.9, "color": f"C{i % 10}", "label": label}
+        axes.errorbar(100 * value, row + offset, xerr=whiskers, **style)
+    axes.set_yticks(range(len(tasks)), tasks, fontsize=8)
+    axes.set_ylim(len(tasks) - 0.5, -0.5)
+    axes.set_xlim(-2, 102)
+    axes.set_xlabel("success [%]")
+    axes.grid(axis="x", alpha=0.3)
+    for row in range(1, len(tasks)):
+        axes.axhline(row - 0.5, color="0.9", lw=0.6)
+    figure.suptitle(title)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
+    figure.savefig(path, dpi=120)
+
+
+# ---- a panel for each attribute ------------------------------------------------------------------
 
 COLUMNS = 4  # of panels
 BINS = 12  # of a histogram
