@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
-from rtphys.analysis.request import DEMONSTRATION, SearchSpec, SensitivityPlan
 from rtphys.assets.pack import Pack
 from rtphys.campaign.local import LocalPool
 from rtphys.campaign.machine import cores
@@ -39,6 +38,7 @@ from rtphys.results.statistics import wilson
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.stored import stored
+from rtphys.studies.requests import DEMONSTRATION, SearchSpec, SensitivityPlan
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
 from rtphys.task.spec import load_task

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from rich.table import Table
 
 from rtphys.analysis.identify import IdentifyPlan, Result, judge
-from rtphys.analysis.request import SensitivityPlan
 from rtphys.cli.derived import AsJson, takes
 from rtphys.cli.screen import campaign, campaign_progress, fitting_table, print_rows, print_table
 from rtphys.cli.terminal import Incomplete, resumable, say, say_json
@@ -16,6 +15,7 @@ from rtphys.core.errors import counted
 from rtphys.core.untrusted import JSON
 from rtphys.physics.attribute import attribute
 from rtphys.spec.option import Option
+from rtphys.studies.requests import SensitivityPlan
 
 if TYPE_CHECKING:
     from rtphys.analysis.scoring import Score

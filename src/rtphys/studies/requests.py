@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import field, replace
 from itertools import chain, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -12,10 +12,11 @@ from rtphys.core import library
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.selection import DataFolder, Selection
+from rtphys.physics.attribute import attributes
 from rtphys.physics.domain import AUXILIARY, check_key
 from rtphys.physics.idle import why_idle
 from rtphys.physics.load import domain_for_task
-from rtphys.results.evaluation import EvaluationSpec, short_name
+from rtphys.results.evaluation import EvaluationSpec, PolicyOptions, short_name
 from rtphys.results.instances import FIRST_SEED
 from rtphys.senses import REDRAWN, SENSES, drawn
 from rtphys.spec.collection import CollectionSpec
@@ -264,6 +265,49 @@ class EvaluationRun:
     def folder(self, policy: str) -> Path:
         """Where the results lie."""
         return self.out or Path("eval") / short_name(policy)
+
+
+DEMONSTRATION = "replay"  # who acts in `sensitivity`, beside the policies of `evaluate`
+
+
+@checked_dataclass(frozen=True)
+class SearchSpec:
+    """What is asked about a task: of which attributes, who acts, and how closely to look."""
+
+    only: Annotated[
+        tuple[str, ...] | None,
+        one_of("attribute", attributes),
+        Option("These attributes alone (comma-separated); default: all that could act."),
+    ] = None
+    policy: Annotated[
+        str,
+        Option("replay: a clean demonstration's actions; expert; or any policy of `evaluate`."),
+    ] = DEMONSTRATION
+    seeds: Annotated[Positive, Option("Number of paired seeds: those that succeed nominally.")] = 10
+    steps: Annotated[int, at_least(0, most=10), Option("Number of bisections of the range.")] = 4
+    first_seed: FirstSeed = 0
+    options: PolicyOptions = field(default_factory=dict[str, str])
+
+
+@checked_dataclass(frozen=True)
+class SensitivityPlan:
+    """One run of `sensitivity`: the same search in several tasks."""
+
+    tasks: Tasks
+    search: SearchSpec = SearchSpec()
+    out: Annotated[Path, Option("Folder of the results, one file a task.")] = Path("sensitivity")
+    workers: Workers = None
+
+    def __post_init__(self) -> None:
+        for name in self.tasks:
+            load_task(name)
+        if self.search.policy != DEMONSTRATION or self.search.options:
+            from rtphys.policies import check_options
+
+            check_options(self.search.policy, self.search.options)
+        if self.search.policy.startswith(f"{DEMONSTRATION}:"):
+            problem = "replay alone: it makes its own demonstrations"
+            raise BadValue("policy", self.search.policy, problem)
 
 
 @checked_dataclass(frozen=True)
