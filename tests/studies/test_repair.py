@@ -18,7 +18,7 @@ from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.collect import collect
-from rtphys.studies.repair import OtherVersions, damage, repair
+from rtphys.studies.reproduce import OtherVersions, damage, repair
 from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
@@ -72,7 +72,7 @@ def test_what_is_damaged_comes_back_to_the_last_byte(honest: Path, copied: Path)
 def test_a_sound_dataset_needs_no_simulation(
     honest: Path, copied: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rtphys.studies.repair.run_here", None)
+    monkeypatch.setattr("rtphys.studies.reproduce.run_here", None)
     assert repair(copied, damage(copied)).files == []
     assert contents(copied) == contents(honest)
 

@@ -32,11 +32,11 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import stored
 from rtphys.studies.collect import collect
 from rtphys.studies.reproduce import (
-    ReproduceWorker,
     Reproduction,
     lost,
     recorded_attempts,
     reproduced,
+    reproducer,
 )
 from rtphys.studies.requests import Run
 from rtphys.task.spec import Task
@@ -88,7 +88,7 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 def reproduce_here(out: Path) -> Reproduction:
     """As `reproduced`, everything, without a process of its own."""
-    found, worker = Reproduction(), ReproduceWorker("slim")()
+    found, worker = Reproduction(), reproducer("slim")
     attempts = [*recorded_attempts(out, read_manifest(out), found)]
     found.judge(attempts, [worker(attempt) for attempt in attempts])
     return found

@@ -139,7 +139,7 @@ def _refuse_others(context: typer.Context, beside: Set[str], allowed: str) -> No
 
 
 def _repair(run: Run) -> None:
-    from rtphys.studies.repair import damage, repair
+    from rtphys.studies.reproduce import damage, repair
 
     with progress_bar("comparing") as bar:
         damaged = damage(run.out, bar)

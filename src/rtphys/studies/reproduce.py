@@ -1,4 +1,4 @@
-"""A sample of a dataset is simulated again and compared."""
+"""Attempts of a dataset are made again: a sample to be compared, or files that are damaged."""
 
 import os
 import tempfile
@@ -6,23 +6,39 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import islice
 from pathlib import Path
+from typing import NamedTuple
 
 from rtphys.campaign.local import run_here
 from rtphys.campaign.pool import LOSSES, WorkerFailure
 from rtphys.campaign.series import QUIET, Batch, Listener
-from rtphys.core.errors import BadFile, NoRenderer
+from rtphys.core.errors import BadFile, NoRenderer, RtphysError
 from rtphys.core.seeds import stream
-from rtphys.data.attempts import Accepted, Rejected, read_attempts
+from rtphys.data import files
+from rtphys.data.attempts import Accepted, Rejected, ledgers_below, read_attempts
 from rtphys.data.check_episode import Problem
 from rtphys.data.compare import Comparison
-from rtphys.data.layout import TaskDataset
+from rtphys.data.files import FileFacts
+from rtphys.data.layout import MANIFEST, TaskDataset
+from rtphys.data.lock import FolderLock, check_unlocked
 from rtphys.data.manifest import Manifest, read_manifest
-from rtphys.episode.reproduce import RecordedAttempt, reproduce
+from rtphys.data.verify import Progress, file_problem
+from rtphys.data.writer import DatasetWriter, write_side_files
+from rtphys.episode.reproduce import (
+    RecordedAttempt,
+    changed_since,
+    remade,
+    reproduce,
+    scene_of,
+)
 from rtphys.sim import renderer
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.sweep import paired
+from rtphys.studies.resources import check_drawable
+
+# ---- a sample is compared ------------------------------------------------------------------------
 
 
 @dataclass
@@ -71,12 +87,9 @@ def reproduced(
         picks = rng.choice(len(having), min(count, len(having)), replace=False)
         attempts += [having[index] for index in sorted(picks.tolist())]
     results = dict[int, Comparison]()
-    by_shader = defaultdict[str, dict[int, RecordedAttempt]](dict)
-    for number, attempt in enumerate(attempts):
-        by_shader[attempt.header.spec.recording.shader][number] = attempt
-    for shader, jobs in by_shader.items():  # a process draws with one
-        batch = Batch("reproduce", jobs, lost)
-        run_here([batch], ReproduceWorker(shader), workers, listener)
+    for shader, numbers in by_shader(attempts).items():
+        batch = Batch("reproduce", {number: attempts[number] for number in numbers}, lost)
+        run_here([batch], partial(reproducer, shader), workers, listener)
         results |= batch.results
     found.judge(attempts, [results[number] for number in range(len(attempts))])
     return found
@@ -104,6 +117,14 @@ def recorded_attempts(
             found.problems.append(Problem(error.path, text))
 
 
+def by_shader(attempts: Sequence[RecordedAttempt]) -> dict[str, list[int]]:
+    """Shader -> numbers of the attempts that it drew: a process draws with one."""
+    found = defaultdict[str, list[int]](list)
+    for number, attempt in enumerate(attempts):
+        found[attempt.header.spec.recording.shader].append(number)
+    return found
+
+
 def lost(attempt: RecordedAttempt, loss: WorkerFailure) -> Comparison:
     """What comes of an attempt that took its workers with it."""
     if isinstance(attempt.row, Rejected) and attempt.row.reason in LOSSES:  # as when collected
@@ -111,18 +132,157 @@ def lost(attempt: RecordedAttempt, loss: WorkerFailure) -> Comparison:
     return Comparison([(attempt.place.ledger, f"{attempt.name}: {loss}")], made=False)
 
 
-@dataclass(frozen=True)
-class ReproduceWorker:
-    """Makes attempts again; draws them where this machine can."""
+def reproducer(shader: str) -> Callable[[RecordedAttempt], Comparison]:
+    """A worker that makes attempts again, and draws them where this machine can."""
+    with suppress(NoRenderer):
+        renderer.ready(shader)
 
-    shader: str
-
-    def __call__(self) -> Callable[[RecordedAttempt], Comparison]:
-        with suppress(NoRenderer):
-            renderer.ready(self.shader)
-        return self.do
-
-    def do(self, job: RecordedAttempt) -> Comparison:
-        """One attempt, in a folder of its own."""
+    def compared(attempt: RecordedAttempt) -> Comparison:
         with tempfile.TemporaryDirectory(prefix="rtphys-reproduce-") as folder:
-            return reproduce(job, Path(folder) / "episode")
+            return reproduce(attempt, Path(folder) / "episode")
+
+    return compared
+
+
+# ---- damaged and missing files are written -------------------------------------------------------
+
+
+class OtherVersions(RtphysError):
+    """What would be made here is not what the dataset holds."""
+
+
+class Damage(NamedTuple):
+    """An attempt, and its files that are not what the ledger lists."""
+
+    recorded: RecordedAttempt
+    wanted: dict[Path, FileFacts]
+
+
+@dataclass
+class Repaired:
+    """What came of it."""
+
+    files: list[Path] = field(default_factory=list[Path])  # made again
+    problems: list[Problem] = field(default_factory=list[Problem])  # one each that was not
+
+
+def repair(
+    out: Path,
+    damaged: Sequence[Damage],
+    workers: int | None = None,
+    listener: Listener = QUIET,
+) -> Repaired:
+    """Simulates what `damage` found again, and writes those files.
+
+    Every file that is as its ledger lists it stays untouched. A new file is written only if it has
+    the listed SHA-256. A manifest that is missing, and side files, are derived from the ledgers.
+
+    Raises:
+        BadFile: a ledger is damaged.
+        OtherVersions: code, a package or the assets are others than in the collection.
+        NoRenderer: no pictures can be drawn here.
+        DatasetLocked: another run writes into the folder.
+    """
+    drawn_with = by_shader([one.recorded for one in damaged])
+    _check(damaged)
+    for shader in drawn_with:
+        check_drawable(shader=shader)
+    with FolderLock(out):
+        results = dict[int, list[Problem]]()
+        for shader, numbers in drawn_with.items():
+            jobs = {number: damaged[number] for number in numbers}
+            batch = Batch("repair", jobs, lambda job, loss: _unwritten(job, str(loss)))
+            run_here([batch], partial(repairer, shader), workers, listener)
+            results |= batch.results
+        for ledger, header in ledgers_below(out).items():
+            place = TaskDataset.of(out, header.spec)
+            rows = (row for row in read_attempts(ledger) if isinstance(row, Rejected))
+            write_side_files(place, any(row.kept for row in rows))
+    done = Repaired()
+    if not (out / MANIFEST).exists():
+        with DatasetWriter(out):  # derives it from the ledgers
+            done.files.append(out / MANIFEST)
+    for number, problems in sorted(results.items()):
+        refused = {problem.path for problem in problems}
+        done.files += [path for path in damaged[number].wanted if path not in refused]
+        done.problems += problems
+    return done
+
+
+def damage(out: Path, compared: Progress | None = None) -> list[Damage]:
+    """Attempts with a file that is not what its ledger lists.
+
+    `compared` is called with how many attempts' files were compared, and how many there are.
+
+    Raises `BadFile`: a ledger or the manifest is damaged, or there is no dataset; `DatasetLocked`:
+    another run writes there.
+    """
+    if not out.is_dir():
+        raise BadFile(out, "there is no such folder")
+    check_unlocked(out)
+    there = ledgers_below(out)
+    entries = read_manifest(out).task_datasets if (out / MANIFEST).exists() else {}
+    for ledger in (entry.below(out).ledger for entry in entries.values()):
+        if ledger not in there:
+            raise BadFile(ledger, "is missing: nothing can be made again without it")
+    if not there:
+        raise BadFile(out, "holds no dataset")
+    rows = [
+        (header, row, row.on_disk.files)
+        for ledger, header in there.items()
+        for row in read_attempts(ledger)
+        if row.on_disk is not None
+    ]
+    found = list[Damage]()
+    for done, (header, row, listed) in enumerate(rows, start=1):
+        recorded = RecordedAttempt(out, header, row)
+        facts = {recorded.place.folder / name: one for name, one in listed.items()}
+        wanted = {p: one for p, one in facts.items() if file_problem(out, p, one)}
+        if compared:
+            compared(done, len(rows))
+        if wanted:
+            found.append(Damage(recorded, wanted))
+    return found
+
+
+def _check(damaged: Sequence[Damage]) -> None:
+    """Refuses what cannot come out as it was, once for each task dataset, before any work."""
+    for recorded in {one.recorded.place.name: one.recorded for one in damaged}.values():
+        if (policy := recorded.header.spec.policy) is not None:
+            raise OtherVersions(
+                f"{recorded.place.name} is a recording of the policy {policy}, which only "
+                "`rtphys evaluate` makes again, with the option `record`"
+            )
+        if clauses := changed_since(scene_of(recorded, Path())):
+            raise OtherVersions(
+                f"{recorded.place.name} cannot be made again as it was: {'; '.join(clauses)}"
+            )
+
+
+def _unwritten(job: Damage, why: str) -> list[Problem]:
+    return [Problem(path, why) for path in job.wanted]
+
+
+def repairer(shader: str) -> Callable[[Damage], list[Problem]]:
+    """A worker that makes attempts again and writes those of their files that are wanted."""
+    renderer.ready(shader)
+    return _mend
+
+
+def _mend(job: Damage) -> list[Problem]:
+    """What could not be written, and why."""
+    with tempfile.TemporaryDirectory(prefix="rtphys-repair-") as folder:
+        try:
+            made = remade(job.recorded, Path(folder) / "episode")
+        except RtphysError as error:
+            return _unwritten(job, str(error))
+    found: list[Problem] = []
+    for path, listed in job.wanted.items():
+        if FileFacts.of(made[path]) == listed:
+            files.make_folder(path.parent)
+            files.replace_file(path, made[path])
+        else:
+            text = "made again it has other bytes than the ledger lists; pictures depend on "
+            text += "device and driver, all files on the versions of packages"
+            found.append(Problem(path, text))
+    return found
