@@ -1,8 +1,8 @@
 """Coulomb friction on the table, on objects, of the pads, and of a load in the hand.
 
-A plate stops after v² / 2 mu g and starts when pushed by more than mu m g, as does a block that
-stands across the edge of another; a block pulled through
-the fingers is slowed by 2 mu N, and a load slips out of the robot's hand at 2 mu N.
+A plate stops after v² / 2 mu g and starts when pushed by more than mu m g, as does one that stands
+across the edge of a block; a block pulled through the fingers is slowed by 2 mu N, and a load slips
+out of the robot's hand at 2 mu N.
 """
 
 from collections.abc import Callable

@@ -50,14 +50,12 @@ def rebounds(world: World, body: SimBody, speed: float, e: float) -> list[float]
         gap = speed * TIME_STEP * (1 + phase / PHASES)
         rigid.entity.set_pose(to_sapien(home.moved((0.0, 0.0, gap))))
         launch(body, (0, 0, -np.sqrt(max(0.0, speed**2 - 2 * GRAVITY * gap))))
-        z, v = list[float](), list[float]()
-        for _ in range(int((gap / speed + e * speed / GRAVITY) / TIME_STEP) + 5):
-            world.step()
-            z.append(float(pose_of(body).p[2] - home.p[2]))
-            v.append(float(rigid.linear_velocity[2]))
-        back = int(np.argmax(np.array(v) > 0)) if max(v) > 0 else len(v) - 1
-        height = max(0.0, *z[back:])
-        found += [max(0.0, *v[back:]) / speed, float(np.sqrt(2 * GRAVITY * height)) / speed]
+        steps = int((gap / speed + e * speed / GRAVITY) / TIME_STEP) + 5
+        _, path = record(world, steps, lambda: (pose_of(body).p[2], rigid.linear_velocity[2]))
+        z, v = path[:, 0] - home.p[2], path[:, 1]
+        back = int(np.argmax(v > 0)) if v.max() > 0 else len(v) - 1
+        height, fast = (max(0.0, float(x[back:].max())) for x in (z, v))
+        found += [fast / speed, float(np.sqrt(2 * GRAVITY * height)) / speed]
     return found
 
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from rtphys.core.poses import Pose
 from rtphys.laws.audit.specimen import Finding, Measurement, Specimen
-from rtphys.laws.lab import time_constants
+from rtphys.laws.lab import record, time_constants
 from rtphys.sim.engine import TIME_STEP
 from rtphys.spec.recording import HEAD
 from rtphys.task.props import TABLE_TOP
@@ -31,13 +31,11 @@ def drag(specimen: Specimen) -> list[Finding]:
         groups.append(("gripper_joint_damping", arm.finger_servos, arm.finger_index, fingers, tau))
     slowest = max(specimen.number(key) * tau for key, _, _, _, tau in groups)
     robot = specimen.world.robot.articulation
-    path = [np.array(robot.qpos, float)]
-    for _ in range(int(np.ceil(LONG * slowest / TIME_STEP))):
-        specimen.world.step()
-        path.append(np.array(robot.qpos, float))
+    start, steps = np.array(robot.qpos, float), int(np.ceil(LONG * slowest / TIME_STEP))
+    _, path = record(specimen.world, steps, lambda: robot.qpos)
     findings: list[Finding] = []
     for key, servos, index, target, tau in groups:
-        factors = time_constants(np.array(path)[:, index], target) / tau
+        factors = time_constants(np.vstack([start, path])[:, index], target) / tau
         for servo, factor in zip(servos, factors, strict=True):
             findings.append(Measurement(key, servo.name, specimen.number(key), float(factor)))
     return findings

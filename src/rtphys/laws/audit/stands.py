@@ -7,7 +7,7 @@ import numpy as np
 
 from rtphys.core.poses import Array, Pose
 from rtphys.laws.audit.specimen import REST, Finding, Measurement, Specimen, Unmeasured, hang, lift
-from rtphys.laws.lab import bears, hold
+from rtphys.laws.lab import bears, hold, wait
 from rtphys.laws.restitution import SPEEDS, rebounds
 from rtphys.physics.attribute import attribute
 from rtphys.physics.attributes.restitution import deviation_at
@@ -74,8 +74,7 @@ def push_stands(specimen: Specimen, ends: Mapping[str, Pose]) -> list[Finding]:
     starts = [(thing, thing.pose) for thing in things.values() if not thing.prop.fixed]
     for thing, _ in starts:
         _put(thing, ends[thing.name])
-    for _ in range(EASE):
-        world.step()
+    wait(world, EASE)
     ends = {thing.name: thing.pose for thing in things.values()}
     findings: list[Finding] = []
     for stand in _stands(world, things):
@@ -135,15 +134,14 @@ def _slips_at(
         return None
     for share in SHARES:
         _put(stand.top, ends[stand.top.name])
-        for _ in range(SETTLE):
-            world.step()
+        wait(world, SETTLE)
         start = stand.top.pose @ body.com
         # Its weight pulls it down a slope, too.
         downhill = body.mass * GRAVITY * normal[:2]
         force = (share * mu * body.mass * GRAVITY * (1 - lean**2) * along) - downhill
         for step in range(EASE + PUSH):
             push = min(1.0, step / EASE) * force
-            body.component.add_force_torque([*push.tolist(), 0.0], [0.0, 0.0, 0.0])
+            body.component.add_force_torque([*push.tolist(), 0.0], REST)
             world.step()
         way = float((stand.top.pose @ body.com - start)[:2] @ along)
         if way > SLID * LAW * mu * GRAVITY * (PUSH / RATE) ** 2:
