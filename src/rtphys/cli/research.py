@@ -87,8 +87,6 @@ def show(result: Result) -> None:
         table.add_section()
     for key in () if few else sorted({key for of in result.tasks.values() for key in of.scores}):
         scores = {t: f.scores[key] for t, f in result.tasks.items() if key in f.scores}
-        if not scores:
-            continue
         best = max(scores, key=lambda task: scores[task].r2)
         inferred = sum(score.r2 >= GOOD for score in scores.values())
         mean = sum(score.r2 for score in scores.values()) / len(scores)

@@ -33,40 +33,38 @@ SUFFIX = ".rrd"
 VIEWER = "rerun"  # the program that shows a recording
 
 
+Where = Annotated[Path, Option("A dataset folder, or any file of an episode.", positional=True)]
+
+
 @dataclass(frozen=True)
 class Shown:
-    """Where an episode is looked for."""
+    """Where an episode is looked for, and where its pictures go."""
 
-    path: Annotated[Path, Option("A dataset folder, or any file of an episode.", positional=True)]
-
-
-@dataclass(frozen=True)
-class ShownHere(Shown):
-    """And where its pictures go."""
-
+    path: Where
     out: Annotated[
         Path | None, Option("Also write a contact sheet and a joint plot into this folder.")
     ] = None
 
 
 @dataclass(frozen=True)
-class ShownInRerun(Shown):
-    """And where its recording goes."""
+class ShownInRerun:
+    """Where an episode is looked for, and where its recording goes."""
 
+    path: Where
     out: Annotated[Path | None, Option("Write an .rrd file instead of opening the viewer.")] = None
 
 
-def chosen(shown: Shown, which: One) -> Episode:
+def chosen(path: Path, which: One) -> Episode:
     """The first episode that fits; says how many others do, if it was not any that was meant."""
-    first, *others = which.of_path(shown.path)
+    first, *others = which.of_path(path)
     if others and which != One():
         text = f"the first of {len(others) + 1} that fit: {first.name}"
         say(f"{text}; --task, --config or --seed chooses", err=True)
     return first
 
 
-@takes(ShownHere, One, AsJson)
-def show(shown: ShownHere, which: One, output: AsJson) -> None:
+@takes(Shown, One, AsJson)
+def show(shown: Shown, which: One, output: AsJson) -> None:
     """Show one episode in the terminal or as a picture.
 
     What an episode holds: task, physics, stages, contacts.
@@ -79,7 +77,7 @@ def show(shown: ShownHere, which: One, output: AsJson) -> None:
         rtphys show data --failure 0
         rtphys show data --task click_bell --config clean --seed 17
     """
-    episode = chosen(shown, which)
+    episode = chosen(shown.path, which)
     frames, verdict, failure = episode.frames, episode.meta.verdict, episode.failure
     moved = {
         name: float(np.ptp(pose[:, :3], axis=0).max()) for name, pose in frames.object_poses.items()
@@ -206,7 +204,7 @@ def view(shown: ShownInRerun, which: One) -> None:
     out = shown.out
     if out is not None and out.suffix != SUFFIX:
         raise BadValue("out", str(out), f"its name ends in {SUFFIX}")
-    episode = chosen(shown, which)
+    episode = chosen(shown.path, which)
     from rtphys.episode.solids import solids
     from rtphys.view import VERSION, record
 
