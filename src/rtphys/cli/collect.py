@@ -18,14 +18,7 @@ from rtphys.cli.screen import (
     progress_bar,
     summary_table,
 )
-from rtphys.cli.terminal import (
-    Incomplete,
-    command_line,
-    printable,
-    resumable,
-    say,
-    say_json,
-)
+from rtphys.cli.terminal import Incomplete, command_line, printable, resumable, say, say_json
 from rtphys.core.errors import BadValue, RtphysError, counted
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.layout import TaskDataset

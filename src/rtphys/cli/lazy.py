@@ -63,10 +63,7 @@ GROUPS = {
             "Run a policy on certified instances and say how often it succeeds.",
         ),
         "compare": ("evaluate", "Compare evaluations with each other, and with the paper's."),
-        "robotwin-root": (
-            "evaluate",
-            "Write a folder in which RoboTwin's launch scripts run.",
-        ),
+        "robotwin-root": ("evaluate", "Write a folder in which RoboTwin's launch scripts run."),
     },
     "Studies": {
         "sensitivity": (

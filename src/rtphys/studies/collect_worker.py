@@ -21,12 +21,7 @@ from rtphys.data.writer import Rejection
 from rtphys.episode.assemble import assemble, kept, rejection, unpaired, with_pictures
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
-from rtphys.episode.render import (
-    RenderedFrames,
-    StateTrajectory,
-    draw_together,
-    render_frames,
-)
+from rtphys.episode.render import RenderedFrames, StateTrajectory, draw_together, render_frames
 from rtphys.sim import renderer
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import Recipe

@@ -33,13 +33,7 @@ from rtphys.episode.generate import Attempt
 from rtphys.episode.render import write_video
 from rtphys.physics import attributes, could_act
 from rtphys.plan.kinematics import check_robot
-from rtphys.policies import (
-    PolicyBroken,
-    PolicyGone,
-    PolicySession,
-    PolicySetup,
-    files_digest,
-)
+from rtphys.policies import PolicyBroken, PolicyGone, PolicySession, PolicySetup, files_digest
 from rtphys.policies.options import unread_options
 from rtphys.policies.registry import edited
 from rtphys.report.figures import draw_breaks
@@ -102,10 +96,7 @@ def evaluate(
     if run.record is not None and run.record.resolve() == out.resolve():
         raise BadValue("record", str(run.record), "another folder than that of the results")
     files.make_folder(out)
-    with (
-        FolderLock(out),
-        DatasetWriter(run.record) if run.record else nullcontext() as dataset,
-    ):
+    with FolderLock(out), DatasetWriter(run.record) if run.record else nullcontext() as dataset:
         _check_others(out, cells[0])
         studies = list[EvaluationSeries]()
         for cell, one in zip(cells, lists, strict=True):

@@ -26,13 +26,7 @@ from rtphys.data.lock import FolderLock, check_unlocked
 from rtphys.data.manifest import Manifest, read_manifest
 from rtphys.data.verify import Progress, file_problem
 from rtphys.data.writer import DatasetWriter, write_side_files
-from rtphys.episode.reproduce import (
-    RecordedAttempt,
-    changed_since,
-    remade,
-    reproduce,
-    scene_of,
-)
+from rtphys.episode.reproduce import RecordedAttempt, changed_since, remade, reproduce, scene_of
 from rtphys.sim import renderer
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.sweep import paired
@@ -167,10 +161,7 @@ class Repaired:
 
 
 def repair(
-    out: Path,
-    damaged: Sequence[Damage],
-    workers: int | None = None,
-    listener: Listener = QUIET,
+    out: Path, damaged: Sequence[Damage], workers: int | None = None, listener: Listener = QUIET
 ) -> Repaired:
     """Simulates what `damage` found again, and writes those files.
 
