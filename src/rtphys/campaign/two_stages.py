@@ -77,9 +77,7 @@ class TwoStagePool(WorkerPool[J, R], Generic[J, M, R]):
             pool.submit(name, contents, partial(self._end, group))
 
     def _end(
-        self,
-        group: Sequence[_Made[J, M, R]],
-        outcome: Sequence[R] | WorkerFailure | WorkerError,
+        self, group: Sequence[_Made[J, M, R]], outcome: Sequence[R] | WorkerFailure | WorkerError
     ) -> None:
         if not isinstance(outcome, WorkerFailure | WorkerError):
             for one, result in zip(group, outcome, strict=True):

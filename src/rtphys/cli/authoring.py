@@ -299,8 +299,7 @@ class Output(AsJson):
     """Where the results go beside the screen."""
 
     sheet: Annotated[
-        Path | None,
-        Option("Write a contact sheet here: a .png for one task, else a folder."),
+        Path | None, Option("Write a contact sheet here: a .png for one task, else a folder.")
     ] = None
 
 

@@ -119,7 +119,10 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
     say(f"{made} in {minutes:.1f} min, in {run.out}", err=request.as_json)
     say_digest(run.out, err=request.as_json)
     if given_up := [f"{one.name}: {one.stopped}" for one in done if one.stopped]:
-        raise Incomplete("; ".join(given_up) + _why_they_fail(specs, run))
+        why = "`--keep-failures 5` keeps some, which `rtphys report` shows"
+        if any(spec.keep_failures for spec in specs):
+            why = f"`{command_line('report', run.out)}` shows failures that were kept"
+        raise Incomplete("; ".join([*given_up, why]))
     say("to check every file: " + command_line("verify", run.out), err=request.as_json)
 
 
@@ -202,13 +205,6 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
         f"; {takes}; nothing was collected",
         err=as_json,
     )
-
-
-def _why_they_fail(specs: Sequence[CollectionSpec], run: Run) -> str:
-    """What to do to see why attempts fail."""
-    if any(spec.keep_failures for spec in specs):
-        return f"; `{command_line('report', run.out)}` shows failures that were kept"
-    return "; `--keep-failures 5` keeps some, which `rtphys report` shows"
 
 
 def _seconds(number: float) -> str:

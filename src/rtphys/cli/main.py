@@ -65,8 +65,7 @@ def main(
         typer.Option(metavar="DIR", help="An asset pack to use instead of the builtin one."),
     ] = None,
     fallback: Annotated[
-        str,
-        typer.Option(metavar="TEXT", help="`builtin`: take what --assets lacks from there."),
+        str, typer.Option(metavar="TEXT", help="`builtin`: take what --assets lacks from there.")
     ] = "",
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
     say_version: Annotated[

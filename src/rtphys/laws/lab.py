@@ -107,10 +107,7 @@ def floating(world: World, name: str) -> SimBody:
 
 
 def record(
-    world: World,
-    steps: int,
-    read: Callable[[], object],
-    push: Callable[[], object] | None = None,
+    world: World, steps: int, read: Callable[[], object], push: Callable[[], object] | None = None
 ) -> tuple[Array, Array]:
     """Times (n,) [s] and readings (n, ...) after each of `steps` steps; `push` runs before each."""
     readings = []

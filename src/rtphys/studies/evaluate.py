@@ -412,7 +412,7 @@ class NotCertified(RtphysError):
         robot: str = DEFAULT,
         more: Sequence[tuple[str, str]] = (),
     ) -> None:
-        self.cell, self._but_others = cell, (where, problem, cell, wanted, robot)
+        self.cell, self.but_others = cell, (where, problem, cell, wanted, robot)
         tasks, protocols = (
             ",".join(dict.fromkeys(names)) for names in zip(cell, *more, strict=True)
         )
@@ -421,10 +421,6 @@ class NotCertified(RtphysError):
         super().__init__(
             f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
         )
-
-    def with_others(self, others: "Sequence[NotCertified]") -> "NotCertified":
-        """The same, whose command also certifies what others lack."""
-        return NotCertified(*self._but_others, [one.cell for one in others])
 
 
 def _every_list(run: EvaluationRun, cells: Sequence[EvaluationHeader]) -> list[InstanceList]:
@@ -436,7 +432,7 @@ def _every_list(run: EvaluationRun, cells: Sequence[EvaluationHeader]) -> list[I
         except NotCertified as error:
             missing.append(error)
     if missing:
-        raise missing[0].with_others(missing[1:])
+        raise NotCertified(*missing[0].but_others, [one.cell for one in missing[1:]])
     return found
 
 

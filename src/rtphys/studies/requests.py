@@ -280,8 +280,7 @@ class SearchSpec:
         Option("These attributes alone (comma-separated); default: all that could act."),
     ] = None
     policy: Annotated[
-        str,
-        Option("replay: a clean demonstration's actions; expert; or any policy of `evaluate`."),
+        str, Option("replay: a clean demonstration's actions; expert; or any policy of `evaluate`.")
     ] = DEMONSTRATION
     seeds: Annotated[Positive, Option("Number of paired seeds: those that succeed nominally.")] = 10
     steps: Annotated[int, at_least(0, most=10), Option("Number of bisections of the range.")] = 4
