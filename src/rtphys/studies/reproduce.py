@@ -61,7 +61,7 @@ class Reproduction:
                     same = f"{text}; other {kind} here are equal to the last bit"
                     self.problems.append(Problem(path, same))
                 else:
-                    other = "another program drew or encoded it, or it was changed a little"
+                    other = "another program drew or encoded it, `convert` did, or it was changed a little"
                     self.notes.append(f"{path}: {text}: {other}")
 
 
