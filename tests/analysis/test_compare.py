@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from rtphys.analysis.compare import (
     Column,
     columns_of,
+    compare,
     paired_comparisons,
     paper_columns,
     paper_means,
@@ -74,7 +75,7 @@ def test_columns(two: list[Path]) -> None:
     assert (first.mean(tasks), second.mean(tasks), third.mean(tasks)) == (1.0, 0.5, 0.0)
     assert first.total(tasks).trials == 14
     with pytest.raises(UnknownName, match="phys_random"):
-        columns_of([read_results(two[0])], "phys_randm")
+        compare([read_results(two[0])], "phys_randm", paper=False)
 
 
 def test_a_paired_comparison_is_of_common_seeds(two: list[Path]) -> None:
@@ -220,6 +221,12 @@ def test_ranks_need_tasks_that_differ_under_one_protocol() -> None:
     assert rank_agreements([some, column("b", {"t1": 1, "t2": 5, "t3": 9}, "phys_random")]) == []
     (constant,) = rank_agreements([some, column("b", {"t1": 4, "t2": 4, "t3": 4})])
     assert constant.rho is None and constant.p is None
+
+
+def test_a_protocol_of_which_nothing_can_be_shown_is_refused(two: list[Path]) -> None:
+    for words in (["--paper", "--protocol", "clean"], [*map(str, two), "--protocol", "cleen"]):
+        done = CliRunner().invoke(app, ["compare", *words])
+        assert done.exit_code == 2 and "unknown protocol" in done.stderr
 
 
 def test_the_papers_methods_rank_tasks_alike() -> None:

@@ -3,6 +3,7 @@
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from quick_pool import J, QuickPool, R
@@ -20,7 +21,7 @@ from rtphys.analysis.identify import (
     read_samples,
     write_result,
 )
-from rtphys.analysis.scoring import STATISTICS, Beyond, Sample, Score
+from rtphys.analysis.scoring import STATISTICS, Beyond, Sample, Score, Table, score
 from rtphys.assets.pack import default_pack
 from rtphys.campaign import local
 from rtphys.campaign.pool import WorkerFailure
@@ -170,6 +171,42 @@ def test_a_worker_that_dies_is_named_and_the_rest_goes_on(
     assert "object_mass" in result.tasks[TASKS[0]].scores
 
 
+def test_scores_are_of_the_features_that_are_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Features that were made anew may be of the same seeds, after an edit of a task."""
+    wanted = plan(tmp_path / "out")
+    assert made(wanted).tasks[TASKS[0]].scores["friction"].r2 > 0.99
+
+    def numb(recipe: Recipe) -> Sample:
+        sample = sensed(recipe)
+        return replace(sample, features={k: 0.0 for k in sample.features if "/" not in k[5:]})
+
+    monkeypatch.setattr(features, "SenseWorker", lambda pack: lambda: numb)
+    for task in TASKS:
+        wanted.features_file(task).unlink()
+    assert made(wanted).tasks[TASKS[0]].scores["friction"].r2 < 0.1
+
+
+def test_what_failed_is_tried_again_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a longer `--timeout`, or once a package that it imports is there."""
+    with monkeypatch.context() as scoped:
+        scoped.setattr(local, "LocalPool", DyingPool)
+        assert "object_mass" in made(plan(tmp_path / "out")).tasks[TASKS[1]].failed
+    tried = list[str]()
+
+    def noted(table: Table, key: str, *more: Any) -> Score:
+        tried.append(key)
+        return score(table, key, *more)
+
+    monkeypatch.setattr("rtphys.analysis.identify.score", noted)
+    result = made(plan(tmp_path / "out")).tasks[TASKS[1]]
+    assert tried == ["object_mass"] and result.failed == {}
+    assert [*result.scores] == [*made(plan(tmp_path / "new")).tasks[TASKS[1]].scores]
+
+
 def test_ranges_are_those_of_the_domain(tmp_path: Path) -> None:
     domain = plan(tmp_path / "out").specs()[0].domain
     assert range_of(domain, "object_mass") == (0.125, 4)
@@ -214,7 +251,7 @@ def test_more_episodes_continue_and_fewer_are_a_part(tmp_path: Path) -> None:
     assert not opened(tmp_path / "a").wants(1)
     work(opened(tmp_path / "a", episodes=24))
     assert made.path.read_bytes().startswith(before)
-    rows = read_samples(made.path, 20)
+    rows, _ = read_samples(made.path, 20)
     assert [row.seed for row in rows] == [*range(23)]
     assert [row.seed for row in rows if row.reason] == [3, 10, 17]
     assert rows[0].labels.keys() == {"object_mass", "friction", "table_height"}
@@ -227,7 +264,7 @@ def test_a_seed_whose_worker_dies_is_no_episode_and_the_rest_goes_on(tmp_path: P
     made.take(seed, WorkerFailure("worker_crash", "was killed"))
     work(made)
     assert made.progress.rejections["worker_crash"] == 1
-    assert [r.reason for r in read_samples(made.path, 20) if r.seed == seed] == ["worker_crash"]
+    assert [r.reason for r in read_samples(made.path, 20)[0] if r.seed == seed] == ["worker_crash"]
 
 
 def test_features_made_otherwise_are_refused(tmp_path: Path) -> None:

@@ -27,6 +27,8 @@ from rtphys.analysis.sensitivity import (
     sensitivity,
 )
 from rtphys.assets.pack import default_pack
+from rtphys.campaign.local import limits_for_user_code
+from rtphys.campaign.pool import Limits
 from rtphys.campaign.series import Listener
 from rtphys.cli.main import app
 from rtphys.core import library
@@ -172,6 +174,23 @@ class Policy:
 
 
 @pytest.mark.sim
+def test_a_policy_has_the_time_and_memory_that_it_has_in_evaluate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A large one was killed at 6 GB or 600 CPU-s, and that counted as its failure."""
+
+    class Seen(Exception):
+        pass
+
+    def pool(setup: object, size: int, limits: Limits) -> None:
+        assert limits == limits_for_user_code(2, 77.0)
+        raise Seen
+
+    monkeypatch.setattr(module, "LocalPool", pool)
+    with pytest.raises(Seen):
+        sensitivity(SensitivityPlan(("click_bell",), out=tmp_path, timeout=77, workers=2), PACK)
+
+
 def test_what_an_edited_policy_did_is_not_continued(tmp_path: Path) -> None:
     (file := tmp_path / "mine.py").write_text(GIVES_UP)
     options = {"late": "1", "height": "0.03"}

@@ -1,5 +1,6 @@
 """What `rtphys identify` and `rtphys compare` print of results, few tasks or many."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,6 +58,15 @@ def test_results_of_common_tasks_are_compared(tmp_path: Path) -> None:
     for number in ("0.91", "0.95", "0.50"):
         assert number in row
     assert "trees failed on 1 attribute of these tasks" in said
+    shown = json.loads(CliRunner().invoke(app, ["compare", *files, "--json"]).output)
+    assert shown["tasks"] == ["task_0"]
+    first, second = shown["columns"]
+    assert (first["r2"], second["r2"]) == ({"friction": 0.91}, {"friction": 0.95})
+    assert (first["beyond"], second["beyond"]) == ({"friction": None}, {"friction": 0.5})
+    assert "object_mass" in first["failed"]["task_0"] and second["failed"] == {"task_0": {}}
+    for words in (["--paper"], ["--protocol", "phys_random"], ["--figure", "a.png"]):
+        done = CliRunner().invoke(app, ["compare", *files, *words])
+        assert done.exit_code == 2 and f"{words[0]} = " in done.stderr
     write_result(tmp_path / "b.json", replace(other, protocol="clean"))
     said = CliRunner().invoke(app, ["compare", *files]).output
     assert "phys_random" in said and "clean" in said, "two protocols are no two estimators"

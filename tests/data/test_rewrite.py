@@ -7,14 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic
-from collected import FOLDER, collect, content, content_but_pictures
+from collected import FOLDER, collect, content, content_but_pictures, outcome
+from typer.testing import CliRunner
 
 from pages import ROOT, blocks
+from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch, PartsMismatch
 from rtphys.data.rewrite import convert, merge, subset
 from rtphys.data.verify import verify
+from rtphys.data.writer import DatasetWriter
 
 
 def test_there_and_back(three: Path, tmp_path: Path) -> None:
@@ -101,6 +104,36 @@ def test_a_part_of_other_seeds_is_not_continued(
         with pytest.raises(DatasetMismatch, match="its seeds are not those"):
             take(seeds)
         assert content(tmp_path / "part") == before
+
+
+def test_a_part_has_the_failures_of_its_seeds(tmp_path: Path) -> None:
+    """Kept or not: without them its acceptance would be 100 %."""
+    collect(tmp_path / "data", 9, synthetic.header(keep_failures="1"), attempts=9)
+    run = CliRunner().invoke
+    words = ["subset", str(tmp_path / "data"), "--out"]
+    assert run(app, [*words, str(tmp_path / "part"), "--drop-seed", "0"]).exit_code == 0
+    part = Dataset(tmp_path / "part")
+    assert [one.seed for one in part] == [1, 3, 4, 6, 7]
+    assert [one.seed for one in part.failures()] == [2], "one of three was kept"
+    (entry,) = part.task_datasets
+    assert (entry.attempts, dict(entry.rejections)) == (8, {"slipped": 3})
+    assert verify(tmp_path / "part").problems == []
+    for none in ("900:910", "5:3", "5"):
+        done = run(app, [*words, str(tmp_path / "none"), "--seed", none])
+        assert done.exit_code == 2 and "the dataset holds no such episode" in done.stderr, none
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_part_may_be_of_one_robot(tmp_path: Path) -> None:
+    collect(tmp_path / "data", 1)
+    with DatasetWriter(tmp_path / "data") as writer:
+        task = writer.task(synthetic.header(embodiment="franka-panda"))
+        task.record(outcome(task, 0))
+    words = ["subset", str(tmp_path / "data"), "--out", str(tmp_path / "part"), "--embodiment"]
+    assert CliRunner().invoke(app, [*words, "franka-panda"]).exit_code == 0
+    assert Dataset(tmp_path / "part").embodiments == ("franka-panda",)
+    done = CliRunner().invoke(app, [*words, "franka-pnda"])
+    assert done.exit_code == 2 and "did you mean 'franka_panda'" in done.stderr
 
 
 def test_refusals(three: Path, tmp_path: Path) -> None:

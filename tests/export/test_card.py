@@ -7,6 +7,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import synthetic
+from collected import collect
 
 from rtphys.data.dataset import Dataset
 from rtphys.data.state_digests import state_digest
@@ -35,6 +37,12 @@ def test_card_counts(dataset: Dataset) -> None:
     assert "3 bimanual demonstrations (12 frames at 16.67 Hz)" in text
     frictions = [float(e.physics.scalar("friction")) for e in dataset]
     assert f"| `friction` | 1 | 3 | {min(frictions):.4g} | {max(frictions):.4g} |" in text
+
+
+def test_a_card_names_who_acted(dataset: Dataset, tmp_path: Path) -> None:
+    assert "Made by a scripted expert in simulation" in card(dataset, CardText())
+    collect(tmp_path / "data", 1, synthetic.header(policy="lerobot:act"))
+    assert "Made by lerobot:act in simulation" in card(Dataset(tmp_path / "data"), CardText())
 
 
 def test_nobody_is_given_a_licence(dataset: Dataset) -> None:

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rtphys.cli.physics import physics as command
+from rtphys.core.errors import BadValue
 from rtphys.data.dataset import Dataset
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter, Rejection
@@ -103,6 +104,8 @@ def test_the_command_prints_and_draws_it(slippery_rejected, tmp_path):
     assert "low values were cut" in line
     (figure,) = tmp_path.glob("*.png")
     assert figure.stat().st_size > 20_000
+    result = CliRunner().invoke(command, [*arguments, "--repeat", "1"])
+    assert isinstance(result.exception, BadValue), "it would be ignored"
 
 
 @pytest.mark.sim

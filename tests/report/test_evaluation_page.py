@@ -36,6 +36,20 @@ def test_a_page_has_every_failure_and_its_video(tmp_path: Path) -> None:
     assert "0.05" in first and "table_tilt" not in first, "what could not act is left out"
 
 
+def test_an_unfinished_evaluation_is_called_so_and_nothing_is_ignored(tmp_path: Path) -> None:
+    listed = instances("click_bell", "clean", 1, 2, 3)
+    write_results(tmp_path, EvaluationSpec("idle"), listed, [record(1), record(2)])
+    run, page = CliRunner().invoke, tmp_path / "report.html"
+    assert run(app, ["report", str(tmp_path)]).exit_code == 0
+    assert "<p>unfinished: 2 of 3 episodes of click_bell, clean</p>" in page.read_text()
+    write_results(tmp_path, EvaluationSpec("idle"), listed, [record(n) for n in (1, 2, 3)])
+    assert run(app, ["report", str(tmp_path)]).exit_code == 0
+    assert "unfinished" not in page.read_text()
+    for words in (["--out", "page.html"], ["--task", "click_bell"]):
+        done = run(app, ["report", str(tmp_path), *words])
+        assert done.exit_code == 2 and f"{words[0]} = " in done.stderr
+
+
 def test_attributes_stand_in_one_order_which_is_that_of_the_table(tmp_path: Path) -> None:
     """friction decides here; without an effect `arm_joint_damping` would be the first by name."""
     records = [

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from evaluations import instances
+from evaluations import FINGERPRINT, instances
 
 import rtphys
 from rtphys.assets.pack import default_pack
@@ -270,6 +270,7 @@ def test_as_many_episodes_are_played_as_a_launcher_counts_on(
 ) -> None:
     """It multiplies the rate by that number; behind the list the expert searches on."""
     monkeypatch.setattr(drive, "read_list", lambda *_: instances("click_bell", "clean", *LISTED))
+    monkeypatch.setattr(drive, "fingerprint_of", lambda *_: FINGERPRINT)
     env, solves = click_bell(), [True]
     for name in ("setup_demo", "play_once"):
         monkeypatch.setattr(env, name, lambda *_, **__: None)
@@ -282,6 +283,22 @@ def test_as_many_episodes_are_played_as_a_launcher_counts_on(
     solves[0] = False
     with pytest.raises(RtphysError, match="solves none of the 200 seeds up to 100203"):
         next(seeds)
+
+
+def test_a_list_of_another_robot_or_pack_is_not_run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The expert has not solved these seeds: it searches, as for any other protocol."""
+    env, plugin, demonstrated = click_bell(), None, list[bool]()
+    monkeypatch.setattr(env, "setup_demo", lambda *_, **__: None)
+    monkeypatch.setattr(env, "play_once", lambda: demonstrated.append(True))
+    monkeypatch.setattr(env, "check_success", lambda: True)
+    args: dict[str, Any] = {"task_config": "clean", "embodiment": ["franka-panda"]}
+    run = Run({"seed": 0}, args, env, plugin, None)  # type: ignore[arg-type]
+    seeds = run.seeds()
+    assert [next(seeds) for _ in range(3)] == [100_000, 100_001, 100_002]
+    assert len(demonstrated) == run.tried == 3
+    assert "embodiment was 'aloha-agilex', now 'franka-panda'" in capsys.readouterr().out
 
 
 def launched(root: Path, actions: np.ndarray, more: str = "") -> subprocess.CompletedProcess[str]:

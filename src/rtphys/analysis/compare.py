@@ -109,27 +109,28 @@ class Comparison:
 def compare(evaluations: Sequence[Results], protocol: str | None, paper: bool) -> Comparison:
     """Compare evaluations under one protocol, or under each that one of them has.
 
-    Raises `UnknownName`: nothing was evaluated under `protocol`.
+    Raises `UnknownName`: nothing was evaluated under `protocol`. Without evaluations the paper's
+    methods must have been, task by task.
     """
-    columns = columns_of(evaluations, protocol) if evaluations else []
+    columns, of_paper = columns_of(evaluations), paper_columns() if paper else []
+    known = dict.fromkeys(column.protocol for column in columns or of_paper)
+    if protocol is not None and protocol not in known:
+        raise UnknownName("protocol", protocol, known)
+    columns, of_paper = (
+        [column for column in some if protocol in (None, column.protocol)]
+        for some in (columns, of_paper)
+    )
     tasks = list(dict.fromkeys(task for column in columns for task in column.rates))
-    if paper and protocol in (None, PAPER_PROTOCOLS["physical_random"]):
-        columns += paper_columns()
-        tasks = tasks or sorted(columns[-1].rates)
+    tasks = tasks or sorted(task for column in of_paper[:1] for task in column.rates)
+    columns += of_paper
     pairs = [p for p in paired_comparisons(evaluations) if protocol in (None, p.protocol)]
     return Comparison(columns, tasks, pairs, rank_agreements(columns))
 
 
-def columns_of(evaluations: Sequence[Results], protocol: str | None = None) -> list[Column]:
-    """A column per evaluation and protocol, ordered by protocol.
-
-    Raises `UnknownName`: nothing was evaluated under `protocol`.
-    """
-    protocols = list(dict.fromkeys(name for results in evaluations for name, _ in results.records))
-    if protocol is not None and protocol not in protocols:
-        raise UnknownName("protocol", protocol, protocols)
+def columns_of(evaluations: Sequence[Results]) -> list[Column]:
+    """A column per evaluation and protocol, ordered by protocol."""
     columns = []
-    for chosen in [protocol] if protocol else protocols:
+    for chosen in dict.fromkeys(name for results in evaluations for name, _ in results.records):
         for label, results in zip(_labels(evaluations), evaluations, strict=True):
             rates, unfinished = dict[str, Rate](), dict[str, tuple[int, int]]()
             for (name, task), rows in results.records.items():

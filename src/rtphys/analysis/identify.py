@@ -21,7 +21,7 @@ from rtphys.core.untrusted import parse_mapping
 from rtphys.data import files
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import plain, pretty
-from rtphys.data.ledger import Ledger, read_rows
+from rtphys.data.ledger import Ledger, parse_row, read_lines
 from rtphys.data.lock import FolderLock
 from rtphys.physics import Domain, attributes
 from rtphys.physics.distribution import SameAs, extremes
@@ -85,18 +85,22 @@ class IdentifyPlan:
         return self.out / f"{short_name(self.estimator)}.json"
 
 
-def read_samples(path: Path, count: int) -> list[Sample]:
+def read_samples(path: Path, count: int) -> tuple[list[Sample], str]:
     """The rows of a ledger up to its `count`-th episode, rejected ones included; none without it.
 
-    Raises `BadFile`: it is damaged.
+    With them the check of the last of these lines, which no other features have. Raises `BadFile`:
+    it is damaged.
     """
-    rows: list[Sample] = []
-    for row in read_rows(Sample, path) if path.exists() else ():
-        rows.append(row)
+    rows, check = list[Sample](), ""
+    for line in read_lines(path) if path.exists() else ():
+        check = line.check
+        if line.number == 1:  # the header
+            continue
+        rows.append(row := parse_row(Sample, line, path))
         count -= not row.reason
         if not count:
             break
-    return rows
+    return rows, check
 
 
 @dataclass(frozen=True)
@@ -180,7 +184,7 @@ class ScoreWorker:
             source = job.features, job.episodes
             if source not in tables:
                 tables.clear()
-                tables[source] = table_of(read_samples(*source))
+                tables[source] = table_of(read_samples(*source)[0])
             try:
                 return AttributeScore(score(tables[source], job.key, job.bounds, make))
             except Exception as error:  # an estimator's crash is its failure, not ours
@@ -197,20 +201,28 @@ class ScoresSpec:
     file: str  # digest of the file that it is in
     code: str  # digest of the code that scores
     library: str  # version of scikit-learn, where it is that
-    seeds: tuple[int, ...]  # of the episodes
-    keys: tuple[str, ...]  # of the attributes, in the order of the rows
+    features: str  # check of their last line
+
+
+@dataclass(frozen=True)
+class ScoreRow:
+    """The score of one attribute: a row of a ledger."""
+
+    key: str
+    score: Score
 
 
 class TaskScores(Series[ScoringTask, AttributeScore]):
-    """The attributes of one task, by their place in `keys`; a ledger keeps those that are done.
+    """The attributes of one task, by their place in `keys`; a ledger keeps the scores.
 
-    What was scored on other episodes, or by another estimator of the name, is scored again.
+    What was scored on other features, or by another estimator of the name, is scored again. So is
+    what failed: it may have lacked time, memory or a package.
     """
 
     def __init__(self, plan: IdentifyPlan, spec: EpisodeSpec) -> None:
         self._plan, self._domain = plan, spec.domain
         self._features = plan.features_file(spec.task)
-        rows = read_samples(self._features, plan.episodes)
+        rows, check = read_samples(self._features, plan.episodes)
         samples = [row for row in rows if not row.reason]
         self._episodes, self._attempts = len(samples), len(rows)
         self.left_out = left_out(samples, spec.domain)
@@ -221,26 +233,34 @@ class TaskScores(Series[ScoringTask, AttributeScore]):
             file=files.facts_of(Path(file)).sha256 if file else "",
             code=code_digest(Path(str(part.__file__)) for part in (estimators, scoring)),
             library=metadata.version("scikit-learn") if plan.estimator == BASELINE else "",
-            seeds=tuple(sample.seed for sample in samples),
-            keys=tuple(self.keys),
+            features=check,
         )
         path = plan.out / short_name(plan.estimator) / f"{spec.task}.jsonl"
-        self._scores: list[AttributeScore] = []
+        self._scores, self._failed = dict[str, Score](), dict[str, str]()
         try:
-            self._ledger = Ledger(path, header, AttributeScore, self._scores.append)
-        except DatasetMismatch:
+            self._ledger = Ledger(path, header, ScoreRow, self._restore)
+        except (DatasetMismatch, BadFile):
             path.unlink()
-            self._ledger = Ledger(path, header, AttributeScore)
-        done, count = len(self._scores), len(self.keys)
-        super().__init__(Progress(spec.task, count, done, done), range(done, count))
+            self._scores.clear()
+            self._ledger = Ledger(path, header, ScoreRow)
+        left = [number for number, key in enumerate(self.keys) if key not in self._scores]
+        done = len(self.keys) - len(left)
+        super().__init__(Progress(spec.task, len(self.keys), done, done), left)
+
+    def _restore(self, row: ScoreRow) -> None:
+        self._scores[row.key] = row.score
 
     def job(self, seed: int) -> ScoringTask:
         key = self.keys[seed]
         return ScoringTask(self._features, self._plan.episodes, key, range_of(self._domain, key))
 
     def commit(self, seed: int, result: AttributeScore) -> str:
-        self._ledger.append(result)
-        self._scores.append(result)
+        key = self.keys[seed]
+        if result.score is None:
+            self._failed[key] = result.failed
+        else:
+            self._ledger.append(row := ScoreRow(key, result.score))
+            self._restore(row)
         return ""
 
     def lost(self, seed: int, loss: WorkerFailure) -> AttributeScore:
@@ -249,10 +269,8 @@ class TaskScores(Series[ScoringTask, AttributeScore]):
     @property
     def result(self) -> TaskResult:
         """What is known so far."""
-        rows = list(zip(self.keys, self._scores, strict=False))
-        scores = {key: row.score for key, row in rows if row.score}
-        failed = {key: row.failed for key, row in rows if row.failed}
-        return TaskResult(self._episodes, self._attempts, scores, failed, self.left_out)
+        scores = {key: self._scores[key] for key in self.keys if key in self._scores}
+        return TaskResult(self._episodes, self._attempts, scores, self._failed, self.left_out)
 
 
 def left_out(samples: Sequence[Sample], domain: Domain) -> dict[str, str]:

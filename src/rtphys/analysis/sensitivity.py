@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from rtphys.assets.pack import Pack
-from rtphys.campaign.local import LocalPool
+from rtphys.campaign.local import LocalPool, limits_for_user_code
 from rtphys.campaign.machine import cores
 from rtphys.campaign.pool import WorkerFailure
 from rtphys.campaign.series import QUIET, Listener, Progress, Series, run_all
@@ -404,8 +404,8 @@ def sensitivity(
                     listener.noticed(f"{key} could not act in {name}: {why}")
         results: list[Mapping[str, JSON]] = []
         listener.started([progress := Progress("tasks", len(tasks))])
-        worker = SensitivityWorker(pack, plan.search)
-        with LocalPool(worker, plan.workers or cores()) as pool:
+        worker, size = SensitivityWorker(pack, plan.search), plan.workers or cores()
+        with LocalPool(worker, size, limits_for_user_code(size, plan.timeout)) as pool:
             for task in tasks:  # one by one: its demonstrations stay in memory, its file is written
                 for trials in task.rounds():
                     run_all(trials, pool, _WithinTask(listener), plan.out)

@@ -13,7 +13,7 @@ from rtphys.cli.terminal import command_line, printable, resumable, say
 from rtphys.core.errors import BadValue, counted
 from rtphys.data import files
 from rtphys.data import verify as checking
-from rtphys.data.attempts import Accepted
+from rtphys.data.attempts import Row
 from rtphys.data.check_episode import Effort, Problem
 from rtphys.data.dataset import Dataset
 from rtphys.data.layout import MANIFEST
@@ -21,7 +21,15 @@ from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
 from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
-from rtphys.data.selection import CONFIG, HOLDS, ONLY_SEEDS, DataFolder, Selection, seed_set
+from rtphys.data.selection import (
+    CONFIG,
+    HOLDS,
+    ONLY_ROBOT,
+    ONLY_SEEDS,
+    DataFolder,
+    Selection,
+    seed_set,
+)
 from rtphys.data.state_digests import compare, find_digests
 from rtphys.export.card import CardText, write_card
 from rtphys.export.lerobot_plan import READERS, ExportSpec
@@ -84,12 +92,13 @@ def subset(
     config: Annotated[
         list[str] | None, typer.Option(help=f"Only these configurations, {CONFIG}.")
     ] = None,
+    embodiment: Annotated[str | None, typer.Option(help=ONLY_ROBOT)] = None,
     seed: Annotated[str, typer.Option(help=ONLY_SEEDS)] = "",
     drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
 ) -> None:
     """Copy a part of a dataset, and renumber its episodes.
 
-    Nothing is simulated or drawn.
+    Nothing is simulated or drawn. The failures of the chosen seeds are copied too.
 
     Examples:
 
@@ -103,13 +112,15 @@ def subset(
         known.where(task=name)  # refuses a name that it lacks
     for name in configs:
         known.where(config=name)
+    robots = known.where(embodiment=embodiment).embodiments
     only, not_these = seed_set("seed", seed), seed_set("drop_seed", drop_seed)
 
     def chosen(entry: TaskEntry) -> bool:
-        task_fits = not tasks or entry.spec.episode.task in tasks
-        return task_fits and (not configs or entry.spec.name in configs)
+        spec = entry.spec
+        fits = not tasks or spec.episode.task in tasks, not configs or spec.name in configs
+        return all(fits) and spec.episode.embodiment in robots
 
-    def kept(row: Accepted) -> bool:
+    def kept(row: Row) -> bool:
         return (not seed or row.seed in only) and row.seed not in not_these
 
     with resumable(), progress_bar("copying") as bar:

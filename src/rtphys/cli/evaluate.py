@@ -15,7 +15,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.cli.derived import AsJson, Json, takes
 from rtphys.cli.screen import campaign, fitting_table, print_parts, print_rows, print_table, reasons
 from rtphys.cli.terminal import Incomplete, say, say_json
-from rtphys.core.errors import counted
+from rtphys.core.errors import BadValue, counted
 from rtphys.results import read_results
 from rtphys.results.breaks import TOGETHER, drawn_together, without_evidence
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
@@ -293,7 +293,10 @@ def compare(
     if not folders and not paper:
         raise typer.BadParameter("name a result folder, or say --paper")
     if folders and all(path.suffix == ".json" for path in folders):
-        _show_identified([read_result(path) for path in folders])
+        for name, value in (("protocol", protocol), ("paper", paper), ("figure", figure)):
+            if value:
+                raise BadValue(name, value, "it belongs to evaluations, not to `rtphys identify`")
+        _show_identified([read_result(path) for path in folders], as_json)
         return
     evaluations = [read_results(folder) for folder in folders or []]
     comparison = analysis.compare(evaluations, protocol, paper)
@@ -390,19 +393,32 @@ def _show_pairs(comparison: Comparison) -> None:
         print_table(table)
 
 
-def _show_identified(results: Sequence[Result]) -> None:
+def _show_identified(results: Sequence[Result], as_json: bool) -> None:
     """Mean R2 by attribute and estimator over the tasks that all of them have."""
     tasks = [t for t in results[0].tasks if all(t in result.tasks for result in results)]
     names = [short_name(result.estimator) for result in results]
     if len({result.protocol for result in results}) > 1:
         names = [f"{n}, {result.protocol}" for n, result in zip(names, results, strict=True)]
-    columns = [f"{name}{where}" for where in ("", ", beyond") for name in names]
+    keys = sorted({key for r in results for task in tasks for key in r.tasks[task].scores})
+    if as_json:
+        columns = [
+            {
+                "estimator": result.estimator,
+                "protocol": result.protocol,
+                "r2": {key: result.mean(key, tasks) for key in keys},
+                "beyond": {key: result.mean(key, tasks, beyond=True) for key in keys},
+                "failed": {task: result.tasks[task].failed for task in tasks},
+            }
+            for result in results
+        ]
+        say_json({"tasks": tasks, "columns": columns})
+        return
+    heads = [f"{name}{where}" for where in ("", ", beyond") for name in names]
     title = f"mean R2 over {counted(len(tasks), 'tasks')} of all"
-    table = fitting_table(["attribute"], columns, title=title, justify="right")
-    for key in sorted({key for r in results for of in r.tasks.values() for key in of.scores}):
+    table = fitting_table(["attribute"], heads, title=title, justify="right")
+    for key in keys:
         means = [r.mean(key, tasks, beyond) for beyond in (False, True) for r in results]
-        if any(mean is not None for mean in means):
-            table.add_row(key, *("-" if mean is None else f"{mean:.2f}" for mean in means))
+        table.add_row(key, *("-" if mean is None else f"{mean:.2f}" for mean in means))
     print_table(table)
     for name, result in zip(names, results, strict=True):
         failed = sum(len(result.tasks[task].failed) for task in tasks)

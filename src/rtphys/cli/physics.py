@@ -206,6 +206,8 @@ def audit(
     """
     from rtphys.laws.audit.selection import selections_by_task_dataset
 
+    if repeat and not labels:
+        raise BadValue("repeat", repeat, "it needs `labels`, which are left out")
     data, known = Dataset(dataset), library.names("tasks", None)
     for task in data.tasks if labels else ():
         if task not in known:

@@ -59,7 +59,7 @@ def chosen(path: Path, which: One) -> Episode:
     first, *others = which.of_path(path)
     if others and which != One():
         text = f"the first of {len(others) + 1} that fit: {first.name}"
-        say(f"{text}; --task, --config or --seed chooses", err=True)
+        say(f"{text}; --task, --config, --embodiment or --seed chooses", err=True)
     return first
 
 
@@ -272,6 +272,10 @@ def report(
     if not (dataset / MANIFEST).exists() and is_evaluation(dataset):
         from rtphys.report.evaluation_page import write_evaluation_report
 
+        for name, value in (("out", out), ("task", task)):
+            if value is not None:
+                allowed = "it belongs to a dataset; the page of an evaluation is report.html in it"
+                raise BadValue(name, str(value), allowed)
         say(str(write_evaluation_report(read_results(dataset))))
         return
     from rtphys.report.page import write_report

@@ -43,7 +43,7 @@ class _Part:
     header: TaskHeader
     sources: Sequence[Source]
     stage: Stage
-    keep: Callable[[Accepted], bool] | None = None
+    keep: Callable[[Row], bool] | None = None
 
     def rows(self) -> Iterator[tuple[TaskDataset, Row]]:
         """Every attempt that is taken, in the order of the seeds, and where it lies."""
@@ -65,7 +65,7 @@ class _Part:
             if row.seed != spec.seed(attempt) if collected else row.seed <= last:
                 raise BadFile(place.ledger, f"attempt {attempt} cannot be of seed {row.seed}")
             last = row.seed
-            if self.keep is None or (isinstance(row, Accepted) and self.keep(row)):
+            if self.keep is None or self.keep(row):
                 yield row.seed, number, row
 
 
@@ -142,17 +142,17 @@ def subset(
     source: Path,
     out: Path,
     choose: Callable[[TaskEntry], bool],
-    keep: Callable[[Accepted], bool] | None = None,
+    keep: Callable[[Row], bool] | None = None,
     progress: Progress | None = None,
 ) -> list[str]:
     """A part of a dataset.
 
     Args:
         choose: which task datasets.
-        keep: which of their episodes; None: all, with every attempt, as they are.
+        keep: which of their attempts; None: all, as they are.
 
     Raises:
-        BadFile: the source is damaged.
+        BadFile: the source is damaged, or holds no such episode.
         DatasetMismatch: `out` holds something else.
     """
     chosen: list[_Part] = []
@@ -161,6 +161,8 @@ def subset(
         if keep is not None:
             header = replace(header, spec=replace(header.spec, made_by="subset", twin=None))
         chosen.append(_Part(header, [(source, entry)], _copied, keep))
+    if not any(keep is None or any(row.on_disk for _, row in part.rows()) for part in chosen):
+        raise BadFile(source, "the dataset holds no such episode")
     return _write(chosen, [source], out, progress)
 
 

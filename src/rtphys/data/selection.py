@@ -12,6 +12,7 @@ from rtphys.spec.option import Option, Seed, checked_dataclass
 
 HOLDS = "Folder that holds manifest.json."
 CONFIG = "such as clean (plain clean) or clean.friction=0.2"  # in the help of those who choose one
+ONLY_ROBOT = "Only this robot."
 ONLY_SEEDS = "Only these seeds: 3,7 or 0:50."
 DataFolder = Annotated[Path, Option(HOLDS, positional=True)]
 
@@ -22,6 +23,7 @@ class Selection:
 
     task: Annotated[str | None, Option("Only this task.")] = None
     config: Annotated[str | None, Option(f"Only this configuration, {CONFIG}.")] = None
+    embodiment: Annotated[str | None, Option(ONLY_ROBOT)] = None
     seed: Annotated[str, Option(ONLY_SEEDS)] = ""
     episode: Annotated[
         str | None, Option("Only these numbers in its task dataset: 3,7 or 0:50.")
@@ -47,7 +49,8 @@ class Selection:
         """That part. Raises `UnknownName`."""
         seeds = seed_set("seed", self.seed) if self.seed else None
         numbers = seed_set("episode", self.episode) if self.episode else None
-        return dataset.where(self.task, config=self.config, seeds=seeds, numbers=numbers)
+        which = {"config": self.config, "embodiment": self.embodiment}
+        return dataset.where(self.task, **which, seeds=seeds, numbers=numbers)
 
 
 @checked_dataclass(frozen=True)
@@ -63,7 +66,7 @@ class One(Selection):
         """
         if not path.is_dir() and path.name != MANIFEST:
             return (find_episode(path),)
-        dataset = Selection(self.task, self.config, self.seed).of(Dataset(path))
+        dataset = Selection(self.task, self.config, self.embodiment, self.seed).of(Dataset(path))
         failures = dataset.failures()
         if self.failure is not None:
             kind, asked, known = "failure", str(self.failure), failures

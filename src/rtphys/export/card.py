@@ -100,6 +100,7 @@ def card(dataset: Dataset, text: CardText) -> str:
             versions.setdefault(name, set()).add(version)
     counts = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
     made = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(versions.items()))
+    actors = " and ".join(sorted({entry.spec.policy or "a scripted expert" for entry in entries}))
     digest = dataset_digest((dataset.path / MANIFEST).read_bytes())
     parts = [
         "\n".join(front),
@@ -117,7 +118,7 @@ def card(dataset: Dataset, text: CardText) -> str:
         "## Use",
         USE,
         "## Provenance",
-        f"Made by a scripted expert in simulation: {made}. "
+        f"Made by {actors} in simulation: {made}. "
         f"Dataset format {dataset.manifest.dataset_version}.",
         f"Digest of this dataset: `{digest}`, which `rtphys verify` prints for every copy of it. "
         "`croissant.json` has a state digest of each episode, "

@@ -154,7 +154,7 @@ def plan_for(dataset: Dataset, spec: ExportSpec, episodes: Iterable[Episode] = (
     wanted = spec.features
     robot, *others = dataset.embodiments
     if others:
-        allowed = "an export holds the episodes of one robot: they differ in their joints"
+        allowed = "an export holds the episodes of one robot; choose it by `embodiment`"
         raise BadValue("dataset", ", ".join([robot, *others]), allowed, dataset.path)
     episode, recordings = dataset[0], [part.spec.recording for part in dataset.task_datasets]
     shared = [name for name in episode.cameras if all(name in one.official for one in recordings)]

@@ -41,10 +41,16 @@ def write_evaluation_report(results: Results) -> Path:
         for effect in effects
     ]  # fmt: skip
     shown = [effect for effects in summary.breaks.values() for effect in effects]
+    unfinished = [
+        f"{done} of {counted(wanted, 'episodes')} of {task}, {protocol}"
+        for protocol, task in results.records
+        for done, wanted in filter(None, [results.unfinished(protocol, task)])
+    ]
     parts = [
         f"<h1>{escape(results.spec.actor)}</h1><p class=soft>{escape(results.robot)}</p>",
         _table(("protocol", "task", "success of " + ("benchmark instances" if summary.certified
                 else "these seeds"), "of all seeds tried", "failures"), rates),
+        f"<p>unfinished: {escape('; '.join(unfinished))}</p>" if unfinished else "",
         f"<p>{escape(summary.stale)}</p>" if summary.stale else "",
         "<h2>Which physics breaks the policy</h2>",
         _table(("protocol", "attribute", "range", "log-odds of success from lowest to highest",

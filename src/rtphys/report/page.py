@@ -135,9 +135,7 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
             attempts.append([index, accepted, *(axis.of(row.physics) for axis in shown)])
     at = {entry.below(dataset.path).folder: n for n, entry in enumerate(entries)}
     episodes: list[JSON] = []
-    joints: tuple[str, ...] = ()  # in the order of an action
     for done, episode in enumerate(dataset, start=1):
-        joints = joints or tuple(episode.frames.layout.names)
         episodes.append(_episode(episode, at[episode.paths.hdf5.parents[1]], shown))
         if progress:
             progress(done)
@@ -145,7 +143,6 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
     return {
         "title": dataset.path.resolve().name,
         "axes": [{"title": axis.title, "unit": axis.unit} for axis in shown],
-        "joints": [name.replace("joint_", "").replace("_", " ") for name in joints],
         "leaves": leaves,
         "attempts": attempts,
         "episodes": episodes,
@@ -186,7 +183,8 @@ def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
     labels: dict[str, JSON] = {key: label.value for key, label in acting.items()}
     if len(frames) < 2:
         raise BadFile(episode.paths.hdf5, "holds fewer than two frames")
-    rounded = np.round([frames.vector.min(axis=0), frames.vector.max(axis=0)], 4)
+    ends = np.round([frames.vector.min(axis=0), frames.vector.max(axis=0)], 4).T.tolist()
+    joints = (name.replace("joint_", "").replace("_", " ") for name in frames.layout.names)
     return {
         "leaf": leaf,
         "number": episode.number,
@@ -201,6 +199,5 @@ def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
         "could_act": [a.key in acting for a in shown],
         "acted": [acting[a.key].acted if a.key in acting else False for a in shown],
         "varied": [a.key in acting and acting[a.key].varied for a in shown],
-        "low": rounded[0].tolist(),
-        "high": rounded[1].tolist(),
+        "targets": dict(zip(joints, ends, strict=True)),  # lowest and highest by joint
     }

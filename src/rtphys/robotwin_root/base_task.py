@@ -69,6 +69,12 @@ def protocol_of(args: dict[str, object]) -> str:
     return name
 
 
+def robot_of(args: Mapping[str, object]) -> str:
+    """Robot of a task configuration's arguments. Raises `BadValue`: they name none."""
+    robot = args.get("embodiment") or DEFAULT
+    return canonical(robot if isinstance(robot, str) else ",".join(map(str, robot)))  # type: ignore[call-overload]
+
+
 class Base_Task(TaskEnv):
     """RoboTwin task whose name is its class's name: `class click_bell(Base_Task)`."""
 
@@ -105,12 +111,11 @@ class Base_Task(TaskEnv):
         self.eval_video_path = args.get("eval_video_save_dir")
         if isinstance(wanted := args.get("data_type"), dict):
             self.data_type = dict(wanted)
-        robot = args.get("embodiment") or DEFAULT
         spec = EpisodeSpec(
             self.task_name,
             protocol_of(args),
             split="unseen" if is_test or args.get("eval_mode") else "seen",
-            embodiment=canonical(robot if isinstance(robot, str) else ",".join(map(str, robot))),  # type: ignore[call-overload]
+            embodiment=robot_of(args),
         )
         asked = {sense for key, sense in DATA_TYPES.items() if self.data_type.get(key)}
         recording = RecordingSpec(senses=tuple(sorted(asked)))

@@ -10,11 +10,13 @@ from datetime import UTC, datetime
 from itertools import count
 from pathlib import Path
 
+from rtphys.assets.pack import default_pack
 from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
+from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies.registry import literal
 from rtphys.policies.robotwin_plugin import SKIP, Plugin, plugin_named, user_args
-from rtphys.results.instances import FIRST_SEED, benchmark_file, read_list
+from rtphys.results.instances import FIRST_SEED, BenchmarkInstance, benchmark_file, read_list
 from rtphys.results.official import write_result
 from rtphys.robotwin_root.base_task import (
     SEED,
@@ -22,8 +24,10 @@ from rtphys.robotwin_root.base_task import (
     UnStableError,
     generate_episode_descriptions,
     protocol_of,
+    robot_of,
 )
 from rtphys.spec.episode import SPLITS
+from rtphys.task.spec import load_task
 
 MAX_INFEASIBLE = 200  # consecutive infeasible seeds after which the run ends
 
@@ -58,9 +62,9 @@ def pairs(words: Sequence[str]) -> dict[str, object]:
 def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     """Run the episodes in this process and write `_result*.txt` below `eval_result/`.
 
-    Seed 0 uses the certified instances if there are any. Other seeds, protocols without a list, and
-    more episodes than a list has, let the expert search for feasible seeds from
-    `100000 * (1 + seed)`, or from the end of the list, as RoboTwin does.
+    Seed 0 uses the certified instances if there are any, and they are not stale. Other seeds,
+    protocols without such a list, and more episodes than a list has, let the expert search for
+    feasible seeds from `100000 * (1 + seed)`, or from the end of the list, as RoboTwin does.
     Textures are always the unseen ones; `instruction_type` chooses the sentences. What the policy
     raises ends the run without a result.
 
@@ -121,9 +125,7 @@ class Run:
         Raises `RtphysError`: it solves none of `MAX_INFEASIBLE` in a row.
         """
         first = int(str(self.usr_args["seed"]))
-        path = benchmark_file(protocol_of(self.args), self.env.task_name)
-        listed = read_list(path, self.env.task_name) if first == 0 and path.is_file() else None
-        known = listed.instances if listed else ()
+        known = self._certified() if first == 0 else ()
         for one in known:
             self.tried += 1
             if one.feasible:
@@ -142,6 +144,18 @@ class Run:
             elif infeasible >= MAX_INFEASIBLE:  # a rate would pass for one of all episodes
                 text = f"the expert solves none of the {infeasible} seeds up to {seed}"
                 raise RtphysError(f"{self.env.task_name}: {text}; no result is written")
+
+    def _certified(self) -> tuple[BenchmarkInstance, ...]:
+        """The benchmark's seeds; none where this robot, code or pack gives other episodes."""
+        task, protocol = self.env.task_name, protocol_of(self.args)
+        path = benchmark_file(protocol, task)
+        if not path.is_file() or (listed := read_list(path, task)) is None:
+            return ()
+        now = fingerprint_of(load_task(task), protocol, default_pack(), robot_of(self.args))
+        if clauses := listed.fingerprint.changes(now):
+            print(f"The expert searches for seeds, since the list is stale: {'; '.join(clauses)}")
+            return ()
+        return listed.instances
 
     def roll_out(self, seed: int) -> None:
         """Play one episode with the policy. What it raises passes through, as in RoboTwin."""

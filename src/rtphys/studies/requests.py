@@ -295,6 +295,7 @@ class SensitivityPlan:
     tasks: Tasks
     search: SearchSpec = SearchSpec()
     out: Annotated[Path, Option("Folder of the results, one file a task.")] = Path("sensitivity")
+    timeout: Annotated[float, at_least(1), Option("Longest time of an episode [s].")] = 1800.0
     workers: Workers = None
 
     def __post_init__(self) -> None:

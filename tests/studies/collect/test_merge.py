@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import files
-from rtphys.data.attempts import Accepted, Rejected, read_attempts
+from rtphys.data.attempts import Accepted, Rejected, Row, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch, PartsMismatch
 from rtphys.data.rewrite import merge, subset
@@ -182,7 +182,7 @@ def test_a_subset_of_tasks_keeps_them_as_they_are(tmp_path: Path) -> None:
 def test_a_subset_of_seeds_is_numbered_anew(tmp_path: Path) -> None:
     data = collect(plans(1), tmp_path / "data")
     wanted = [episode.seed for episode in Dataset(data)][3:6]
-    keep: Callable[[Accepted], bool] = lambda row: row.seed in wanted  # noqa: E731
+    keep: Callable[[Row], bool] = lambda row: row.seed in wanted  # noqa: E731
     subset(data, tmp_path / "part", lambda entry: True, keep)
     part = Dataset(tmp_path / "part")
     assert [(episode.number, episode.seed) for episode in part] == list(enumerate(wanted))
