@@ -191,6 +191,15 @@ def test_conditions_of_make_last_and_those_of_reset_do_not() -> None:
     assert info["physics"]["friction"][0] == 0.2
 
 
+def test_a_vector_environment_rounds_no_physics() -> None:
+    """Gymnasium's arrays have the type of the first episode's value."""
+    frictions = (1, 0.5, 0.2)
+    many = SyncVectorEnv(
+        [lambda held=held: TaskEnv("click_bell", physics={"friction": held}) for held in frictions]
+    )
+    assert tuple(many.reset(seed=3)[1]["physics"]["friction"]) == frictions
+
+
 def test_resets_without_a_seed_differ_and_repeat() -> None:
     runs = []
     for _ in range(2):
@@ -208,7 +217,12 @@ def test_a_world_that_does_not_come_to_rest_is_skipped(monkeypatch: pytest.Monke
         return begin(recipe, *rest)
 
     monkeypatch.setattr(env_module, "begin", restless)
-    assert TaskEnv("click_bell").reset(seed=4)[1]["seed"] == 5
+    env = TaskEnv("click_bell")
+    assert env.reset(seed=4)[1]["seed"] == 5
+    # Another seed would be no certified instance.
+    monkeypatch.setattr(env_module, "certified_seed", lambda *_: 4)
+    with pytest.raises(Infeasible, match="unsettled"):
+        env.reset(options={"index": np.int64(0)})
 
 
 @pytest.mark.parametrize(
@@ -219,6 +233,7 @@ def test_a_world_that_does_not_come_to_rest_is_skipped(monkeypatch: pytest.Monke
         ({"physics": {"friction": -1.0}}, "friction"),
         ({"index": "first"}, "index"),
         ({"index": 10**6}, "certified"),
+        ({"index": np.int64(10**6)}, "certified"),
         ({"split": "sen"}, "unseen"),
     ],
 )
@@ -236,6 +251,7 @@ def test_what_is_wrong_with_an_option_is_said(options: dict, problem: str) -> No
         ({"physics": {"frictoin": 0.2}}, "friction"),
         ({"split": "sen"}, "unseen"),
         ({"senses": ("states",)}, "observed sense"),
+        ({"render_mode": "human"}, "rgb_array"),
     ],
 )
 def test_what_is_wrong_with_an_argument_is_said(of: dict, problem: str) -> None:

@@ -17,7 +17,7 @@ from rtphys.gym import shapes
 from rtphys.physics.attribute import is_attribute
 from rtphys.physics.domain import check_overrides
 from rtphys.physics.idle import why_idle
-from rtphys.physics.values import plain_value
+from rtphys.physics.values import Value, plain_value
 from rtphys.plan.kinematics import check_robot
 from rtphys.results.instances import benchmark_file, read_list
 from rtphys.senses import SENSES
@@ -63,7 +63,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         split: "seen" or "unseen" textures and sentences.
 
     Raises:
-        UnknownName: no such task, protocol, control, robot, sense, attribute or observation.
+        UnknownName: no such task, protocol, control, robot, sense, attribute, observation or render
+            mode.
         BadValue: a value of an attribute that the simulator does not support.
         BadFile, MissingAsset: the robot's description is not usable.
     """
@@ -87,6 +88,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             raise UnknownName("observation", obs, MODES)
         if control not in CONTROLS:
             raise UnknownName("control", control, CONTROLS)
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise UnknownName("render mode", render_mode, self.metadata["render_modes"])
         self._task, self._pack = load_task(task), default_pack()
         self._lasting = {"protocol": protocol, "physics": physics or {}, "split": split}
         self._robot, self._obs, self._show_physics = embodiment, obs, show_physics
@@ -137,12 +140,13 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             seed: of the episode, as in `rtphys collect`; also seeds later episodes without a seed.
                 If the world never comes to rest, the next seed is tried.
             options: of this episode alone: `{"protocol": name, "physics": {attribute: value},
-                "split": "seen", "index": n}`; certified instance n replaces the seed.
+                "split": "seen", "index": n}`; certified instance n replaces the seed, and no other
+                seed is tried.
 
         Raises:
             UnknownName, BadValue: an option is wrong.
             BadFile: `index` is given, but nothing is certified.
-            Infeasible: 100 consecutive seeds give no world.
+            Infeasible: 100 consecutive seeds give no world, or the instance gives none.
         """
         super().reset(seed=seed)
         given = {key: value for key, value in (options or {}).items() if key != OF_LEROBOT}
@@ -153,14 +157,15 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         if index is not None:
             seed = certified_seed(spec, index)
         first = int(self.np_random.integers(2**31)) if seed is None else seed
-        for tried in range(MAX_SEEDS):
+        most = MAX_SEEDS if index is None else 1
+        for tried in range(most):
             self._attempts = tried + 1
             recipe = spec.at(first + tried)
             try:
                 self._episode = begin(recipe, self._task, self._pack, self._recording)
                 break
             except Infeasible:
-                if self._attempts == MAX_SEEDS:
+                if self._attempts == most:
                     raise
         self._warn_of_idle(spec)
         return self._observation(), self._info()
@@ -237,13 +242,18 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             "seed": episode.seed,
             "protocol": episode.protocol,
             "instruction": episode.instruction,
-            "physics": dict(episode.instance.physics),
+            "physics": {key: _number(value) for key, value in episode.instance.physics.items()},
             "attempts": self._attempts,
             "success": episode.success,
             "reason": episode.reason,
             "time": episode.rollout.scene.time,
             **({"bodies": self._bodies} if self._bodies else {}),
         }
+
+
+def _number(value: Value) -> Value:
+    """A vector environment's array of an integer would round the numbers of the other episodes."""
+    return float(value) if isinstance(value, int) else value
 
 
 def certified_seed(spec: EpisodeSpec, index: object) -> int:
@@ -253,7 +263,7 @@ def certified_seed(spec: EpisodeSpec, index: object) -> int:
         BadFile: the task is not certified under this protocol.
         BadValue: no such number, or the instances are another robot's.
     """
-    if isinstance(index, bool) or not isinstance(index, int) or index < 0:
+    if isinstance(index, bool) or not isinstance(index, int | np.integer) or index < 0:
         raise BadValue("index", index, "it must be an integer, counting certified instances from 0")
     if spec.embodiment != DEFAULT:
         raise BadValue("index", index, f"instances are certified for the {DEFAULT} alone")
