@@ -17,7 +17,6 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, video
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import CannotWrite, DatasetLocked
-from rtphys.data.manifest import TaskEntry
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter
 
@@ -112,7 +111,7 @@ def test_rows_are_the_episodes(v3: Path, dataset: Dataset) -> None:
 def test_episode_rows_carry_the_physics(v3: Path, dataset: Dataset) -> None:
     rows = pq.read_table(v3 / EPISODES).to_pylist()
     for row, episode in zip(rows, dataset, strict=True):
-        assert row["rtphys/seed"] == episode.seed
+        assert (row["rtphys/config"], row["rtphys/seed"]) == ("phys_random", episode.seed)
         assert row["phys/friction"] == episode.physics["friction"]
         assert row["phys/center_of_mass"] == list(episode.physics.vector("center_of_mass"))
         assert row["tasks"] == ["ring the bell"]
@@ -345,29 +344,40 @@ def test_chosen_cameras(dataset: Dataset, tmp_path: Path, names: str, expected: 
     assert shown == [f"observation.images.{name}" for name in expected]
 
 
-def test_what_task_datasets_share_is_exported(
-    dataset: Dataset, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Cameras that all have; robots differ in their joints, so there is no dataset of two."""
+@pytest.fixture
+def mixed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Dataset:
+    """Of click_bell with two robots, of lift_pot with fewer cameras, of stack_bowls with large
+    pictures."""
+    out = tmp_path / "mixed"
+    collect(out, 1)
+    collect(out, 1, synthetic.header(embodiment=MIXED))
+    monkeypatch.setattr(synthetic, "CAMERAS", ("head_camera", "right_camera"))
+    collect(out, 1, synthetic.header(task="lift_pot", cameras=("head", "right")))
+    monkeypatch.setattr(synthetic, "WIDTH", 96)
+    collect(out, 1, synthetic.header(task="stack_bowls_two", cameras=("head", "right")))
+    return Dataset(out)
 
-    def holds(*entries: TaskEntry) -> None:
-        monkeypatch.setattr(Dataset, "task_datasets", entries)
 
-    mixed = Dataset(dataset.path)
-    (entry,) = mixed.task_datasets
-    spec = entry.spec
-    fewer = replace(spec, recording=replace(spec.recording, cameras=("head", "right")))
-    holds(entry, replace(entry, spec=fewer))
-    shared = {
-        one.camera for one in plan_for(mixed, ExportSpec(camera_names="robotwin")).videos.values()
-    }
+def test_what_the_episodes_of_an_export_share_is_exported(mixed: Dataset, tmp_path: Path) -> None:
+    """Others of the dataset decide nothing, neither when it is written nor when it is compared."""
+    named, usual = ExportSpec(camera_names="robotwin"), mixed.where(embodiment="aloha-agilex")
+    alike = [one for one in usual if one.task != "stack_bowls_two"]
+    shared = {one.camera for one in plan_for(alike, named).videos.values()}
     assert shared == {"head_camera", "right_camera"}
     with pytest.raises(UnknownName, match="left_camera"):
-        plan_for(mixed, ExportSpec(camera_names="left_camera=wrist"))
-    other = replace(spec, episode=replace(spec.episode, embodiment=MIXED))
-    holds(entry, replace(entry, spec=other))
-    with pytest.raises(BadValue, match=rf"aloha-agilex, {MIXED}.* one robot"):
-        plan_for(mixed, ExportSpec(camera_names="robotwin"))
+        plan_for(alike, ExportSpec(camera_names="left_camera=wrist"))
+    with pytest.raises(BadValue, match=f"aloha-agilex, {MIXED}.*by `embodiment`"):
+        plan_for(mixed, named)
+    sizes = r"64x48 \(click_bell, phys_random, .*; 96x48 \(stack_bowls_two.* have one size"
+    with pytest.raises(BadValue, match=sizes):
+        plan_for(usual, named)
+    for number, part in enumerate((mixed.where(embodiment=MIXED), usual.where(task="click_bell"))):
+        root = export(part, tmp_path / str(number))
+        assert len([*(root / "videos").iterdir()]) == 3
+        assert verify_export(root, mixed) == []
+        next((root / "videos" / "observation.images.cam_left_wrist").rglob("*.mp4")).unlink()
+        with pytest.raises(BadFile, match=r"\.mp4"):
+            verify_export(root, mixed)
 
 
 @pytest.mark.parametrize(
@@ -377,6 +387,7 @@ def test_what_task_datasets_share_is_exported(
         ({"version": "v4"}, UnknownName, "LeRobot version"),
         ({"camera_names": "head_cam=top"}, UnknownName, "did you mean 'head_camera'"),
         ({"camera_names": "head_camera=a,left_camera=a"}, BadValue, "a distinct name"),
+        ({"camera_names": "head=a,head_camera=b"}, BadValue, "name head_camera once"),
         ({"sentences": "none"}, UnknownName, "choice of sentences"),
     ],
 )

@@ -51,6 +51,35 @@ def test_a_number_that_differs_is_named(exported: Path, dataset: Dataset) -> Non
     assert done.exit_code == 1 and problem in done.output
 
 
+def test_a_label_or_sentence_that_differs_is_named(exported: Path, dataset: Dataset) -> None:
+    meta = exported / "meta"
+    if (path := meta / "episodes.jsonl").exists():
+        replace_in(path, f'"phys/friction":{dataset[0].physics["friction"]}', '"phys/friction":9.5')
+        replace_in(meta / "tasks.jsonl", "ring the bell", "open the pot")
+    else:
+        path = meta / "episodes/chunk-000/file-000.parquet"
+        frictions = [9.5, *(one.physics["friction"] for one in dataset[1:])]
+        change_column(path, "phys/friction", frictions)
+        sentences = pq.read_table(meta / "tasks.parquet")["task"].to_pylist()
+        change_column(meta / "tasks.parquet", "task", ["open the pot", *sentences[1:]])
+    assert verify_export(exported, dataset) == [
+        "episode 0 (click_bell, seed 0): phys/friction is not the dataset's",
+        "the list of sentences is not the dataset's",
+    ]
+
+
+def replace_in(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def change_column(path: Path, name: str, values: list) -> None:
+    table = pq.read_table(path)
+    index = table.column_names.index(name)
+    pq.write_table(table.set_column(index, name, pa.array(values)), path)
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [

@@ -116,7 +116,7 @@ def labels(episode: Episode) -> dict[str, object]:
 
     The value is None where an attribute could not act or did not act, as in `Dataset.to_pandas`.
     """
-    origin = {"task": episode.task, "protocol": episode.protocol, "seed": episode.seed}
+    origin = {key: getattr(episode, key) for key in ("task", "protocol", "config", "seed")}
     labels = episode.meta.attributes.items()
     values = {key: label.value if informs(key, label) else None for key, label in labels}
     return {

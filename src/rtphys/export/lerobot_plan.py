@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 from rtphys.assets.action_layout import SIDES, ActionLayout
 from rtphys.core.errors import BadFile, BadValue, UnknownName
-from rtphys.data.dataset import Dataset, Episode
+from rtphys.data.dataset import Episode
 from rtphys.data.episode import CAMERA_NAMES, FRAME_RATE, official_camera
 from rtphys.data.schema import informs
 from rtphys.senses import SENSES
@@ -138,43 +139,49 @@ class Plan:
         return features
 
 
-def plan_for(dataset: Dataset, spec: ExportSpec, episodes: Iterable[Episode] = ()) -> Plan:
-    """Reads one episode to see how large its pictures are, and how many joints there are.
+def plan_for(episodes: Sequence[Episode], spec: ExportSpec) -> Plan:
+    """Reads the first episode of each task dataset, to see what its pictures and joints are.
 
     Args:
-        dataset: what is exported; the cameras are those that all of its task datasets have, or
-            where `camera_names` has pairs, the named ones.
-        episodes: those of it that are exported, if not all.
+        episodes: those that are exported, at least one; the cameras are those that all of their
+            task datasets have, or where `camera_names` has pairs, the named ones.
 
     Raises:
         UnknownName: no such camera.
-        BadValue: cameras of different sizes, two cameras with one name, or several robots.
+        BadValue: pictures of different sizes, two cameras with one name, or several robots.
         BadFile: an episode that does not hold what a feature needs.
     """
-    wanted = spec.features
-    robot, *others = dataset.embodiments
+    wanted, firsts = spec.features, dict[Path, Episode]()
+    for one in episodes:
+        firsts.setdefault(one.paths.folder, one)
+    robot, *others = dict.fromkeys(one.embodiment for one in firsts.values())
     if others:
         allowed = "an export holds the episodes of one robot; choose it by `embodiment`"
-        raise BadValue("dataset", ", ".join([robot, *others]), allowed, dataset.path)
-    episode, recordings = dataset[0], [part.spec.recording for part in dataset.task_datasets]
-    shared = [name for name in episode.cameras if all(name in one.official for one in recordings)]
+        raise BadValue("dataset", ", ".join([robot, *others]), allowed)
+    heads = [*map(replace, firsts.values())]  # copies, to forget what is read of them
+    episode = heads[0]
+    shared = [name for name in episode.cameras if all(name in one.cameras for one in heads)]
     chosen = _names(spec.camera_names, tuple(shared))
-    sizes = {camera: episode.image(camera, 0).shape for camera in chosen}
-    if len({*sizes.values()}) != 1:
-        raise BadValue("cameras", sizes, "all pictures of an export must have one size")
-    height, width, _ = next(iter(sizes.values()))
-    for name in set(wanted) & {*EXPORTED, "depth"}:
-        if name not in episode.senses.senses:
+    sizes: dict[tuple[int, ...], str] = {}  # of pictures -> where it was seen first
+    for one, camera in product(heads, chosen):
+        sizes.setdefault(one.image(camera, 0).shape[:2], f"{one.task}, {one.config}, {camera}")
+    if len(sizes) != 1:
+        found = "; ".join(f"{width}x{height} ({of})" for (height, width), of in sizes.items())
+        allowed = "all pictures of an export must have one size"
+        raise BadValue("cameras", found or "none that all task datasets have", allowed)
+    ((height, width),) = sizes
+    for name, one in product(sorted({*wanted} & {*EXPORTED, "depth"}), heads):
+        if name not in one.senses.senses:
             draw = ", or add it with `rtphys render add=depth`" if name == "depth" else ""
             problem = f"holds no {name}; `rtphys collect senses={name}` records it{draw}"
-            raise BadFile(episode.paths.hdf5, problem)
+            raise BadFile(one.paths.hdf5, problem)
     named = {camera: f"{PICTURE}{name}" for camera, name in chosen.items()}
     videos = {key: Video(camera, False) for camera, key in named.items()}
     if "depth" in wanted:
         videos |= {f"{key}_depth": Video(camera, True) for camera, key in named.items()}
     more, left_out = dict[str, Sequence[str]](), tuple[str, ...]()
     if with_physics := [key for key in PHYSICS if key.partition(".")[2] in wanted]:
-        numbers, left_out = _numbers(episodes or dataset)
+        numbers, left_out = _numbers(episodes)
         more = dict.fromkeys(with_physics, numbers)
     if "contact" in wanted:
         more["observation.contact"] = [f"{side}_gripper" for side in SIDES]
@@ -234,6 +241,8 @@ def _names(naming: str, cameras: tuple[str, ...]) -> dict[str, str]:
         camera = official_camera(camera)
         if camera not in cameras:
             raise UnknownName("camera", camera, cameras)
+        if camera in chosen:
+            raise BadValue("camera names", naming, f"name {camera} once")
         if not name or "/" in name or name in chosen.values():
             raise BadValue("camera name", name, "each camera needs a distinct name without /")
         chosen[camera] = name

@@ -1,6 +1,6 @@
 """Compares a LeRobot export with the dataset that it was made of: every number, every picture."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import islice
 from pathlib import Path
@@ -19,6 +19,7 @@ from rtphys.export.lerobot import CHUNK, EPISODES_V30, SPEC, Progress
 from rtphys.export.lerobot_episode import (
     Position,
     columns_of,
+    labels,
     pictures_of,
     sentences_of,
     table_columns,
@@ -47,21 +48,27 @@ def verify_export(out: Path, dataset: Dataset, progress: Progress | None = None)
         allowed = f"{out} was made of another dataset, or of another state of this one"
         raise BadValue("dataset", str(dataset.path), allowed)
     spec = load(ExportSpec, given, out / SPEC)
-    known = {(one.task, one.config, one.seed): one for one in dataset}
-    episodes = [known[tuple(key)] for key in order]  # type: ignore[index, arg-type]
-    export = _Export(out, spec.version, len(episodes))
-    plan = plan_for(dataset, spec, episodes)
+    export = _Export(out, spec.version, len(order))
+    known = {(e.task, e.config, e.seed): e for e in dataset if e.embodiment == export.robot}
+    try:
+        episodes = [known[tuple(key)] for key in order]  # type: ignore[index, arg-type]
+    except (KeyError, TypeError) as error:
+        raise BadFile(out / SPEC, f"names an episode that the dataset lacks: {error}") from error
+    plan = plan_for(episodes, spec)
     tasks: dict[str, int] = {}
     problems, first = list[str](), 0
     for number, episode in enumerate(episodes):
         said = sentences_of(episode, spec.sentences)
         at = Position(number, first, tuple(tasks.setdefault(s, len(tasks)) for s in said))
         where = f"episode {number} ({episode.task}, seed {episode.seed})"
-        found = export.differences(episode, at, plan)
+        record = {"tasks": said, "length": len(episode) - 1, **labels(episode)}
+        found = (*export.record_differences(number, record), *export.differences(episode, at, plan))
         problems += [f"{where}: {text}" for text in found]
         first += len(episode) - 1
         if progress:
             progress(number + 1, len(episodes))
+    if export.tasks() != tasks:
+        problems.append("the list of sentences is not the dataset's")
     return problems
 
 
@@ -73,10 +80,32 @@ class _Export:
         self._info = parse_mapping(files.read(path := out / "meta/info.json"), path)
         if (total := self._info.get("total_episodes")) != episodes:
             raise BadFile(path, f"holds {total} episodes, not {episodes}")
-        # Rows of the table of episodes, which v3.0 alone has.
-        v30 = version == "v3.0"
-        self._rows: list[dict[str, object]] = _table(out / EPISODES_V30).to_pylist() if v30 else []
+        self.robot = self._info.get("robot_type")
+        self._v30 = version == "v3.0"
+        self._rows = self._listed(EPISODES_V30, "meta/episodes.jsonl")
+        if len(self._rows) != episodes:
+            raise BadFile(path, f"its table lists {len(self._rows)} episodes, not {episodes}")
         self._reels: dict[str, tuple[Path, int, Iterator[Picture]]] = {}  # where decoding stands
+
+    def _listed(self, v30: str, v21: str) -> Sequence[Mapping[str, object]]:
+        """The rows of a table in `meta/`, each version's own. Raises `BadFile`."""
+        if self._v30:
+            return _table(self._out / v30).to_pylist()
+        path = self._out / v21
+        return [parse_mapping(line, path) for line in files.read(path).splitlines()]
+
+    def tasks(self) -> dict[object, object]:
+        """Sentence -> index."""
+        rows = self._listed("meta/tasks.parquet", "meta/tasks.jsonl")
+        return {row.get("task"): row.get("task_index") for row in rows}
+
+    def record_differences(self, number: int, wanted: Mapping[str, object]) -> Iterator[str]:
+        """What the table of episodes says of one that the dataset does not."""
+        row = self._rows[number]
+        own = [key for key in row if key.startswith(("phys/", "rtphys/"))]
+        for key in dict.fromkeys([*wanted, *own]):
+            if row.get(key) != wanted.get(key):
+                yield f"{key} is not the dataset's"
 
     def differences(self, episode: Episode, at: Position, plan: Plan) -> Iterator[str]:
         """What an episode's rows and pictures say that the dataset does not."""
@@ -98,7 +127,7 @@ class _Export:
     def _path(self, kind: str, episode: int, key: str = "") -> Path:
         """The file of an episode's "data" or "video"."""
         chunk = {"episode_chunk": episode // CHUNK, "episode_index": episode}
-        if self._rows:
+        if self._v30:
             row, place = self._rows[episode], f"videos/{key}" if key else kind
             chunk = {one: row[f"{place}/{one}"] for one in ("chunk_index", "file_index")}
         return self._out / str(self._info[f"{kind}_path"]).format(video_key=key, **chunk)
@@ -107,7 +136,7 @@ class _Export:
         """An episode's pictures; a file that holds several is decoded once."""
         path = self._path("video", episode, key)
         start = 0
-        if self._rows:
+        if self._v30:
             begins = float(str(self._rows[episode][f"videos/{key}/from_timestamp"]))
             start = round(begins * float(str(self._info["fps"])))
         before, position, reel = self._reels.get(key, (None, 0, iter(())))
