@@ -340,6 +340,7 @@ def test_selectors(data: Path) -> None:
         ({"failure": 4}, BadValue, "failures 0 to 0"),
         ({"seed": "9"}, BadFile, "no such episode"),
         ({"seed": "x"}, BadValue, "such as 3,7"),
+        ({"seed": "7:3"}, BadValue, "7:3 holds no number"),
         ({"config": "phys_randm"}, UnknownName, "did you mean 'phys_random'"),
     ],
 )
@@ -348,6 +349,12 @@ def test_what_is_not_there_is_said(
 ) -> None:
     with pytest.raises(error, match=said):
         seeds(data, **wanted)
+
+
+def test_a_file_is_of_one_episode(data: Path) -> None:
+    (first,) = One(episode="0").of_path(data)
+    with pytest.raises(BadValue, match="a file is of one episode; name it alone"):
+        One(episode="1").of_path(first.paths.hdf5)
 
 
 def test_a_selection_of_everything_is_everything() -> None:

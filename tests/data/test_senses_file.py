@@ -172,6 +172,7 @@ def test_our_reader_gives_metres_ids_and_names(tmp_path: Path, layout: str) -> N
         senses.depth("head_camera", T)
     with pytest.raises(UnknownName, match="head_camera"):
         senses.depth("haed_camera", 0)
+    assert np.array_equal(senses.depth("head", 0), senses.depth("head_camera", 0))
 
 
 def test_what_was_not_recorded_is_named(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import synthetic
+import yaml
 from collected import collect
 
 from rtphys.data.dataset import Dataset
@@ -31,7 +32,7 @@ def metadata(dataset: Dataset) -> dict:
 def test_card_counts(dataset: Dataset) -> None:
     text = card(dataset, TEXT)
     front = text.split("---")[1].splitlines()
-    assert "license: cc-by-4.0" in front and "- robotics" in front and "- n<1K" in front
+    assert 'license: "cc-by-4.0"' in front and "- robotics" in front and "- n<1K" in front
     assert "| click_bell | phys_random | 3 | 4 | 75% |" in text
     assert "by reason: slipped 1." in text
     assert "3 bimanual demonstrations (12 frames at 16.67 Hz)" in text
@@ -39,10 +40,15 @@ def test_card_counts(dataset: Dataset) -> None:
     assert f"| `friction` | 1 | 3 | {min(frictions):.4g} | {max(frictions):.4g} |" in text
 
 
-def test_a_card_names_who_acted(dataset: Dataset, tmp_path: Path) -> None:
-    assert "Made by a scripted expert in simulation" in card(dataset, CardText())
-    collect(tmp_path / "data", 1, synthetic.header(policy="lerobot:act"))
-    assert "Made by lerobot:act in simulation" in card(Dataset(tmp_path / "data"), CardText())
+def test_any_name_is_one_in_the_front_matter(dataset: Dataset) -> None:
+    text = card(dataset, CardText(name="Bells: the first set"))
+    assert yaml.safe_load(text.split("---")[1])["pretty_name"] == "Bells: the first set"
+
+
+def test_a_card_says_who_acted(dataset: Dataset, tmp_path: Path) -> None:
+    collect(tmp_path, 1, synthetic.header(policy="feels"))
+    assert "by the policy `feels`: rtphys" in card(Dataset(tmp_path), TEXT)
+    assert "by a scripted expert: rtphys" in card(dataset, TEXT)
 
 
 def test_nobody_is_given_a_licence(dataset: Dataset) -> None:

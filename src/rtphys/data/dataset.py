@@ -402,14 +402,16 @@ class Dataset(Sequence[Episode]):
                 if (entry := part.manifest.task_datasets.get(name)) is not None:
                     twin = replace(part, entry=entry, tests=())
                     twins = {one.seed: one for one in twin.episodes()}
-                    found += [Pair(one, twins[one.seed]) for one in part.episodes()]
+                    # The twin of a run that was cut off, or is going on, may not be there yet.
+                    pairs = ((one, twins.get(one.seed)) for one in part.episodes())
+                    found += [Pair(one, other) for one, other in pairs if other is not None]
         return tuple(found)
 
     def groups(self) -> dict[tuple[str, int], tuple[Episode, ...]]:
         """Task and seed -> its episodes under every configuration, kept failures among them.
 
         The layout of a seed is the same in all, so what differs between them is the physics, as in
-        a sweep, or the look.
+        a sweep, the look, or the robot.
         """
         found: dict[tuple[str, int], list[Episode]] = {}
         for part in self._parts:

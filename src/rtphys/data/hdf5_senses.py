@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rtphys.core.errors import UnknownName
-from rtphys.data.episode import CAMERA_KEYS, Sensed, Track
+from rtphys.data.episode import CAMERA_KEYS, Sensed, Track, official_camera
 from rtphys.data.hdf5_file import (
     GROUP,
     Rows,
@@ -209,6 +209,7 @@ class SenseFile:
         Args:
             camera: whose; empty but for a sense of every pixel.
         """
+        camera = official_camera(camera)
         streams = {one.field.name: one for one in sense_streams(SENSES, self.layout, (camera,))}
         if field not in streams:
             raise UnknownName("field of a sense", field, streams)

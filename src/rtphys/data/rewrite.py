@@ -159,7 +159,7 @@ def subset(
     for entry in filter(choose, read_manifest(source).task_datasets.values()):
         header = entry.header
         if keep is not None:
-            header = replace(header, spec=replace(header.spec, made_by="subset", twin=None))
+            header = replace(header, spec=replace(header.spec, made_by="subset"))
         chosen.append(_Part(header, [(source, entry)], _copied, keep))
     if not any(keep is None or any(row.on_disk for _, row in part.rows()) for part in chosen):
         raise BadFile(source, "the dataset holds no such episode")

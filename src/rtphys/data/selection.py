@@ -65,6 +65,8 @@ class One(Selection):
         Raises `UnknownName`, `BadValue`, `BadFile`: none fits.
         """
         if not path.is_dir() and path.name != MANIFEST:
+            if self != One():
+                raise BadValue("path", str(path), "a file is of one episode; name it alone")
             return (find_episode(path),)
         dataset = Selection(self.task, self.config, self.embodiment, self.seed).of(Dataset(path))
         failures = dataset.failures()
@@ -93,5 +95,8 @@ def seed_set(option: str, text: str) -> frozenset[int]:
         first, colon, end = part.partition(":")
         if not (first.isdecimal() and (end.isdecimal() or not colon)):
             raise BadValue(option, text, "write numbers such as 3,7 or a range such as 0:50")
-        found.update(range(int(first), int(end)) if colon else (int(first),))
+        numbers = range(int(first), int(end)) if colon else (int(first),)
+        if not numbers:
+            raise BadValue(option, text, f"{part} holds no number")
+        found.update(numbers)
     return frozenset(found)

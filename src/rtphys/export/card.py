@@ -3,6 +3,7 @@
 Croissant lists every file with its SHA-256, and every episode with its physics.
 """
 
+import json
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,8 +87,8 @@ def card(dataset: Dataset, text: CardText) -> str:
     size = next((name for limit, name in SIZES if frames < limit), "n>1M")
     front = [
         "---",
-        *([f"license: {text.license}"] if text.license else []),
-        *("language:", "- en", f"pretty_name: {text.name}"),
+        *([f"license: {json.dumps(text.license)}"] if text.license else []),
+        *("language:", "- en", f"pretty_name: {json.dumps(text.name, ensure_ascii=False)}"),
         *("task_categories:", "- robotics", "tags:"),
         *(f"- {tag}" for tag in ("robotics", "manipulation", "bimanual", "RoboTwin", "physics")),
         *("size_categories:", f"- {size}", "---"),
@@ -100,7 +101,6 @@ def card(dataset: Dataset, text: CardText) -> str:
             versions.setdefault(name, set()).add(version)
     counts = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
     made = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(versions.items()))
-    actors = " and ".join(sorted({entry.spec.policy or "a scripted expert" for entry in entries}))
     digest = dataset_digest((dataset.path / MANIFEST).read_bytes())
     parts = [
         "\n".join(front),
@@ -118,7 +118,7 @@ def card(dataset: Dataset, text: CardText) -> str:
         "## Use",
         USE,
         "## Provenance",
-        f"Made by {actors} in simulation: {made}. "
+        f"Made in simulation by {_who(dataset)}: {made}. "
         f"Dataset format {dataset.manifest.dataset_version}.",
         f"Digest of this dataset: `{digest}`, which `rtphys verify` prints for every copy of it. "
         "`croissant.json` has a state digest of each episode, "
@@ -154,6 +154,12 @@ for episode in rtphys.Dataset("path/to/this/folder"):
 
 `rtphys verify path/to/this/folder` checks every file, and derives the sampled physics of
 every episode from its seed again."""
+
+
+def _who(dataset: Dataset) -> str:
+    """Who acts in the episodes."""
+    names = dict.fromkeys(entry.spec.policy for entry in dataset.task_datasets)
+    return " and ".join(f"the policy `{one}`" if one else "a scripted expert" for one in names)
 
 
 def _task_table(dataset: Dataset) -> str:
@@ -235,6 +241,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
         {
             "task": episode.task,
             "protocol": episode.protocol,
+            "config": episode.config,
             "number": episode.number,
             "seed": episode.seed,
             "state_digest": state_digest(episode)[:DIGITS],

@@ -150,7 +150,7 @@ def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
     visual, spec = _visual(wanted, entry), entry.spec
     spec = replace(spec, recording=wanted.recording(entry))
     if wanted.part.cuts:
-        spec = replace(spec, made_by="subset", twin=None)
+        spec = replace(spec, made_by="subset")
     if wanted.look is not None:
         # A twin's folder is named after that of its pair, so the look goes before that.
         old = spec.twin_of or spec.name
