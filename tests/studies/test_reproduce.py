@@ -181,7 +181,9 @@ def test_another_renderer_is_told_from_a_change(once: None, forged: Forge) -> No
     found = reproduce_here(forged(change))
     assert found.problems == []
     assert len(found.notes) == 4
-    assert "another program drew or encoded it, `convert` did, or it was changed a little" in found.notes[0]
+    assert (
+        "drawn or encoded by another program, by `convert`, or changed a little" in found.notes[0]
+    )
 
 
 def test_without_a_renderer_the_rest_is_compared(

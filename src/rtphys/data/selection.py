@@ -49,8 +49,8 @@ class Selection:
         """That part. Raises `UnknownName`."""
         seeds = seed_set("seed", self.seed) if self.seed else None
         numbers = seed_set("episode", self.episode) if self.episode else None
-        which = {"config": self.config, "embodiment": self.embodiment}
-        return dataset.where(self.task, **which, seeds=seeds, numbers=numbers)
+        part = dataset.where(self.task, config=self.config, embodiment=self.embodiment)
+        return part.where(seeds=seeds, numbers=numbers)
 
 
 @checked_dataclass(frozen=True)

@@ -61,7 +61,7 @@ class Reproduction:
                     same = f"{text}; other {kind} here are equal to the last bit"
                     self.problems.append(Problem(path, same))
                 else:
-                    other = "another program drew or encoded it, `convert` did, or it was changed a little"
+                    other = "drawn or encoded by another program, by `convert`, or changed a little"
                     self.notes.append(f"{path}: {text}: {other}")
 
 
