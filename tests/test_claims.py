@@ -135,8 +135,9 @@ docs/dataset.md
   one that was joined or cut cannot
     test_merge::test_other_seeds_of_one_task_are_joined_and_not_continued
     test_merge::test_a_subset_of_seeds_is_numbered_anew
-  whether every number and picture of it is the dataset's
+  whether every number, label, sentence and picture of it is the dataset's
     test_lerobot_verify::test_a_number_that_differs_is_named
+    test_lerobot_verify::test_a_label_or_sentence_that_differs_is_named
     test_lerobot_verify::test_a_picture_that_differs_is_named
   `export` never writes failures
     test_lerobot::test_failures_are_not_exported
