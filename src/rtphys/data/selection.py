@@ -65,9 +65,10 @@ class One(Selection):
         Raises `UnknownName`, `BadValue`, `BadFile`: none fits.
         """
         if not path.is_dir() and path.name != MANIFEST:
+            episode = find_episode(path)
             if self != One():
                 raise BadValue("path", str(path), "a file is of one episode; name it alone")
-            return (find_episode(path),)
+            return (episode,)
         dataset = Selection(self.task, self.config, self.embodiment, self.seed).of(Dataset(path))
         failures = dataset.failures()
         if self.failure is not None:

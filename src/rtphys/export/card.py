@@ -1,6 +1,6 @@
 """Metadata of a dataset: README with Hugging Face's front matter, and Croissant 1.1.
 
-Croissant lists every file with its SHA-256, and every episode with its physics.
+Croissant lists every file of an episode with its SHA-256, and every episode with its physics.
 """
 
 import json
