@@ -169,7 +169,7 @@ def draw(path: Path) -> None:
         ax.locator_params(axis="x", nbins=5)
     for ax in axes.flat[len(shown) :]:
         ax.set_axis_off()
-    axes.flat[0].legend(fontsize=8)
+    axes.flat[-1].legend(*axes.flat[0].get_legend_handles_labels(), loc="center")
     figure.savefig(path, dpi=110)
 
 
