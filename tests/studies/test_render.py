@@ -110,8 +110,8 @@ class TestDrawnAgain:
 
     def test_cameras_size_and_look(self, plain: Path, tmp_path: Path) -> None:
         plan = RenderSpec(
-            data=plain, out=tmp_path, cameras=("front",), size="64x48", look="official_random",
-            workers=1,
+            data=plain, out=tmp_path, cameras=("head", "front"), size="64x48",
+            look="official_random", workers=1,
         )  # fmt: skip
         render(plan)
         assert verify(tmp_path, Effort.DEEP).problems == []
@@ -120,6 +120,14 @@ class TestDrawnAgain:
         assert episode.config == "phys_random.look=official_random"
         assert episode.meta.visual is not None and episode.meta.visual.clutter == []
         assert np.array_equal(episode.state, Dataset(plain)[0].state)
+        old = Dataset(plain)[0].paths.video
+        assert episode.paths.video.read_bytes() != old.read_bytes()
+
+    def test_another_look_needs_the_camera_of_the_video(self, plain: Path, tmp_path: Path) -> None:
+        plan = RenderSpec(data=plain, out=tmp_path, cameras=("front",), look="official_random")
+        with pytest.raises(BadValue, match="another look needs head, for the video"):
+            render(plan)
+        assert not [*tmp_path.iterdir()]
 
     def test_a_further_draw_of_a_look(self, plain: Path, tmp_path: Path) -> None:
         found = []

@@ -34,7 +34,7 @@ from rtphys.spec.option import (
     one_of,
 )
 from rtphys.spec.protocol import Protocols, load_look, load_protocol
-from rtphys.spec.recording import CAMERAS, SHADERS, CameraType, RecordingSpec, Size
+from rtphys.spec.recording import CAMERAS, HEAD, SHADERS, CameraType, RecordingSpec, Size
 from rtphys.spec.stored import CLOSED, Extent
 from rtphys.spec.sweep import families, swept
 from rtphys.studies.resources import check_drawable, episode_bytes
@@ -200,7 +200,7 @@ class RenderSpec:
     def recording(self, entry: "TaskEntry") -> RecordingSpec:
         """Of one task dataset. Raises `BadValue`: it cannot be."""
         was = entry.spec.recording
-        return replace(
+        drawn = replace(
             was,
             cameras=self.cameras or was.cameras,
             senses=tuple(name for name in SENSES if name in (*was.senses, *self.add)),
@@ -209,6 +209,10 @@ class RenderSpec:
             look=self.look or was.look,
             shader=self.shader or was.shader,
         )
+        if self.look is not None and HEAD not in drawn.official:
+            allowed = "another look needs head, for the video"
+            raise BadValue("cameras", ",".join(drawn.cameras), allowed)
+        return drawn
 
 
 @checked_dataclass(frozen=True)
