@@ -13,8 +13,7 @@ import pytest
 
 from rtphys import doctor
 from rtphys.assets.pack import default_pack
-from rtphys.core import dependencies as natives
-from rtphys.core import library
+from rtphys.core import dependencies, library
 from rtphys.core.cache import NoCache
 from rtphys.core.errors import RtphysError
 from rtphys.data.verify import default_path
@@ -143,8 +142,8 @@ def test_a_missing_system_library_is_named_with_its_package() -> None:
     said = "toppra: libgomp.so.1: cannot open shared object file: No such file or directory"
     finding = doctor.check_compiled(child(f"print({said + ': libgomp1'!r}); exit(1)"))
     assert finding.cause == "not_loadable" and "libgomp1" in finding.detail
-    assert natives.package_of(said) == "libgomp1"
-    assert natives.package_of("No module named 'toppra'") is None
+    assert dependencies.package_of(said) == "libgomp1"
+    assert dependencies.package_of("No module named 'toppra'") is None
     assert doctor.check_compiled(child("import os; os.abort()")).cause == "not_loadable"
     assert doctor.check_compiled().status == "ok"
 
@@ -159,8 +158,8 @@ def test_a_file_in_the_current_folder_breaks_no_module(
 
 
 def test_a_broken_module_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(natives, "MODULES", ("json", "no_such_module_at_all"))
-    assert natives.failures() == {
+    monkeypatch.setattr(dependencies, "MODULES", ("json", "no_such_module_at_all"))
+    assert dependencies.failures() == {
         "no_such_module_at_all": "No module named 'no_such_module_at_all'"
     }
 

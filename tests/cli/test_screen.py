@@ -248,3 +248,8 @@ def test_the_sentence_below_the_bar_is_whole(monkeypatch: pytest.MonkeyPatch) ->
         live.ticked()
         live.noticed("a worker died")
         live.building(1, 2, "bells")
+
+
+def test_markup_is_not_read_even_on_request() -> None:
+    text = "[red]clean[/red] :smile: [3]"
+    assert Screen().render_str(text, markup=True, emoji=True, highlight=True).plain == text

@@ -7,10 +7,17 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from operator import gt
-from typing import Any, Self
+from typing import Self
 
 from rich.cells import cell_len
-from rich.console import Console, ConsoleOptions, Group, JustifyMethod
+from rich.console import (
+    Console,
+    ConsoleOptions,
+    Group,
+    HighlighterType,
+    JustifyMethod,
+    OverflowMethod,
+)
 from rich.console import RenderableType as Drawn
 from rich.live import Live as RichLive
 from rich.padding import Padding
@@ -18,6 +25,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemaini
 from rich.progress import Progress as ProgressBars
 from rich.progress_bar import ProgressBar
 from rich.segment import Segment
+from rich.style import Style
 from rich.table import Column, Table
 from rich.text import Text
 
@@ -39,9 +47,20 @@ class Screen(Console):
     def __init__(self, *, stderr: bool = False, width: int | None = None) -> None:
         super().__init__(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
 
-    def render_str(self, text: str, **how: Any) -> Text:
-        """Spelled before a column's width follows from it."""
-        return super().render_str(printable(text), **how)
+    def render_str(
+        self,
+        text: str,
+        *,
+        style: str | Style = "",
+        justify: JustifyMethod | None = None,
+        overflow: OverflowMethod | None = None,
+        emoji: bool | None = None,
+        markup: bool | None = None,
+        highlight: bool | None = None,
+        highlighter: HighlighterType | None = None,
+    ) -> Text:
+        """Spelled before a column's width follows from it; markup is not read, even on request."""
+        return Text(printable(text), style, justify=justify, overflow=overflow)
 
     def render(self, renderable: Drawn, options: ConsoleOptions | None = None) -> Iterable[Segment]:
         """Here all that is drawn comes by, whatever it was before."""
