@@ -79,11 +79,17 @@ def test_many_real_workers_give_what_one_gives(
 def test_a_signal_ends_all_workers_at_once(number: signal.Signals, tmp_path: Path) -> None:
     options = f"--task {','.join(TASKS)} --episodes 50 --size 32x32 --workers 16 --out {tmp_path}"
     command = [sys.executable, "-m", "rtphys.cli.main", "collect", *options.split()]
+    heard = signal.signal(number, signal.SIG_DFL)  # under `nohup` the child would ignore it as well
     running = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    while len(begun := worker_processes(running.pid)) < 16:
-        time.sleep(0.1)
-    running.send_signal(number)
-    _, said = running.communicate(timeout=20)
+    signal.signal(number, heard)
+    try:
+        manifest = tmp_path / "manifest.json"
+        while len(begun := worker_processes(running.pid)) < 16 or not manifest.exists():
+            time.sleep(0.1)
+        running.send_signal(number)
+        _, said = running.communicate(timeout=20)
+    finally:
+        running.kill()
     assert running.returncode == 130
     assert "To go on, repeat: rtphys collect" in said.splitlines()[-1]
     assert not {*begun}.intersection(worker_processes(1))
