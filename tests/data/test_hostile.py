@@ -168,5 +168,6 @@ def test_nothing_that_reads_can_unpickle_or_run_what_it_reads(layer: str) -> Non
 @pytest.mark.slow
 @pytest.mark.parametrize("reader", READERS)
 def test_hostile_datasets(reader: str, sound: Path, tmp_path: Path) -> None:
+    """Every case; one in ten by `show`, which draws a plot."""
     assert len(CASES) > 1500
-    check(CASES, reader, sound, tmp_path)
+    check(CASES[:: 10 if reader == "show" else 1], reader, sound, tmp_path)
