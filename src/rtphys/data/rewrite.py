@@ -16,7 +16,7 @@ from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging
-from rtphys.data.attempts import Accepted, KeptFailure, Row, read_attempts
+from rtphys.data.attempts import Accepted, KeptFailure, Row
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch, PartsMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import read_episode
@@ -59,8 +59,9 @@ class _Part:
 
     def _rows_of(self, number: int, place: TaskDataset) -> Iterator[tuple[int, int, Row]]:
         place.check_links()
-        spec, last = self.sources[number][1].spec, -1
-        for attempt, row in enumerate(read_attempts(place.ledger)):
+        (out, entry), last = self.sources[number], -1
+        spec = entry.spec
+        for attempt, row in enumerate(entry.rows(out)):
             collected = spec.made_by == "collect"
             if row.seed != spec.seed(attempt) if collected else row.seed <= last:
                 raise BadFile(place.ledger, f"attempt {attempt} cannot be of seed {row.seed}")

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,7 +12,7 @@ from rtphys.campaign.series import QUIET, Listener, Progress, Series
 from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
-from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.attempts import Accepted
 from rtphys.data.dataset import Dataset
 from rtphys.data.encode import VIDEO_CAMERA, encode_images
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch
@@ -172,7 +171,7 @@ class RenderSeries(Series[RenderTask, Redrawn]):
         self._rejections: dict[int, Rejection] = {}
         self._places: dict[int, tuple[EpisodePaths, Mapping[str, JSON]]] = {}
         seeds: list[int] = []
-        for row in islice(read_attempts(source.ledger), entry.attempts):
+        for row in entry.rows(wanted.data):
             if not wanted.part.takes(row):
                 continue
             seeds.append(row.seed)
