@@ -222,7 +222,7 @@ def verify(checks: Checks) -> None:
         report.problems += compared.problems
         report.notes.append(str(compared))
         if not compared.tasks:
-            wrong.append(f"it holds no task dataset of {checks.published}")
+            wrong.append(f"it holds no episode of {checks.published}")
     elif checks.expect and report.digest:
         if checks.expect != report.digest:
             wrong.append(f"the dataset is {report.digest}, not the expected {checks.expect}")
