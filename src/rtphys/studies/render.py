@@ -108,23 +108,24 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     there = episodes_there(wanted.out)
     for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
-        recording = wanted.recording(entry)
+        recording, of = wanted.recording(entry), entry.spec.episode
         shaders.add(recording.shader)
         check_fits(recording)
         if drawn(recording.senses):
             renderer.check_senses(recording.shader)
-        cost = known.get(entry.spec.episode.task, Cost(0, 0, 0))
+        cost = known.get(of.task, Cost(0, 0, 0))
         name = TaskDataset.of(wanted.out, _header(wanted, entry).spec).name
-        left = max(entry.episodes - there.get(name, 0), 0)
+        chosen = part.where(of.task, config=entry.spec.name, embodiment=of.embodiment)
+        left = max(len(chosen) - there.get(name, 0), 0)
         needed += left * episode_bytes(cost, recording, _visual(wanted, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
             pack_name = entry.resolved.assets.get("pack", "unknown")
-            task, named = entry.spec.episode.task, f"{digest} (pack {pack_name})"
-            why = f"{task} was collected with assets of digest {named}"
+            named = f"{digest} (pack {pack_name})"
+            why = f"{of.task} was collected with assets of digest {named}"
             raise MissingPack(f"{wanted.data}: {why}, which are not on this machine; link them")
         packs[digest] = pack
-        load_task(entry.spec.episode.task)
+        load_task(of.task)
     if not packs:
         raise BadFile(wanted.data / MANIFEST, "lists no episodes")
     if wanted.part.cuts and not (len(part) or part.failures()):
