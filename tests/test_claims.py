@@ -383,6 +383,8 @@ docs/scale.md
     test_merge::test_whole_tasks_join_to_the_same_bytes
   It also refuses parts that hold the same seed
     test_merge::test_parts_that_do_not_fit
+  joins them as they are, and ends with exit code 4
+    test_merge::test_a_part_that_is_unfinished_is_named
   `merge` joins them by seed
     test_merge::test_shards_that_share_a_task_join_by_seed
 docs/sensitivity.md

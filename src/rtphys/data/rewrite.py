@@ -6,6 +6,7 @@ episodes get new numbers. Repeated after an interruption, the same call continue
 
 import heapq
 import shutil
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,7 +14,7 @@ from operator import itemgetter
 from pathlib import Path
 
 from rtphys.core.bounds import LARGEST_EPISODE
-from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName, counted
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging
 from rtphys.data.attempts import Accepted, KeptFailure, Row
@@ -114,6 +115,31 @@ def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) ->
             groups.setdefault(name, []).append((part, entry))
     joined = [_Part(_joined(name, group), group, _copied) for name, group in groups.items()]
     return _write(joined, parts, out, progress)
+
+
+def unfinished(parts: Sequence[Path]) -> list[str]:
+    """A clause for each task dataset of these parts that seems to lack episodes.
+
+    That is one whose run was killed or goes on, or a shard with fewer episodes than another of the
+    same task. A dataset does not know how many it should have, so a run that ended in order, as by
+    Ctrl-C, shows in no other way. Raises `BadFile`: there is no dataset.
+    """
+    entries = [(part, one) for part in parts for one in read_manifest(part).task_datasets.values()]
+    most = Counter[str]()  # episodes of a shard, by task dataset
+    for part, entry in entries:
+        name = entry.below(part).name
+        most[name] = max(most[name], entry.episodes if entry.spec.shard else 0)
+    clauses: list[str] = []
+    for part, entry in entries:
+        place, spec, there = entry.below(part), entry.spec, entry.episodes
+        size = place.ledger.stat().st_size if place.ledger.exists() else 0
+        killed = size > entry.ledger.bytes or entry.listed < entry.attempts
+        if killed or place.staging.exists():
+            clauses.append(f"{place.folder}: its run was killed, or goes on")
+        elif spec.shard and there < most[place.name]:
+            of = f"{counted(there, 'episodes')}, another shard has {most[place.name]}"
+            clauses.append(f"{place.folder}: shard {spec.shard} of {spec.shards} has {of}")
+    return clauses
 
 
 def _joined(name: str, group: Sequence[Source]) -> TaskHeader:
