@@ -27,7 +27,7 @@ from pydantic import JsonValue
 
 from rtphys import Dataset
 from rtphys.data import schema
-from rtphys.data.attempts import Accepted, Rejected, read_attempts
+from rtphys.data.attempts import Accepted, Rejected
 from rtphys.data.files import replace_file
 from rtphys.data.json_text import pretty
 from rtphys.data.layout import MANIFEST
@@ -81,7 +81,7 @@ def make(spec: CollectionSpec, out: Path, workers: int | None) -> float:
 
 def digests_of(dataset: Dataset, cpu: float) -> TaskDigests:
     [entry] = dataset.task_datasets
-    rows = list(read_attempts(entry.below(dataset.path).ledger))
+    rows = list(entry.rows(dataset.path))
     reasons = Counter(row.reason for row in rows if isinstance(row, Rejected))
     return TaskDigests(
         config=entry.spec.name,
@@ -100,7 +100,7 @@ def labels_of(dataset: Dataset) -> list[dict[str, object]]:
     """A row an attempt: what it is, and each number of its physics; None where it could not act."""
     [entry] = dataset.task_datasets
     found: list[dict[str, object]] = []
-    for row in read_attempts(entry.below(dataset.path).ledger):
+    for row in entry.rows(dataset.path):
         accepted = isinstance(row, Accepted)
         known: dict[str, object] = {
             "task": entry.spec.episode.task,

@@ -383,6 +383,8 @@ docs/scale.md
     test_merge::test_whole_tasks_join_to_the_same_bytes
   It also refuses parts that hold the same seed
     test_merge::test_parts_that_do_not_fit
+  joins them as they are, and ends with exit code 4
+    test_merge::test_a_part_that_is_unfinished_is_named
   `merge` joins them by seed
     test_merge::test_shards_that_share_a_task_join_by_seed
 docs/sensitivity.md
@@ -396,8 +398,8 @@ docs/training_set.md
     test_state_digests::test_pictures_the_layout_and_the_machine_do_not_count
     test_certified_lists::test_the_expert_solves_the_first_instance_bit_for_bit
     test_commands_with_many_workers::test_many_workers_give_what_one_gives
-  `verify` compares as many episodes as there are, from the first on
-    test_state_digests::test_as_many_are_compared_as_there_are
+  `verify` compares each seed that both have tried
+    test_state_digests::test_a_part_is_compared_seed_by_seed
 docs/trust.md
   Reading one executes no code and unpickles nothing
     test_hostile::test_nothing_that_reads_can_unpickle_or_run_what_it_reads

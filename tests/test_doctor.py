@@ -148,6 +148,19 @@ def test_a_missing_system_library_is_named_with_its_package() -> None:
     assert doctor.check_compiled().status == "ok"
 
 
+def test_a_package_that_hangs_does_not_hang_the_doctor(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Nor is it imported here by the check that needs it."""
+    hung = doctor.check_compiled(child("import time; time.sleep(60)"), limit_s=1.0)
+    assert hung.cause == "not_loadable" and "stopped after 1 s" in hung.detail
+    monkeypatch.setattr(doctor, "check_compiled", lambda: hung)
+    monkeypatch.setattr(doctor, "check_renderer", lambda: doctor.UNREAD)
+    monkeypatch.setattr(doctor, "check_lists", lambda: pytest.fail("imports compiled packages"))
+    found = {finding.check: finding for finding in doctor.examine(tmp_path)}
+    assert found["compiled packages"] == hung and found["certified lists"].status == "note"
+
+
 def test_a_file_in_the_current_folder_breaks_no_module(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

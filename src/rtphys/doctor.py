@@ -1,7 +1,8 @@
 """What keeps this machine from working, and the cure.
 
-Everything that can hang or crash (drivers, native libraries) is tried in a child process with a
-time limit. Each cause has an exit code of its own, so that scripts can tell them apart.
+Drivers and compiled packages may hang or crash: a child process with a time limit tries them. Only
+numpy and scipy are loaded here before that. Each cause has an exit code of its own, so that scripts
+can tell them apart.
 """
 
 import json
@@ -27,7 +28,7 @@ from rtphys.core.errors import RtphysError, counted
 
 PROBE = (sys.executable, "-P", "-W", "ignore", "-m", "rtphys.sim.probe")
 COMPILED = (sys.executable, "-P", "-W", "ignore", "-m", "rtphys.core.dependencies")
-PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10
+PROBE_LIMIT = 120.0  # [s] the slowest honest first frame takes about 10, imports take less
 OPENCV = ("opencv-contrib-python-headless", "opencv-python-headless")  # either will do
 CLAUSES = 3  # differences of stale lists that are named
 DISK_LOW, DISK_NEEDED = 5e9, 5e8  # [bytes] warn, fail; an episode is about 5 MB
@@ -125,17 +126,18 @@ class Finding:
 
 def examine(out: Path = Path()) -> list[Finding]:
     """Run every check. `out` is where datasets are to go; it need not exist yet."""
+    compiled = cache(check_compiled)
     checks: dict[str, Callable[[], Finding]] = {
         "packages": check_packages,
         "certified versions": check_versions,
-        "compiled packages": check_compiled,
+        "compiled packages": compiled,
         "arithmetic": check_arithmetic,
         "renderer": check_renderer,
         "space for data": lambda: check_disk("space for data", out),
         "space for assets": check_cache,
         "assets": check_assets,
         "library": check_library,
-        "certified lists": check_lists,
+        "certified lists": lambda: check_lists() if compiled().status == "ok" else UNREAD,
     }
     findings: list[Finding] = []
     for check, run in checks.items():
@@ -146,6 +148,9 @@ def examine(out: Path = Path()) -> list[Finding]:
         except Exception as error:  # one that breaks must not hide the others
             findings.append(_found(check, "unknown", f"{type(error).__name__}: {error}"))
     return findings
+
+
+UNREAD = Finding("certified lists", "note", "ok", "not compared: a compiled package does not load")
 
 
 def exit_code(findings: Sequence[Finding]) -> int:
@@ -197,9 +202,15 @@ def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object
     return "no_simulator", {"detail": last}
 
 
-def check_compiled(command: Sequence[str] = COMPILED) -> Finding:
+def check_compiled(command: Sequence[str] = COMPILED, limit_s: float = PROBE_LIMIT) -> Finding:
     """Import every compiled package in a child process."""
-    done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    try:
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=limit_s, stdin=subprocess.DEVNULL
+        )
+    except subprocess.TimeoutExpired:
+        late = f"importing them was stopped after {limit_s:g} s"
+        return _found("compiled packages", "not_loadable", late)
     if done.returncode == 0:
         return _found("compiled packages", "ok", "all can be loaded")
     lines = [*done.stdout.strip().splitlines(), *done.stderr.strip().splitlines()[-1:]]

@@ -70,3 +70,14 @@ def test_results_of_common_tasks_are_compared(tmp_path: Path) -> None:
     write_result(tmp_path / "b.json", replace(other, protocol="clean"))
     said = CliRunner().invoke(app, ["compare", *files]).output
     assert "phys_random" in said and "clean" in said, "two protocols are no two estimators"
+
+
+def test_results_of_one_estimator_are_told_apart_by_their_files(tmp_path: Path) -> None:
+    files = [str(tmp_path / name / "trees.json") for name in ("one", "two")]
+    for file in files:
+        Path(file).parent.mkdir()
+        write_result(Path(file), result(1))
+    head = CliRunner().invoke(app, ["compare", *files]).output.splitlines()[1]
+    assert all(head.count(file) == 2 for file in files), "R2, and R2 beyond the range"
+    shown = json.loads(CliRunner().invoke(app, ["compare", *files, "--json"]).output)
+    assert [column["file"] for column in shown["columns"]] == files

@@ -140,7 +140,7 @@ def test_an_output_that_takes_nothing(
 @pytest.mark.parametrize(
     ("command", "function"),
     [
-        ("merge a b", "merge_datasets"),
+        ("merge a a", "merge_datasets"),
         ("subset a", "write_subset"),
         ("convert a", "convert_dataset"),
     ],

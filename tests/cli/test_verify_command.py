@@ -67,7 +67,7 @@ def test_it_is_compared_with_what_was_published(dataset: Path, tmp_path: Path) -
     assert result.exit_code == 1 and "its states or its label are not those of" in result.stdout
     path.write_text(json.dumps({**listed, "tasks": {"lift_pot": task}}))
     result = verify(dataset, "--expect", str(path))
-    assert result.exit_code == 1 and "it holds no task dataset of" in result.stdout
+    assert result.exit_code == 1 and "it holds no episode of" in result.stdout
 
 
 @pytest.mark.parametrize("name", ["video/episode_0000000.mp4", "seeds.txt", "manifest.json"])

@@ -19,6 +19,7 @@ import rtphys
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset, find_episode
+from rtphys.data.files import facts_of
 from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.rewrite import convert
 from rtphys.data.selection import One, Selection, seed_set
@@ -103,6 +104,24 @@ def test_a_sum_has_the_episodes_of_both_and_no_folder(tmp_path: Path) -> None:
     assert len(both.groups()["click_bell", 0]) == 2
     with pytest.raises(BadValue, match="`rtphys merge` writes one"):
         _ = both.path
+
+
+def test_the_files_are_those_of_the_episodes_that_are_meant(tmp_path: Path) -> None:
+    """And of the failures that were kept."""
+    keep(tmp_path, attempts=4)
+    data = Dataset(tmp_path)
+    for part in (data, data.where(seeds=[1, 2]), data.where(numbers=[0]), data.where(seeds=[9])):
+        paths = [path for one in (*part, *part.failures()) for path in one.paths.all()]
+        assert {tmp_path / name for name, _ in part.files()} == {*paths}
+        assert all(facts_of(tmp_path / name) == facts for name, facts in part.files())
+    assert [len([*data.where(seeds=seeds).files()]) for seeds in ([1, 2], [9])] == [8, 0]
+
+
+def test_what_is_newer_than_the_manifest_is_not_there_yet(ahead: Path, tmp_path: Path) -> None:
+    assert [one.seed for one in Dataset(ahead)] == [0, 1]
+    assert len([*Dataset(ahead).files()]) == 8
+    convert(ahead, tmp_path / "other", "legacy")
+    assert [one.seed for one in Dataset(tmp_path / "other")] == [0, 1]
 
 
 class Table(list):

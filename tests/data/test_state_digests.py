@@ -10,7 +10,7 @@ import pytest
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data.dataset import Dataset
 from rtphys.data.json_text import pretty
-from rtphys.data.rewrite import convert
+from rtphys.data.rewrite import convert, subset
 from rtphys.data.state_digests import (
     DIGITS,
     Digests,
@@ -80,6 +80,12 @@ def test_a_label_counts(three: Path, copied: Dataset) -> None:
     assert state_digest(copied[2]) != state_digest(Dataset(three)[2])
 
 
+def changed(listed: Digests, **changes: object) -> Digests:
+    """Other entries of click_bell, the only task here."""
+    task = listed.tasks["click_bell"].model_copy(update=changes)
+    return listed.model_copy(update={"tasks": {"click_bell": task}})
+
+
 def test_as_many_are_compared_as_there_are(three: Path) -> None:
     dataset = Dataset(three)
     listed = published(dataset)
@@ -87,22 +93,33 @@ def test_as_many_are_compared_as_there_are(three: Path) -> None:
     assert not found.problems
     assert str(found) == "3 of 3 episodes of 1 task have the states, actions and labels of ours"
     assert compare(dataset.where(numbers=[0, 1]), listed, "ours").episodes == 2
-    other = {task: one.model_copy(update={"config": "clean"}) for task, one in listed.tasks.items()}
-    assert compare(dataset, listed.model_copy(update={"tasks": other}), "ours").tasks == 0
+    assert compare(dataset, changed(listed, config="clean"), "ours").tasks == 0
+    assert compare(dataset, changed(listed, episodes={}), "ours").tasks == 0
+
+
+def test_a_part_is_compared_seed_by_seed(three: Path, tmp_path: Path) -> None:
+    """Its first episode is the second of the collection; a longer one has more than is listed."""
+    listed = published(Dataset(three))
+    subset(three, tmp_path / "part", lambda _: True, lambda row: row.seed in (1, 3))
+    found = compare(Dataset(tmp_path / "part"), listed, "ours")
+    assert (found.problems, found.episodes) == ([], 2)
+    first = dict([*listed.tasks["click_bell"].episodes.items()][:2])
+    found = compare(Dataset(three), changed(listed, episodes=first), "ours")
+    assert (found.problems, found.episodes) == ([], 2)
 
 
 def test_what_differs_is_named(three: Path) -> None:
     dataset = Dataset(three)
     listed = published(dataset)
     first, second, third = listed.tasks["click_bell"].episodes.items()
-    episodes = dict([first, (second[0], 16 * "0"), ("7", third[1])])
-    task = listed.tasks["click_bell"].model_copy(update={"episodes": episodes})
-    problems = compare(
-        dataset, listed.model_copy(update={"tasks": {"click_bell": task}}), "ours"
-    ).problems
-    assert [one.path.name for one in problems] == ["episode_0000001.json", "episode_0000002.json"]
-    assert problems[0].text == "its states or its label are not those of ours"
-    assert problems[1].text == "is of seed 3, that of ours is of seed 7"
+    episodes = dict([first, (second[0], 16 * "0"), ("2", third[1]), ("7", third[1])])
+    found = compare(dataset, changed(listed, episodes=episodes), "ours")
+    assert [(one.path.name, one.text) for one in found.problems] == [
+        ("episode_0000001.json", "its states or its label are not those of ours"),
+        ("episode_0000002.json", "is of seed 3, of which ours has no episode"),
+        ("ledger.jsonl", "seed 2 was rejected, of which ours has an episode"),
+    ]
+    assert str(found).startswith("1 of 4 episodes of 1 task have")
 
 
 def test_lists_are_found_by_name_and_by_path(three: Path, tmp_path: Path) -> None:

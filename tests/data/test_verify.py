@@ -367,18 +367,6 @@ def test_side_files_follow_from_the_ledger(
 # ---- runs that were cut off, and twins -----------------------------------------------------------
 
 
-@pytest.fixture
-def ahead(tmp_path: Path) -> Path:
-    """A dataset of three episodes whose run wrote its manifest after the second attempt."""
-    out = tmp_path / "ahead"
-    collect(out, 2)
-    old = {name: data for name, data in content(out).items() if "ledger" not in name}
-    collect(out, 3)
-    for name in ("manifest.json", *(f"{FOLDER}/{n}" for n in ("seed.txt", "scene_info.json"))):
-        (out / name).write_bytes(old[name])
-    return out
-
-
 def test_a_manifest_that_lags(ahead: Path) -> None:
     """All that the ledger lists is checked; the side files may be of any moment since."""
     report = verify(ahead)

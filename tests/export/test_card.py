@@ -12,6 +12,7 @@ import yaml
 from collected import collect
 
 from rtphys.data.dataset import Dataset
+from rtphys.data.rewrite import convert
 from rtphys.data.state_digests import state_digest
 from rtphys.data.verify import verify
 from rtphys.export.card import CardText, card, croissant, write_card
@@ -49,6 +50,25 @@ def test_a_card_says_who_acted(dataset: Dataset, tmp_path: Path) -> None:
     collect(tmp_path, 1, synthetic.header(policy="feels"))
     assert "by the policy `feels`: rtphys" in card(Dataset(tmp_path), TEXT)
     assert "by a scripted expert: rtphys" in card(dataset, TEXT)
+
+
+def test_a_card_names_the_folders_that_are_there(dataset: Dataset, tmp_path: Path) -> None:
+    """Of either layout, and of both where a dataset has both."""
+    convert(dataset.path, tmp_path / "legacy", "legacy")
+    collect(tmp_path / "both", 1)
+    collect(tmp_path / "both", 1, synthetic.header("legacy", overrides={"friction": 0.1}))
+    for folder in (dataset.path, tmp_path / "legacy", tmp_path / "both"):
+        expected, red = set[str](), set[bool]()
+        for entry in (data := Dataset(folder)).task_datasets:
+            spec, place = entry.spec, entry.below(folder)
+            named = place.name.replace(spec.name, "<config>").replace(spec.episode.task, "<task>")
+            expected.add(named.replace(place.embodiment, "<embodiment>") + "/ledger.jsonl")
+            expected |= {f"…/{path.parent.name}/" for path in place.episode(0).all()}
+            red.add(spec.recording.layout == "legacy")
+        text = card(data, TEXT)
+        table = re.findall(r"^\| `([^`]+)` \|", text.split("## Files")[1], re.MULTILINE)
+        assert {*table} == expected | {"manifest.json"}
+        assert ("XPL-RGB1" in text) is (False in red) and ("exchanged" in text) is (True in red)
 
 
 def test_nobody_is_given_a_licence(dataset: Dataset) -> None:

@@ -226,6 +226,11 @@ def test_depth_is_a_video_of_millimetres(tmp_path: Path) -> None:
     assert "head_camera, depth, frame 2: another picture" in problem
     with pytest.raises(BadValue, match=r"depth.* from v3\.0 on"):
         export(data, tmp_path / "old", version="v2.1", features=("depth",))
+    clash = "head=a,left=a_depth"  # the second would take the place of the first one's depth
+    with pytest.raises(BadValue, match=r"'a_depth' is not allowed; .* depth of head_camera"):
+        export(data, tmp_path / "clash", camera_names=clash, features=("depth",))
+    named = info(export(data, tmp_path / "named", camera_names=clash))["features"]
+    assert {"observation.images.a", "observation.images.a_depth"} <= named.keys()
 
 
 def test_the_command_says_which_format_a_converter_breaks(dataset: Dataset, tmp_path: Path) -> None:

@@ -95,6 +95,14 @@ def test_a_dataset_tells_which_attempts_were_refused(slippery_rejected):
     assert {"center_of_mass.x", "center_of_mass.y", "center_of_mass.z"} <= by_key.keys()
 
 
+def test_attempts_that_are_newer_than_the_manifest_do_not_count(tmp_path):
+    from collected import run_ahead
+
+    run_ahead(tmp_path)
+    (found,) = selections_by_task_dataset(Dataset(tmp_path)).values()
+    assert {len(one.attempted) for one in found} == {2}
+
+
 def test_the_command_prints_and_draws_it(slippery_rejected, tmp_path):
     arguments = ["audit", str(slippery_rejected), "--no-labels", "--out", str(tmp_path)]
     result = CliRunner().invoke(command, arguments)

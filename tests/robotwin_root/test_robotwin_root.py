@@ -16,6 +16,7 @@ import rtphys
 from rtphys.assets.pack import default_pack
 from rtphys.core.errors import BadValue, Infeasible, RtphysError, UnknownName
 from rtphys.core.library import read_yaml
+from rtphys.data import files
 from rtphys.policies.robotwin_plugin import user_args
 from rtphys.robotwin_root import (
     ArmTag,
@@ -179,6 +180,31 @@ def test_a_root_can_be_written_again_and_others_are_left_alone(root: Path, tmp_p
     (other / "thesis.tex").write_text("")
     with pytest.raises(NotOurs, match="choose a new folder"):
         write_root(other, default_pack())
+
+
+@pytest.mark.parametrize("written", [0, 1, 7])
+def test_a_root_that_was_cut_off_is_completed(
+    written: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed after so many files; the next one has begun, under its temporary name."""
+    move, left = files.move, iter(range(written))
+
+    def killed(source: Path, target: Path) -> None:
+        if next(left, None) is None:
+            os._exit(9)
+        move(source, target)
+
+    child = os.fork()
+    if not child:
+        monkeypatch.setattr(files, "move", killed)
+        try:
+            write_root(tmp_path / "root", default_pack())
+        finally:
+            os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 9
+    expected = write_root(tmp_path / "root", default_pack())
+    assert all((tmp_path / "root" / name).is_file() for name in expected)
+    assert not [*(tmp_path / "root").rglob("*.part")]
 
 
 def test_a_configuration_names_the_robot() -> None:

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import default_pack
+from rtphys.campaign.series import Listener
 from rtphys.cli.authoring import complaints
 from rtphys.cli.main import app
 from rtphys.core.library import bundled
@@ -58,6 +59,22 @@ def test_a_lost_worker_is_a_failure_with_its_reason() -> None:
     assert score.accepted == [0] and score.deterministic
 
 
+def test_a_lost_attempt_does_not_lower_the_mean_cpu_time() -> None:
+    score = score_of(("expert", 0, GOOD), ("expert", 1, LOST))
+    assert score.to_json()["cpu_seconds_mean"] == 1.0
+    assert score_of(("expert", 0, LOST)).to_json()["cpu_seconds_mean"] is None
+
+
+@pytest.mark.parametrize(("first", "shown"), [(GOOD, "1.00"), (LOST, "-")])
+def test_the_table_shows_the_mean_cpu_time(
+    first: CheckResult, shown: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    score = score_of(("expert", 0, first), ("expert", 1, LOST))
+    monkeypatch.setattr(check_module, "check", lambda *_: [score])
+    head, row = CliRunner().invoke(app, ["check", "click_bell"]).stdout.splitlines()[:2]
+    assert row[head.index("CPU-s") :].split()[0] == shown
+
+
 WON = CheckResult(success=True)
 
 
@@ -89,6 +106,11 @@ def test_what_no_task_may_do_is_complained_about(
 
 def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[str] = []
+    said: list[str] = []
+
+    class Hearing(Listener):
+        def noticed(self, text: str) -> None:
+            said.append(text)
 
     def run_here(batches, *_) -> None:
         for batch in batches:
@@ -98,7 +120,7 @@ def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(check_module, "run_here", run_here)
     plan = CheckPlan(tasks=("click_bell", "lift_pot"), seeds=1)
-    bell, pot = check(plan, default_pack())
+    bell, pot = check(plan, default_pack(), Hearing())
     assert bell.rate("idle") == 1 and pot.rate("idle") is None and not pot.accepted
     assert ran == [
         "click_bell, clean (expert)",
@@ -107,6 +129,7 @@ def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPat
         "lift_pot, clean (expert, determinism check)",
         *(f"click_bell, clean ({role})" for role in BASELINES),
     ]
+    assert said == ["the baselines skip 1 pair of task and protocol, where the expert solves none"]
 
 
 @pytest.mark.parametrize(

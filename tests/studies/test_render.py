@@ -259,3 +259,20 @@ def test_space_is_needed_for_what_is_not_drawn_yet(
     for out in (tmp_path / "new", synthetic_dataset(tmp_path / "drawn")):
         module._check(RenderSpec(data=data, out=out), Dataset(data))
     assert needed[0] > needed[1] == 0
+
+
+def test_space_is_needed_for_the_chosen_episodes_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from collected import collect as collect_synthetic
+
+    needed = list[float]()
+    monkeypatch.setattr(module, "pack_with", lambda digest: object())
+    monkeypatch.setattr(module, "check_space", lambda out, room: needed.append(room))
+    monkeypatch.setattr(module, "check_drawable", lambda shader: 0)
+    collect_synthetic(tmp_path / "data", 4)  # of seeds 0, 1, 3, 4
+    for seeds in ("", "3,4", "0"):
+        plan = RenderSpec(data=tmp_path / "data", out=tmp_path / "out", part=Selection(seed=seeds))
+        module._check(plan, plan.part.of(Dataset(plan.data)))
+    every, two, one = needed
+    assert every == 2 * two == 4 * one > 0

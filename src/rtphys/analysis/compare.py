@@ -233,13 +233,21 @@ def _labels(evaluations: Sequence[Results]) -> list[str]:
         [results.path.name for results in evaluations],
         [str(results.path) for results in evaluations],
     ]
-    robots = [results.robot for results in evaluations]
-    labels = []
-    for number, robot in enumerate(robots):
-        unique = (names[number] for names in choices if names.count(names[number]) == 1)
-        label = next(unique, choices[-1][number])
-        labels.append(f"{label} ({robot})" if len({*robots}) > 1 else label)
-    return labels
+    labels, robots = told_apart(choices), [results.robot for results in evaluations]
+    if len({*robots}) == 1:
+        return labels
+    return [f"{label} ({robot})" for label, robot in zip(labels, robots, strict=True)]
+
+
+def told_apart(choices: Sequence[Sequence[str]]) -> list[str]:
+    """A name for each thing: of the lists of names, the first one in which no other has its name.
+
+    It is of the last list where there is none.
+    """
+    return [
+        next((names[n] for names in choices if names.count(names[n]) == 1), choices[-1][n])
+        for n in range(len(choices[-1]))
+    ]
 
 
 def paper_columns() -> list[Column]:

@@ -433,7 +433,7 @@ def _show_scores(scores: "Sequence[Score]") -> None:
             score.spec.protocol,
             f"{len(score.accepted)} / {len(score.tried('expert'))}",
             *(f"{solved} / {played}" if played else "-" for solved, played in counts),
-            f"{score.cpu_seconds:.2f}",
+            "-" if (spent := score.cpu_seconds) is None else f"{spent:.2f}",
             reasons(score.rejected),
         )
     print_table(table)

@@ -9,7 +9,7 @@ import typer
 
 from rtphys.cli.derived import names_in, takes
 from rtphys.cli.screen import campaign_progress, progress_bar
-from rtphys.cli.terminal import command_line, printable, resumable, say
+from rtphys.cli.terminal import Incomplete, command_line, printable, resumable, say
 from rtphys.core.errors import BadValue, counted
 from rtphys.data import files
 from rtphys.data import verify as checking
@@ -21,6 +21,7 @@ from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
 from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
+from rtphys.data.rewrite import unfinished
 from rtphys.data.selection import (
     CONFIG,
     HOLDS,
@@ -74,15 +75,22 @@ def merge(
 
     All must be of one version. A task dataset that only one of them has is copied as it is. One
     that several have must have been collected with the same options and different seeds; its
-    episodes are renumbered by seed.
+    episodes are renumbered by seed. Exit code 4: joined, but some parts seem to be unfinished.
 
     Example:
 
         rtphys merge shard1 shard2 --out data
     """
+    lacking = unfinished(parts)
+    for clause in lacking:  # before what may take hours
+        say(printable(f"unfinished: {clause}", one_line=True), err=True)
     with resumable(), progress_bar("merging") as bar:
         names = merge_datasets(parts, out, bar)
     _say_result(out, names)
+    if lacking:
+        many = counted(len(lacking), "task datasets")
+        cure = "repeat the commands that collect them, and merge into a new folder"
+        raise Incomplete(f"{many} of the parts seem to be unfinished: {cure}")
 
 
 def subset(
@@ -222,7 +230,7 @@ def verify(checks: Checks) -> None:
         report.problems += compared.problems
         report.notes.append(str(compared))
         if not compared.tasks:
-            wrong.append(f"it holds no task dataset of {checks.published}")
+            wrong.append(f"it holds no episode of {checks.published}")
     elif checks.expect and report.digest:
         if checks.expect != report.digest:
             wrong.append(f"the dataset is {report.digest}, not the expected {checks.expect}")

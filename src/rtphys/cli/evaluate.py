@@ -1,6 +1,6 @@
 """Commands for policies: certified lists, evaluations, and comparisons of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -296,7 +296,7 @@ def compare(
         for name, value in (("protocol", protocol), ("paper", paper), ("figure", figure)):
             if value:
                 raise BadValue(name, value, "it belongs to evaluations, not to `rtphys identify`")
-        _show_identified([read_result(path) for path in folders], as_json)
+        _show_identified({path: read_result(path) for path in folders}, as_json)
         return
     evaluations = [read_results(folder) for folder in folders or []]
     comparison = analysis.compare(evaluations, protocol, paper)
@@ -393,23 +393,27 @@ def _show_pairs(comparison: Comparison) -> None:
         print_table(table)
 
 
-def _show_identified(results: Sequence[Result], as_json: bool) -> None:
+def _show_identified(files: Mapping[Path, Result], as_json: bool) -> None:
     """Mean R2 by attribute and estimator over the tasks that all of them have."""
+    results = list(files.values())
     tasks = [t for t in results[0].tasks if all(t in result.tasks for result in results)]
-    names = [short_name(result.estimator) for result in results]
-    if len({result.protocol for result in results}) > 1:
-        names = [f"{n}, {result.protocol}" for n, result in zip(names, results, strict=True)]
+    ends = [f", {result.protocol}" for result in results]
+    if len({*ends}) == 1:
+        ends = [""] * len(ends)
+    choices = [short_name(result.estimator) for result in results], [*map(str, files)]
+    names = analysis.told_apart([[*map("".join, zip(c, ends, strict=True))] for c in choices])
     keys = sorted({key for r in results for task in tasks for key in r.tasks[task].scores})
     if as_json:
         columns = [
             {
+                "file": str(path),
                 "estimator": result.estimator,
                 "protocol": result.protocol,
                 "r2": {key: result.mean(key, tasks) for key in keys},
                 "beyond": {key: result.mean(key, tasks, beyond=True) for key in keys},
                 "failed": {task: result.tasks[task].failed for task in tasks},
             }
-            for result in results
+            for path, result in files.items()
         ]
         say_json({"tasks": tasks, "columns": columns})
         return

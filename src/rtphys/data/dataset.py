@@ -11,7 +11,7 @@ import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import chain, islice
+from itertools import chain
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, SupportsIndex, cast, overload
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rtphys.core.bounds import MAX_PICTURES
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName, counted
 from rtphys.data import jpeg, schema
-from rtphys.data.attempts import Accepted, Rejected, Row, read_attempts
+from rtphys.data.attempts import Accepted, Rejected, Row
 from rtphys.data.episode import Frames
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import EpisodeFile
@@ -193,9 +193,8 @@ class _Part:
 
     def rows(self) -> Iterator[Row]:
         """Attempts as far as the manifest counts, in order. Raises `BadFile`."""
-        place = self.entry.below(self.path)
-        place.check_links()
-        rows = islice(read_attempts(place.ledger), self.entry.attempts)
+        self.entry.below(self.path).check_links()
+        rows = self.entry.rows(self.path)
         return (row for row in rows if all(test(row) for test in self.tests))
 
     def physics(self, row: Row, raw: bool) -> Mapping[str, object]:
@@ -486,9 +485,11 @@ class Dataset(Sequence[Episode]):
         return tuple(chain.from_iterable(part.episodes(failed=True) for part in self._parts))
 
     def files(self) -> Iterator[tuple[str, FileFacts]]:
-        """Every episode's file below the folder, with its size and SHA-256, from the ledgers."""
-        for name, entry in self.manifest.task_datasets.items():
-            for row in islice(read_attempts(entry.below(self.path).ledger), entry.attempts):
+        """Every file of the episodes and failures here: its path below the folder, and its size
+        and SHA-256 from the ledger; works after `where` too."""
+        for part in self._parts:
+            name = part.entry.below(self.path).name
+            for row in part.rows():
                 for path, facts in (row.on_disk.files if row.on_disk else {}).items():
                     yield f"{name}/{path}", facts
 

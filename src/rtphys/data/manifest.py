@@ -5,13 +5,14 @@ the last check of each ledger's chain, so its digest covers them all, and it sta
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 
 from rtphys.core.errors import BadFile, shortened
 from rtphys.core.untrusted import parse_mapping
 from rtphys.data import files
-from rtphys.data.attempts import ATTEMPT, Totals
+from rtphys.data.attempts import ATTEMPT, Row, Totals, read_attempts
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import Count, pretty
 from rtphys.data.layout import LEDGER, MANIFEST, TaskDataset
@@ -54,6 +55,13 @@ class TaskEntry:
     def below(self, out: Path) -> TaskDataset:
         """Where its files lie when the manifest lies in `out`."""
         return TaskDataset.of(out, self.spec)
+
+    def rows(self, out: Path) -> Iterator[Row]:
+        """Its attempts in order, as far as the manifest in `out` counts them. Raises `BadFile`.
+
+        A run that is going on, or was killed, has more of them in the ledger.
+        """
+        return islice(read_attempts(self.below(out).ledger), self.attempts)
 
 
 @checked_dataclass(frozen=True, config=CLOSED)

@@ -6,6 +6,7 @@ episodes get new numbers. Repeated after an interruption, the same call continue
 
 import heapq
 import shutil
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,10 +14,10 @@ from operator import itemgetter
 from pathlib import Path
 
 from rtphys.core.bounds import LARGEST_EPISODE
-from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.core.errors import BadFile, BadValue, UnknownName, counted
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging
-from rtphys.data.attempts import Accepted, KeptFailure, Row, read_attempts
+from rtphys.data.attempts import Accepted, KeptFailure, Row
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch, PartsMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import read_episode
@@ -59,8 +60,9 @@ class _Part:
 
     def _rows_of(self, number: int, place: TaskDataset) -> Iterator[tuple[int, int, Row]]:
         place.check_links()
-        spec, last = self.sources[number][1].spec, -1
-        for attempt, row in enumerate(read_attempts(place.ledger)):
+        (out, entry), last = self.sources[number], -1
+        spec = entry.spec
+        for attempt, row in enumerate(entry.rows(out)):
             collected = spec.made_by == "collect"
             if row.seed != spec.seed(attempt) if collected else row.seed <= last:
                 raise BadFile(place.ledger, f"attempt {attempt} cannot be of seed {row.seed}")
@@ -113,6 +115,31 @@ def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) ->
             groups.setdefault(name, []).append((part, entry))
     joined = [_Part(_joined(name, group), group, _copied) for name, group in groups.items()]
     return _write(joined, parts, out, progress)
+
+
+def unfinished(parts: Sequence[Path]) -> list[str]:
+    """A clause for each task dataset of these parts that seems to lack episodes.
+
+    That is one whose run was killed or goes on, or a shard with fewer episodes than another of the
+    same task. A dataset does not know how many it should have, so a run that ended in order, as by
+    Ctrl-C, shows in no other way. Raises `BadFile`: there is no dataset.
+    """
+    entries = [(part, one) for part in parts for one in read_manifest(part).task_datasets.values()]
+    most = Counter[str]()  # episodes of a shard, by task dataset
+    for part, entry in entries:
+        name = entry.below(part).name
+        most[name] = max(most[name], entry.episodes if entry.spec.shard else 0)
+    clauses: list[str] = []
+    for part, entry in entries:
+        place, spec, there = entry.below(part), entry.spec, entry.episodes
+        size = place.ledger.stat().st_size if place.ledger.exists() else 0
+        killed = size > entry.ledger.bytes or entry.listed < entry.attempts
+        if killed or place.staging.exists():
+            clauses.append(f"{place.folder}: its run was killed, or goes on")
+        elif spec.shard and there < most[place.name]:
+            of = f"{counted(there, 'episodes')}, another shard has {most[place.name]}"
+            clauses.append(f"{place.folder}: shard {spec.shard} of {spec.shards} has {of}")
+    return clauses
 
 
 def _joined(name: str, group: Sequence[Source]) -> TaskHeader:

@@ -17,6 +17,7 @@ from pydantic import Field as Key
 from rtphys.core import library
 from rtphys.core.errors import UnknownName, counted
 from rtphys.data import schema
+from rtphys.data.attempts import Rejected
 from rtphys.data.check_episode import Problem
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.json_text import Count, Model, compact
@@ -26,6 +27,7 @@ END = ".digests.json"
 MACHINE = {"versions"}  # what a label says of the machine
 
 
+Seed = Annotated[str, Key(pattern=r"^[0-9]{1,20}$")]
 Digest = Annotated[str, Key(pattern=rf"^[0-9a-f]{{{DIGITS}}}$")]
 
 
@@ -40,7 +42,7 @@ class TaskDigests(Model):
     sentences: Count = Key(description="different ones among those for training")
     bytes: Count
     cpu_seconds: float
-    episodes: dict[str, Digest] = Key(description="seed -> state digest, in order")
+    episodes: dict[Seed, Digest] = Key(description="seed -> state digest, in order")
 
 
 class Digests(Model):
@@ -53,9 +55,14 @@ class Digests(Model):
     tasks: dict[str, TaskDigests]
 
 
-def state_digest(episode: Episode) -> str:
-    """Hexadecimal SHA-256 of an episode's seed, states, actions and label. Raises `BadFile`."""
+def state_digest(episode: Episode, number: int | None = None) -> str:
+    """Hexadecimal SHA-256 of an episode's seed, states, actions and label. Raises `BadFile`.
+
+    `number`: that which the label would have elsewhere; default: its own.
+    """
     label = episode.meta.model_dump(mode="json", exclude=MACHINE)
+    if number is not None:
+        label["episode"] = number
     digest = hashlib.sha256(compact(label))
     for name, (array, _) in sorted(episode.frames.shapes().items()):
         data = np.ascontiguousarray(array)
@@ -93,7 +100,7 @@ class Comparison:
 
 
 def compare(dataset: Dataset, expected: Digests, name: str) -> Comparison:
-    """Compares of each task as many episodes as there are here, from the first on.
+    """Compares the seeds of each task that both have tried, such as a part's or a shard's.
 
     Raises `BadFile`.
     """
@@ -101,16 +108,30 @@ def compare(dataset: Dataset, expected: Digests, name: str) -> Comparison:
     for task, listed in expected.tasks.items():
         if task in dataset.tasks and listed.config in dataset.configs:
             part = dataset.where(task=task, config=listed.config)
-            found.problems += _differences(part, listed, name)
-            found.episodes += min(len(part), len(listed.episodes))
-            found.tasks += bool(len(part))
+            compared = [*_outcomes(part, listed, name)]
+            found.problems += filter(None, compared)
+            found.episodes += len(compared)
+            found.tasks += bool(compared)
     return found
 
 
-def _differences(part: Dataset, listed: TaskDigests, name: str) -> Iterator[Problem]:
-    for episode, (seed, digest) in zip(part, listed.episodes.items(), strict=False):
+def _outcomes(part: Dataset, listed: TaskDigests, name: str) -> Iterator[Problem | None]:
+    """What is wrong with each seed that gave an episode here or there, if both have tried it."""
+    there = {int(seed): (n, one) for n, (seed, one) in enumerate(listed.episodes.items())}
+    for episode in part:
         path = episode.paths.phys_meta
-        if str(episode.seed) != seed:
-            yield Problem(path, f"is of seed {episode.seed}, that of {name} is of seed {seed}")
-        elif state_digest(episode)[:DIGITS] != digest:
+        if episode.seed > max(there, default=-1):
+            continue  # was not tried there
+        if episode.seed not in there:
+            yield Problem(path, f"is of seed {episode.seed}, of which {name} has no episode")
+            continue
+        number, digest = there[episode.seed]
+        if state_digest(episode, number)[:DIGITS] != digest:
             yield Problem(path, f"its states or its label are not those of {name}")
+        else:
+            yield None
+    for entry in part.task_datasets:
+        for row in entry.rows(part.path):
+            if isinstance(row, Rejected) and row.seed in there:
+                text = f"seed {row.seed} was rejected, of which {name} has an episode"
+                yield Problem(entry.below(part.path).ledger, text)

@@ -102,6 +102,7 @@ def card(dataset: Dataset, text: CardText) -> str:
     counts = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
     made = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(versions.items()))
     digest = dataset_digest((dataset.path / MANIFEST).read_bytes())
+    layouts = [LAYOUTS[one] for one in dict.fromkeys(e.spec.recording.layout for e in entries)]
     parts = [
         "\n".join(front),
         f"# {text.name}",
@@ -114,7 +115,8 @@ def card(dataset: Dataset, text: CardText) -> str:
         "## Physics",
         _physics_table(dataset),
         "## Files",
-        FILES,
+        "\n".join([FILES, *(FILES_OF.format(**layout) for layout in layouts)]),
+        "\n".join([*(PICTURES.format(**layout) for layout in layouts), POSES]),
         "## Use",
         USE,
         "## Provenance",
@@ -131,16 +133,32 @@ def card(dataset: Dataset, text: CardText) -> str:
 FILES = """\
 | path | content |
 |---|---|
-| `manifest.json` | attempts, rejections by reason, domains, the checksum of every ledger |
-| `<config>/<task>/<embodiment>/ledger.jsonl` | every attempt, and SHA-256 of every file |
-| `…/data/` | trajectories, RoboTwin's XPolicyLab v1.0 HDF5 |
+| `manifest.json` | attempts, rejections by reason, domains, the checksum of every ledger |"""
+
+FILES_OF = """\
+| `{folder}/ledger.jsonl` | every attempt, and SHA-256 of every file |
+| `…/data/` | trajectories, {format} |
 | `…/video/` | the head camera as MP4 |
 | `…/phys_meta/` | the physics of each episode as read back from the simulator |
-| `…/instruction/` | sentences, seen and unseen |
+| `…/{words}/` | sentences, seen and unseen |"""
 
-JPEG streams in the HDF5 files are standard RGB, marked by a comment `XPL-RGB1` as XPolicyLab's
-are; those of the legacy layout have red and blue exchanged. Poses are x y z [m] and qw qx qy qz in
-the world frame."""
+LAYOUTS = {
+    "native": {
+        "folder": "<config>/<task>/<embodiment>",
+        "format": "RoboTwin's XPolicyLab v1.0 HDF5",
+        "words": "instruction",
+        "colours": "are standard RGB, marked by a comment `XPL-RGB1` as XPolicyLab's are",
+    },
+    "legacy": {
+        "folder": "<task>/<config>",
+        "format": "the older HDF5 of RoboTwin",
+        "words": "instructions",
+        "colours": "have red and blue exchanged, as RoboTwin's readers expect",
+    },
+}
+
+PICTURES = "JPEG streams below `{folder}` {colours}."
+POSES = "Poses are x y z [m] and qw qx qy qz in the world frame."
 
 USE = """\
 ```python

@@ -148,7 +148,7 @@ def plan_for(episodes: Sequence[Episode], spec: ExportSpec) -> Plan:
 
     Raises:
         UnknownName: no such camera.
-        BadValue: pictures of different sizes, two cameras with one name, or several robots.
+        BadValue: pictures of different sizes, two videos with one name, or several robots.
         BadFile: an episode that does not hold what a feature needs.
     """
     wanted, firsts = spec.features, dict[Path, Episode]()
@@ -178,7 +178,11 @@ def plan_for(episodes: Sequence[Episode], spec: ExportSpec) -> Plan:
     named = {camera: f"{PICTURE}{name}" for camera, name in chosen.items()}
     videos = {key: Video(camera, False) for camera, key in named.items()}
     if "depth" in wanted:
-        videos |= {f"{key}_depth": Video(camera, True) for camera, key in named.items()}
+        depths = {f"{key}_depth": Video(camera, True) for camera, key in named.items()}
+        for key in depths.keys() & videos.keys():
+            name = key.removeprefix(PICTURE)
+            raise BadValue("camera name", name, f"the depth of {depths[key].camera} is called so")
+        videos |= depths
     more, left_out = dict[str, Sequence[str]](), tuple[str, ...]()
     if with_physics := [key for key in PHYSICS if key.partition(".")[2] in wanted]:
         numbers, left_out = _numbers(episodes)

@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
-from itertools import islice
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -16,7 +15,7 @@ import numpy as np
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
-from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.attempts import Accepted
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.files import make_folder, open_binary, read, replace_file
@@ -130,7 +129,7 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
                 "spans": [_span(entry.header.rules, axis.key) for axis in shown],
             }
         )
-        for row in islice(read_attempts(entry.below(dataset.path).ledger), entry.attempts):
+        for row in entry.rows(dataset.path):
             accepted = int(isinstance(row, Accepted))
             attempts.append([index, accepted, *(axis.of(row.physics) for axis in shown)])
     at = {entry.below(dataset.path).folder: n for n, entry in enumerate(entries)}

@@ -7,7 +7,7 @@ from pathlib import Path
 from rtphys.assets.embodiment import DEFAULT
 from rtphys.assets.pack import Pack
 from rtphys.core.errors import RtphysError
-from rtphys.core.untrusted import dump_yaml
+from rtphys.core.untrusted import dump_yaml, hidden
 from rtphys.data import files
 from rtphys.data.layout import embodiment_folder
 from rtphys.plan.kinematics import check_robot
@@ -103,7 +103,7 @@ def write_root(folder: Path, pack: Pack) -> list[Path]:
     """Write or overwrite a root folder; `policy/` and `eval_result/` keep their content.
 
     Args:
-        folder: new, empty, or written by this function.
+        folder: new, empty, or written by this function, even if that was killed.
         pack: asset pack whose embodiments the configurations name.
 
     Returns:
@@ -113,15 +113,18 @@ def write_root(folder: Path, pack: Pack) -> list[Path]:
         NotOurs: the folder is not empty and was not written by this function.
         CannotWrite: the file system refuses.
     """
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
+    mark = folder / MARK
+    there = {*folder.iterdir()} if folder.is_dir() else set[Path]()
+    if not mark.is_file() and there - {hidden(mark, files.TEMPORARY)}:
         raise NotOurs(f"{folder}: is not empty and was not written by rtphys; choose a new folder")
     tasks = {f"envs/{name}.py": TASK.format(name=name) for name in task_names()}
+    # The mark comes first: the next run completes what a killed one began.
     content = {MARK: "written by rtphys robotwin-root\n", **FILES, **tasks, **_configs(pack)}
-    for name in EMPTY:
-        files.make_folder(folder / name)
     for name, text in content.items():
         files.make_folder((folder / name).parent)
         files.replace_file(folder / name, text.encode())
+    for name in EMPTY:
+        files.make_folder(folder / name)
     return [Path(name) for name in content]
 
 

@@ -54,7 +54,7 @@ class CheckResult:
     reason: str = ""  # of the expert: empty if accepted
     detail: str = ""
     success: bool = False  # of a baseline; of the expert's actions, replayed
-    cpu_seconds: float = 0.0  # of the expert's attempt alone
+    cpu_seconds: float | None = None  # of the expert's attempt alone; a lost worker tells none
     hash: str = ""  # of the expert's states
 
 
@@ -98,9 +98,10 @@ class Score:
         return Counter(one.reason for one in self.failures.values())
 
     @property
-    def cpu_seconds(self) -> float:
-        """Mean of the expert's attempts."""
-        return float(np.mean([one.cpu_seconds for one in self.tried("expert")]))
+    def cpu_seconds(self) -> float | None:
+        """Mean of the expert's attempts, without those whose worker was lost; None: all were."""
+        known = [s for one in self.tried("expert") if (s := one.cpu_seconds) is not None]
+        return float(np.mean(known)) if known else None
 
     @property
     def deterministic(self) -> bool:
@@ -110,7 +111,8 @@ class Score:
         return all(len(hashes) <= 1 for hashes in pairs)
 
     def to_json(self) -> dict[str, object]:
-        """Rates are in [0, 1], or null where nothing was tried."""
+        """Rates are in [0, 1], or null where nothing was tried. So is the CPU time where no
+        attempt came to its end."""
         spec, ranges = self.spec, self.spec.ranges
         drawn = ranges is not None and load_protocol(spec.protocol).physics
         return {
@@ -143,8 +145,8 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener = QUIET) -> list[Score
     _run(scores, experts, plan, pack, listener)
     solved = [score for score in scores if score.accepted]
     if len(solved) < len(scores):
-        few = counted(len(scores) - len(solved), "tasks")
-        listener.noticed(f"the baselines do not try {few} of which the expert solves no seed")
+        left = f"{counted(len(scores) - len(solved), 'pairs')} of task and protocol"
+        listener.noticed(f"the baselines skip {left}, where the expert solves none")
     if solved and blind:
         _run(solved, dict.fromkeys(BASELINES, blind), plan, pack, listener)
     return scores

@@ -4,7 +4,6 @@ import traceback
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +15,7 @@ from rtphys.campaign.series import QUIET, Listener, Progress, Series
 from rtphys.core import library
 from rtphys.core.errors import BadFile, BadValue, Infeasible, RtphysError, counted
 from rtphys.data import files
-from rtphys.data.attempts import Rejected, read_attempts
+from rtphys.data.attempts import Rejected
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.json_text import plain, pretty
@@ -520,7 +519,7 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
         raise BadValue("instances", str(folder), problem)
     instances = tuple(
         BenchmarkInstance(row.seed, row.reason if isinstance(row, Rejected) else "")
-        for row in islice(read_attempts(entry.below(folder).ledger), entry.attempts)
+        for row in entry.rows(folder)
     )
     under = "" if own else entry.spec.name
     return InstanceList(task, protocol, fingerprint, instances, tried_under=under)

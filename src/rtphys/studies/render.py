@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,7 +12,7 @@ from rtphys.campaign.series import QUIET, Listener, Progress, Series
 from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
-from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.attempts import Accepted
 from rtphys.data.dataset import Dataset
 from rtphys.data.encode import VIDEO_CAMERA, encode_images
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch
@@ -109,23 +108,24 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     there = episodes_there(wanted.out)
     for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
-        recording = wanted.recording(entry)
+        recording, of = wanted.recording(entry), entry.spec.episode
         shaders.add(recording.shader)
         check_fits(recording)
         if drawn(recording.senses):
             renderer.check_senses(recording.shader)
-        cost = known.get(entry.spec.episode.task, Cost(0, 0, 0))
+        cost = known.get(of.task, Cost(0, 0, 0))
         name = TaskDataset.of(wanted.out, _header(wanted, entry).spec).name
-        left = max(entry.episodes - there.get(name, 0), 0)
+        chosen = part.where(of.task, config=entry.spec.name, embodiment=of.embodiment)
+        left = max(len(chosen) - there.get(name, 0), 0)
         needed += left * episode_bytes(cost, recording, _visual(wanted, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
             pack_name = entry.resolved.assets.get("pack", "unknown")
-            task, named = entry.spec.episode.task, f"{digest} (pack {pack_name})"
-            why = f"{task} was collected with assets of digest {named}"
+            named = f"{digest} (pack {pack_name})"
+            why = f"{of.task} was collected with assets of digest {named}"
             raise MissingPack(f"{wanted.data}: {why}, which are not on this machine; link them")
         packs[digest] = pack
-        load_task(entry.spec.episode.task)
+        load_task(of.task)
     if not packs:
         raise BadFile(wanted.data / MANIFEST, "lists no episodes")
     if wanted.part.cuts and not (len(part) or part.failures()):
@@ -172,7 +172,7 @@ class RenderSeries(Series[RenderTask, Redrawn]):
         self._rejections: dict[int, Rejection] = {}
         self._places: dict[int, tuple[EpisodePaths, Mapping[str, JSON]]] = {}
         seeds: list[int] = []
-        for row in islice(read_attempts(source.ledger), entry.attempts):
+        for row in entry.rows(wanted.data):
             if not wanted.part.takes(row):
                 continue
             seeds.append(row.seed)

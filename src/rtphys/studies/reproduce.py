@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -104,7 +103,7 @@ def recorded_attempts(
             found.notes.append(f"{name}: what {policy} did cannot be made again without it")
             continue
         try:
-            for row in islice(read_attempts(entry.below(out).ledger), entry.attempts):
+            for row in entry.rows(out):
                 yield RecordedAttempt(out, entry.header, row, tuple(others.get(name, ())))
         except BadFile as error:
             text = f"{name} cannot be made again: {error.problem}"

@@ -17,12 +17,13 @@ from rtphys.data import files
 from rtphys.data.attempts import Accepted, Rejected, Row, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch, PartsMismatch
-from rtphys.data.rewrite import merge, subset
+from rtphys.data.rewrite import merge, subset, unfinished
 from rtphys.spec.collection import CollectionSpec, TaskHeader
 from rtphys.studies import collect as collect_module
 from rtphys.studies.requests import shard_of, specs_for
 
 pytestmark = pytest.mark.usefixtures("without_robot")
+NAME = "clean/click_bell/aloha_agilex"
 
 
 def rows(out: Path, task: str = "click_bell") -> list[Accepted | Rejected]:
@@ -81,6 +82,29 @@ def test_a_merge_that_was_killed_is_resumed(
         merge(parts, tmp_path / "joined")
     merge(parts, tmp_path / "joined")
     assert content(tmp_path / "joined") == content(tmp_path / "whole")
+
+
+def test_a_part_that_is_unfinished_is_named(tmp_path: Path) -> None:
+    """A shard with fewer episodes than another, and what a killed run leaves."""
+    parts = shards(plans(1), 3, tmp_path)
+    assert unfinished(parts) == []
+    shutil.rmtree(parts[1])
+    collect(plans(1, EPISODES - 3), parts[1], "2/3")
+    (clause,) = unfinished(parts)
+    assert clause == f"{parts[1]}/{NAME}: shard 2 of 3 has 3 episodes, another shard has 4"
+    done = CliRunner().invoke(app, ["merge", *map(str, parts), "--out", str(tmp_path / "few")])
+    assert done.exit_code == 4 and f"unfinished: {clause}" in done.stderr
+    assert len(Dataset(tmp_path / "few")) == EPISODES - 1, "joined all the same"
+    staging = parts[0] / NAME / ".staging"
+    staging.mkdir()
+    assert unfinished(parts[:1]) == [f"{parts[0]}/{NAME}: its run was killed, or goes on"]
+    collect(plans(1), parts[0], "1/3")
+    collect(plans(1), parts[1], "2/3")
+    assert unfinished(parts) == []
+    manifest = (parts[2] / "manifest.json").read_bytes()
+    collect(plans(1, EPISODES + 3), parts[2], "3/3")
+    (parts[2] / "manifest.json").write_bytes(manifest)
+    assert unfinished(parts) == [f"{parts[2]}/{NAME}: its run was killed, or goes on"]
 
 
 @pytest.mark.parametrize("text", ["0/2", "3/2", "2", "a/b", "-1/2", "1/0"])

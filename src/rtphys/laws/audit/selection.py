@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
 from rtphys.core.poses import Array
-from rtphys.data.attempts import Accepted, read_attempts
+from rtphys.data.attempts import Accepted
 from rtphys.data.dataset import Dataset
 from rtphys.physics.attribute import attribute, is_attribute
 
@@ -105,7 +105,7 @@ def selections_by_task_dataset(dataset: Dataset) -> dict[str, list[Selection]]:
     found: dict[str, list[Selection]] = {}
     everything: list[tuple[Mapping[str, object], bool]] = []
     for name, entry in dataset.manifest.task_datasets.items():
-        rows = read_attempts(entry.below(dataset.path).ledger)
+        rows = entry.rows(dataset.path)
         # An attempt that was rejected before its physics was drawn has none.
         own = [(row.physics, isinstance(row, Accepted)) for row in rows if row.physics]
         found[name] = selections(own)
