@@ -189,6 +189,19 @@ def test_what_was_run_without_recording_is_refused(tmp_path: Path, pack: Pack) -
             opened(tmp_path, writer=dataset.task(header))
 
 
+def test_a_policy_that_changes_the_folder_moves_no_file(
+    tmp_path: Path, pack: Pack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the code of many policies does, for the paths in its own files."""
+    monkeypatch.chdir(tmp_path)
+    made = opened(Path("out"), video="all")
+    header = recording_header(IDLE.spec, made.instances, load_task("lift_pot"), pack)
+    with DatasetWriter("kept") as dataset:
+        job = opened(Path("out"), video="all", writer=dataset.task(header)).job(MANY[0])
+        assert job.films == tmp_path / "out"
+        assert job.staging is not None and job.staging.is_relative_to(tmp_path / "kept")
+
+
 def test_a_recording_takes_no_episode_of_an_edited_policy(tmp_path: Path, pack: Pack) -> None:
     listed, task = opened(tmp_path).instances, load_task("lift_pot")
     of = partial(recording_header, IDLE.spec, listed, task, pack)

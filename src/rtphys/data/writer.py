@@ -126,8 +126,8 @@ class TaskWriter:
                 yield row.seed
 
     def staging(self, seed: int) -> Path:
-        """Folder into which a worker stages the attempt of a seed."""
-        return self.task_dataset.staging / f"seed_{seed}"
+        """Folder into which a worker stages the attempt of a seed, wherever a policy has gone."""
+        return self.task_dataset.staging.absolute() / f"seed_{seed}"
 
     def discard(self, seed: int) -> None:
         """Removes what a worker has staged that is done, and that nobody will number."""

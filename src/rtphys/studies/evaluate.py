@@ -243,7 +243,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         return sum(not path.is_file() for path in paths)
 
     def job(self, seed: int) -> EvaluationTask:
-        films = self._out if seed in self._shown else None
+        films = self._out.absolute() if seed in self._shown else None  # a policy may change folder
         staging = self.writer.staging(seed) if self.writer else None
         recipe, failures = self.spec.episode.at(seed), self._video == "failures"
         return EvaluationTask(recipe, self._setup, films, failures, staging)
