@@ -81,6 +81,11 @@ def read_lines(path: Path) -> Iterator[Line]:
             yield Line(number, check, text, end)
 
 
+def has_begun(path: Path) -> bool:
+    """Whether the first line is there, which a kill may have cut short. Raises `BadFile`."""
+    return next(read_lines(path), None) is not None
+
+
 def read_header(kind: type[H], path: Path) -> H:
     """The spec in the first line. Raises `BadFile`: there is none, or it cannot be read."""
     for line in read_lines(path):
