@@ -114,11 +114,6 @@ class TaskWriter:
         spec = self.header.spec
         return spec.made_by != "collect" or self.totals.failures < spec.max_failures
 
-    def accepted(self, seed: int) -> bool:
-        """Whether a committed attempt gave an episode; reads the ledger."""
-        rows = read_attempts(self.task_dataset.ledger)
-        return next(isinstance(row, Accepted) for row in rows if row.seed == seed)
-
     def seeds(self) -> Iterator[int]:
         """Those of the attempts that are there now; reads the ledger."""
         if there := self.totals.attempts:
