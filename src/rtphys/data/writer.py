@@ -202,6 +202,10 @@ class TaskWriter:
         self._ledger.start()
         self._ledger.check_there()
 
+    def sync(self) -> None:
+        """Waits until the disk has every attempt. Raises `CannotWrite`."""
+        self._ledger.sync()
+
     def _placed(self, staged: StagedEpisode, place: TaskDataset, number: int) -> dict[str, Any]:
         """Moves files to where they belong: all, or none. Returns what `OnDisk` says of them."""
         meta = pretty({**staged.phys_meta, "episode": number})
@@ -231,7 +235,7 @@ class TaskWriter:
 
     def entry(self) -> TaskEntry:
         """The task dataset's part of the manifest, which must not outlive a row that it counts."""
-        self._ledger.sync()
+        self.sync()
         state = LedgerState(self._ledger.lines, self._ledger.end, self._ledger.check)
         return task_entry(self.header, self.totals, self._listed, state)
 

@@ -255,6 +255,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
                     self.writer.record(Rejection(one.seed, "not_certified", one.reason))
             if seed == self.writer.next_seed:  # else a kill came before the ledger had it
                 self.writer.record(result.outcome)
+            self.writer.sync()  # a crash of the machine must not leave the record alone
         self._ledger.append(result.record)
         self._all.append(result.record)
         if result.unread is not None:
