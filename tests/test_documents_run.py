@@ -23,6 +23,7 @@ NOT_HERE = {  # beginning of a command line, after its global options -> why it 
     "identify --task 'stack_*'": "an hour",
     "identify --task lift_pot": "the estimator is the reader's",
     "compare identify/": "the same",
+    "identify --task '*'": "hours",
     "sensitivity --task '*'": "hours",
     "view": "opens a window",
     "evaluate --policy 'lerobot:": "needs LeRobot",

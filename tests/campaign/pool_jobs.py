@@ -72,6 +72,12 @@ def act(what: str) -> None:
     elif what == "parent":
         os.kill(os.getppid(), signal.SIGKILL)
         time.sleep(60)
+    elif what.startswith("fork:"):
+        if not (child := os.fork()):
+            time.sleep(60)
+            os._exit(0)
+        Path(what.removeprefix("fork:"), str(child)).touch()
+        os.abort()
     elif what == "nap":
         time.sleep(1)
     elif what == "spin":

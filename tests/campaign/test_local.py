@@ -2,12 +2,16 @@
 
 import os
 import resource
+import signal
+import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from multiprocessing.connection import Connection, Pipe
 from pathlib import Path
 
 import pytest
@@ -19,6 +23,7 @@ from pool_jobs import (
     killed_setup,
     setup,
 )
+from time_limit import at_most
 
 from rtphys.campaign import local
 from rtphys.campaign.local import LocalPool, OutsideTrouble, limits_for_user_code
@@ -86,6 +91,19 @@ def test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done(
     assert isinstance(lost, WorkerFailure)
     assert lost.reason == "worker_crash"
     assert all(isinstance(outcome, int) for outcome in found.values())
+
+
+def test_a_death_is_heard_while_a_process_that_the_job_forked_lives_on(tmp_path: Path) -> None:
+    """As the workers of a policy's data loader do."""
+    try:
+        with at_most(30):
+            found = run([Trouble(f"fork:{tmp_path}"), Trouble()])
+    finally:
+        for path in tmp_path.iterdir():
+            with suppress(ProcessLookupError):
+                os.kill(int(path.name), signal.SIGKILL)
+    assert found[0] == WorkerFailure("worker_crash", "was killed by SIGABRT")
+    assert len(list(tmp_path.iterdir())) == 2
 
 
 @pytest.mark.parametrize(("death", "times"), [("abort", 1), ("exit", 1), ("killed", 3)])
@@ -278,6 +296,22 @@ def test_more_workers_than_the_usual_limit_of_open_files_allows() -> None:
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
     assert all(isinstance(outcome, int) for outcome in found.values())
+
+
+def test_any_number_of_workers_begin_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither side may wait for the other to read. A line holds 300 messages, here a few."""
+
+    def short_pipe() -> tuple[Connection, Connection]:
+        ends = Pipe()
+        for end in ends:
+            with socket.socket(fileno=os.dup(end.fileno())) as one:
+                one.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1)
+        return ends
+
+    monkeypatch.setattr(local, "Pipe", short_pipe)
+    with at_most(60):
+        found = run([Trouble()] * 24, size=24)
+    assert len({*found.values()}) == 24
 
 
 ORPHAN = """

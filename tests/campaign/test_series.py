@@ -258,6 +258,18 @@ class LosingPool(QuickPool[int, Outcome]):
         return "worker_hang" if job == 4 else ""
 
 
+class NarrowPool(QuickPool[int, Outcome]):
+    """Does what began first first; then it has room for one, as where a job must run alone."""
+
+    @property
+    def room(self) -> int:
+        return super().room if len(self.names) < self.size else max(1 - self.busy, 0)
+
+    def wait(self, timeout: float = 1.0) -> None:
+        self._jobs.append(self._jobs.pop(0))
+        super().wait(timeout)
+
+
 class BrokenPool(QuickPool[int, Outcome]):
     def __init__(self, failure: WorkerError) -> None:
         super().__init__(setup, 1)
@@ -312,6 +324,14 @@ def test_a_halted_series_leaves_the_others_alone() -> None:
     assert halted.halted == "seed 4: worker_hang" and not halted.progress.done
     assert other.progress.done and other.commits[4] == Outcome(4, "worker_hang")
     assert (halted.closed, other.closed) == (1, 1)
+
+
+def test_a_series_that_waits_for_the_surplus_of_another_is_done_as_well() -> None:
+    first, second = numbers(2), numbers(3)
+    first.progress.new_attempts = 3  # few count, so more begin than are needed
+    run_all([first, second], NarrowPool(setup, 4), Listener())
+    assert first.dropped_seeds == [2, 3], "the surplus"
+    assert second.committed == [0, 1, 2, 3] and second.progress.done
 
 
 def test_a_listener_hears_the_counts_every_result_and_what_a_pool_notices() -> None:

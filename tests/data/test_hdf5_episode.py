@@ -1,5 +1,6 @@
 """Files of both layouts against the official specifications, and from one to the other and back."""
 
+import fcntl
 import io
 import json
 import shutil
@@ -18,6 +19,7 @@ from PIL import Image
 from rtphys.data import jpeg
 from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_episode import (
+    EpisodeFile,
     derived,
     episode_bytes,
     read_frames,
@@ -45,6 +47,15 @@ def made(layout):
 def file(layout, made):
     with h5py.File(io.BytesIO(episode_bytes(layout, *made, SEEN))) as opened:
         yield opened
+
+
+def test_reading_takes_no_lock(tmp_path: Path, layout, made) -> None:
+    """Which would be refused where the file system has none, and here."""
+    path = tmp_path / "episode.hdf5"
+    path.write_bytes(episode_bytes(layout, *made, SEEN))
+    with path.open("rb") as other:
+        fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        assert len(EpisodeFile(path, layout).frames()) == T
 
 
 native = pytest.mark.parametrize("layout", ["native"], indirect=True)

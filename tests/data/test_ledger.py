@@ -7,8 +7,8 @@ import pytest
 
 from rtphys.core.errors import BadFile
 from rtphys.data.faults import CannotWrite, DatasetMismatch
-from rtphys.data.json_text import Model
-from rtphys.data.ledger import Ledger, read_header, read_lines, read_rows
+from rtphys.data.json_text import Model, compact
+from rtphys.data.ledger import SUSPECT, Ledger, read_header, read_lines, read_rows
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.stored import Extent
 
@@ -52,6 +52,20 @@ def test_reads_what_was_written(path: Path) -> None:
     assert found == ROWS == list(read_rows(Row, path)) and ledger.lines == 6
     assert read_header(Run, path) == RUN
     assert [line.check for line in read_lines(path)][-1] == ledger.check
+
+
+@pytest.mark.parametrize(
+    "number", ["1e999", "-1E+999", "1.5e0999", "9" * 20, f"-{'9' * 21}", "NaN", "-Infinity"]
+)
+@pytest.mark.parametrize("before", [b"[", b"[1,", b"[1, ", b'{"a":', b'{"a" :\t'])
+def test_a_number_that_json_cannot_hold_is_suspect(before: bytes, number: str) -> None:
+    assert SUSPECT.search(before + number.encode())
+
+
+def test_a_digest_or_a_long_fraction_is_not_suspect() -> None:
+    """Or nearly every row would be read by the slower way."""
+    row = {"sha256": "3e123" + "9" * 59, "physics": [1.5e-123, 0.00012345678901234567, 2**63 - 1]}
+    assert not SUSPECT.search(compact(row))  # type: ignore[arg-type]
 
 
 def test_a_row_that_cannot_follow_is_named_by_its_line(path: Path) -> None:

@@ -73,6 +73,18 @@ def test_a_session_knows_what_was_never_read_however_often_it_opened(tmp_path: P
     assert session.unread == set()
 
 
+def test_a_session_finds_its_file_again_though_the_policy_has_changed_the_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    away = "import os\nclass Late(Late):\n    def play(self, episode): os.chdir('/')\n"
+    (tmp_path / "away.py").write_text(POLICY + away)
+    monkeypatch.chdir(tmp_path)
+    session = PolicySession("python:away.py:Late")
+    for task in ("one", "two"):
+        session.policy(PolicySetup(task)).play(None)  # type: ignore[arg-type]
+    assert Path.cwd() == Path("/")
+
+
 def test_what_no_worker_has_read_is_one_line() -> None:
     first, second = frozenset({"height", "low"}), frozenset({"height", "speed"})
     said = "note: python:reach.py:make never read the option height"

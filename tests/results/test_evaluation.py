@@ -12,6 +12,7 @@ from rtphys.results.evaluation import (
     EpisodeRecord,
     EvaluationHeader,
     EvaluationSpec,
+    headers,
     ledger_file,
     short_name,
     video_file,
@@ -50,6 +51,19 @@ def test_a_torn_last_line_is_passed_over(tmp_path: Path) -> None:
     path = ledger_file(tmp_path, "clean", "click_bell")
     path.write_bytes(path.read_bytes()[:-40])
     assert read_results(tmp_path).records["clean", "click_bell"] == [record(1)]
+
+
+@pytest.mark.parametrize("length", [0, 1, 200])
+def test_a_ledger_that_was_cut_short_in_its_first_line_has_not_begun(
+    tmp_path: Path, length: int
+) -> None:
+    write_results(tmp_path, EvaluationSpec("idle"), LISTED, [record(1)])
+    whole = ledger_file(tmp_path, "clean", "click_bell")
+    cut = ledger_file(tmp_path, "phys_random", "click_bell")
+    cut.parent.mkdir()
+    cut.write_bytes(whole.read_bytes()[:length])
+    assert headers(tmp_path).keys() == {whole}
+    assert read_results(tmp_path).records == {("clean", "click_bell"): [record(1)]}
 
 
 def test_what_is_no_folder_of_results(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Evaluation: the same records on every run, whatever the policy and the machine do."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -187,6 +188,42 @@ def test_what_was_run_without_recording_is_refused(tmp_path: Path, pack: Pack) -
         said = r"lift_pot.ledger: holds 3 episodes that were run without recording; evaluate into"
         with pytest.raises(BadFile, match=said):
             opened(tmp_path, writer=dataset.task(header))
+
+
+def test_no_record_outlives_its_attempt_when_the_machine_crashes(
+    tmp_path: Path, pack: Pack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also an attempt without files. Of each ledger the disk has what was synced by then."""
+    synced, really = dict[int, int](), os.fsync
+
+    def fsync(file: int) -> None:
+        really(file)
+        synced[os.fstat(file).st_ino] = os.fstat(file).st_size
+
+    made, lost = opened(tmp_path), Rejection(MANY[0], "worker_crash")
+    header = recording_header(IDLE.spec, made.instances, load_task("lift_pot"), pack)
+    with DatasetWriter(tmp_path / "kept") as dataset:
+        monkeypatch.setattr(os, "fsync", fsync)
+        made = opened(tmp_path, writer=dataset.task(header))
+        made.take(made.begin(), EvaluationResult(record(MANY[0]), lost))
+        left = dict(synced)
+    for ledger in (*tmp_path.rglob("*.ledger"), *tmp_path.rglob("ledger.jsonl")):
+        os.truncate(ledger, left[ledger.stat().st_ino])
+    with DatasetWriter(tmp_path / "kept") as dataset:
+        assert opened(tmp_path, writer=dataset.task(header)).begin() == MANY[1]
+
+
+def test_a_policy_that_changes_the_folder_moves_no_file(
+    tmp_path: Path, pack: Pack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the code of many policies does, for the paths in its own files."""
+    monkeypatch.chdir(tmp_path)
+    made = opened(Path("out"), video="all")
+    header = recording_header(IDLE.spec, made.instances, load_task("lift_pot"), pack)
+    with DatasetWriter("kept") as dataset:
+        job = opened(Path("out"), video="all", writer=dataset.task(header)).job(MANY[0])
+        assert job.films == tmp_path / "out"
+        assert job.staging is not None and job.staging.is_relative_to(tmp_path / "kept")
 
 
 def test_a_recording_takes_no_episode_of_an_edited_policy(tmp_path: Path, pack: Pack) -> None:

@@ -121,7 +121,8 @@ class _Server(Generic[J, R]):
         self.line.send_bytes(ForkingPickler.dumps(setup))
 
     def fork(self) -> _Worker[J, R]:
-        """A new worker, which says when it is ready. Raises `OSError`: the server died."""
+        """A worker, which says when it is ready. Raises `OSError`, `EOFError`: the server died."""
+        self.hear()  # each waits for the other once some 300 answers lie unread in the line
         ours, theirs = Pipe()
         log, prints = TemporaryFile(), TemporaryFile()  # noqa: SIM115 - `_Worker.close` does
         worker = _Worker[J, R](self, ours, log, prints)
@@ -144,6 +145,7 @@ class _Server(Generic[J, R]):
 
     def kill(self, worker: _Worker[J, R]) -> None:
         """Ends a worker soon. Raises `OSError`, `EOFError`: the server died."""
+        self.hear()  # as in `fork`
         while worker.pid is None:
             self.hear(None)
         self.line.send(worker.pid)
@@ -261,7 +263,7 @@ class LocalPool(WorkerPool[J, R]):
             self._selector.register(self._server.line, selectors.EVENT_READ)
         try:
             worker = self._server.fork()
-        except OSError:
+        except (EOFError, OSError):
             self._lose_server()
             return self._fork()
         self._workers.append(worker)

@@ -287,7 +287,9 @@ def run_all(
                     name = f"{current.progress.name}, seed {seed}"
                     pool.submit(name, current.job(seed), partial(current.take, seed))
                 current.close_if_over()
-            if not any(current.running and not current.over for current in series):
+            left = [current for current in series if not current.over]
+            # One that wants a seed may wait for room, which surplus seeds of another one take.
+            if not any(current.running or current.wants(pool.size) for current in left):
                 return
             pool.wait()
             committed()

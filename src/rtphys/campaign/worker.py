@@ -90,6 +90,7 @@ def work(line: Connection, pickled: bytes) -> None:
     A `Setup` closes what its jobs have left open.
     """
     _name(WORKER)
+    os.register_at_fork(after_in_child=line.close)  # who outlives us must not hide our death
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # somebody else's: no exception of the job
     if cv2 := sys.modules.get("cv2"):
         cv2.setNumThreads(0)  # there is a worker a core, and a picture is one thread's work

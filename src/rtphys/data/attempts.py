@@ -13,7 +13,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import Model, Seed
 from rtphys.data.layout import LEDGER, EpisodePaths, TaskDataset
-from rtphys.data.ledger import read_header, read_lines, read_rows
+from rtphys.data.ledger import has_begun, read_header, read_rows
 from rtphys.spec.collection import TaskHeader
 
 Number = Annotated[int, Field(ge=0, le=EPISODES)]
@@ -136,7 +136,7 @@ def ledgers_below(out: Path) -> dict[Path, TaskHeader]:
     paths = [*out.glob(f"*/*/*/{LEDGER}"), *out.glob(f"*/*/{LEDGER}")]
     found: dict[Path, TaskHeader] = {}
     for path in sorted(paths, key=lambda path: path.parent.relative_to(out).as_posix()):
-        if path.stat().st_size and next(read_lines(path), None):
+        if has_begun(path):
             header = read_header(TaskHeader, path)
             place = TaskDataset.of(out, header.spec)
             if place.ledger != path:

@@ -29,8 +29,9 @@ H = TypeVar("H")
 R = TypeVar("R")
 
 START = "0" * 64  # the check before the first line
-# What pydantic takes for a number, and JSON cannot hold; such lines are read more strictly.
-SUSPECT = re.compile(rb"NaN|Infinity|[0-9][eE]\+?[0-9]{3}|[0-9]{20}")
+# What pydantic takes for a number, and JSON cannot hold; such lines are read more strictly, which
+# takes twice as long. A digest is no number, though it may hold `3e123`.
+SUSPECT = re.compile(rb"NaN|Infinity|[:,[]\s*-?([0-9.]+[eE]\+?[0-9]{3}|[0-9]{20})")
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,11 @@ def read_lines(path: Path) -> Iterator[Line]:
                 problem = "its checksum does not match: it was changed after it was written"
                 raise BadFile(path, f"line {number}: {problem}")
             yield Line(number, check, text, end)
+
+
+def has_begun(path: Path) -> bool:
+    """Whether the first line is there, which a kill may have cut short. Raises `BadFile`."""
+    return next(read_lines(path), None) is not None
 
 
 def read_header(kind: type[H], path: Path) -> H:

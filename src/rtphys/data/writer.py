@@ -114,11 +114,6 @@ class TaskWriter:
         spec = self.header.spec
         return spec.made_by != "collect" or self.totals.failures < spec.max_failures
 
-    def accepted(self, seed: int) -> bool:
-        """Whether a committed attempt gave an episode; reads the ledger."""
-        rows = read_attempts(self.task_dataset.ledger)
-        return next(isinstance(row, Accepted) for row in rows if row.seed == seed)
-
     def seeds(self) -> Iterator[int]:
         """Those of the attempts that are there now; reads the ledger."""
         if there := self.totals.attempts:
@@ -126,8 +121,8 @@ class TaskWriter:
                 yield row.seed
 
     def staging(self, seed: int) -> Path:
-        """Folder into which a worker stages the attempt of a seed."""
-        return self.task_dataset.staging / f"seed_{seed}"
+        """Folder into which a worker stages the attempt of a seed, wherever a policy has gone."""
+        return self.task_dataset.staging.absolute() / f"seed_{seed}"
 
     def discard(self, seed: int) -> None:
         """Removes what a worker has staged that is done, and that nobody will number."""
@@ -207,6 +202,10 @@ class TaskWriter:
         self._ledger.start()
         self._ledger.check_there()
 
+    def sync(self) -> None:
+        """Waits until the disk has every attempt. Raises `CannotWrite`."""
+        self._ledger.sync()
+
     def _placed(self, staged: StagedEpisode, place: TaskDataset, number: int) -> dict[str, Any]:
         """Moves files to where they belong: all, or none. Returns what `OnDisk` says of them."""
         meta = pretty({**staged.phys_meta, "episode": number})
@@ -236,7 +235,7 @@ class TaskWriter:
 
     def entry(self) -> TaskEntry:
         """The task dataset's part of the manifest, which must not outlive a row that it counts."""
-        self._ledger.sync()
+        self.sync()
         state = LedgerState(self._ledger.lines, self._ledger.end, self._ledger.check)
         return task_entry(self.header, self.totals, self._listed, state)
 

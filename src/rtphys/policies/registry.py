@@ -3,7 +3,7 @@
 import ast
 import hashlib
 import importlib.util
-import os.path
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -219,6 +219,7 @@ class PolicySession:
     """A policy that stays open from one episode to the next, until the setup changes."""
 
     spec: str
+    _home: Path = field(default_factory=Path.cwd, init=False)  # what a user names is relative to it
     _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
     _options: list[AskedOptions] = field(
         default_factory=list[AskedOptions], init=False
@@ -228,6 +229,7 @@ class PolicySession:
         """The open policy. Raises what `open_policy` and `close` raise."""
         if self._open is None or self._open[0] != setup:
             self.close()
+            os.chdir(self._home)  # an earlier one may have left it
             policy, options = _opened(self.spec, setup)
             self._options.append(options)
             if policy.needs_images:

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 from pydantic import FiniteFloat
 
 from rtphys.core.errors import BadFile
-from rtphys.data.ledger import read_header, read_rows
+from rtphys.data.ledger import has_begun, read_header, read_rows
 from rtphys.results.instances import ENFORCED, Fingerprint, InstanceList, read_lists
 from rtphys.spec.episode import SPLITS, EpisodeSpec
 from rtphys.spec.option import Offers, Option, Seed, checked_dataclass, one_of
@@ -158,10 +158,10 @@ def is_evaluation(folder: Path) -> bool:
 
 
 def headers(out: Path) -> dict[Path, EvaluationHeader]:
-    """First line of each ledger of a result folder that has one. Raises `BadFile`."""
+    """First line of each ledger of a result folder that has begun. Raises `BadFile`."""
     if (out / "run.json").exists():
         raise BadFile(out, "holds results of an earlier version, which are not read")
-    paths = [path for path in sorted(out.glob(LEDGERS)) if path.stat().st_size]
+    paths = filter(has_begun, sorted(out.glob(LEDGERS)))
     return {path: read_header(EvaluationHeader, path) for path in paths}
 
 

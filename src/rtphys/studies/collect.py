@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 from rtphys.assets.pack import STAMP, Pack, default_pack
@@ -145,6 +146,8 @@ class CollectionSeries(Series[CollectionTask, Results]):
         self.writers = writers
         self.sides = [side for one in family for side in one.sides]
         behind = min(writers, key=lambda writer: writer.totals.attempts)
+        # Of each writer, which seeds that another one lacks gave an episode.
+        self._there = [accepted_after(behind.totals.attempts, writer) for writer in writers]
         name = spec.episode.task
         if len(family) > 1:
             name += f", {spec.sweep}"
@@ -178,15 +181,17 @@ class CollectionSeries(Series[CollectionTask, Results]):
 
     def commit(self, seed: int, result: Results) -> str:
         """Raises `DatasetMismatch`: an attempt that a twin holds came out otherwise this time."""
-        for writer, outcome in zip(self.writers, result, strict=True):
+        for writer, outcome, there in zip(self.writers, result, self._there, strict=True):
             rejected = isinstance(outcome, Rejection)
             if seed >= writer.next_seed:
                 writer.record(outcome)
                 self.progress.made += not rejected
-            elif rejected == writer.accepted(seed):
+            elif rejected == there[seed]:
                 now = f"rejected ({outcome.reason})" if rejected else "accepted"
                 clause = f"seed {seed} is {now} when its twin is made, and was not before"
                 raise DatasetMismatch(writer.task_dataset.folder, [clause])
+            else:
+                writer.discard(seed)
         return ""
 
     def lost(self, seed: int, loss: WorkerFailure) -> Results:
@@ -196,6 +201,14 @@ class CollectionSeries(Series[CollectionTask, Results]):
     def dropped(self, seed: int) -> None:
         for writer in self.writers:
             writer.discard(seed)
+
+
+def accepted_after(attempts: int, writer: TaskWriter) -> dict[int, bool]:
+    """Seeds of what a writer has committed after so many attempts, and whether they succeeded."""
+    if writer.totals.attempts == attempts:
+        return {}
+    rows = islice(read_attempts(writer.task_dataset.ledger), attempts, None)
+    return {row.seed: isinstance(row, Accepted) for row in rows}
 
 
 def accepted_by_all(writers: Sequence[TaskWriter]) -> tuple[int, int]:

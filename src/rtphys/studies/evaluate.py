@@ -242,7 +242,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         return sum(not path.is_file() for path in paths)
 
     def job(self, seed: int) -> EvaluationTask:
-        films = self._out if seed in self._shown else None
+        films = self._out.absolute() if seed in self._shown else None  # a policy may change folder
         staging = self.writer.staging(seed) if self.writer else None
         recipe, failures = self.spec.episode.at(seed), self._video == "failures"
         return EvaluationTask(recipe, self._setup, films, failures, staging)
@@ -254,6 +254,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
                     self.writer.record(Rejection(one.seed, "not_certified", one.reason))
             if seed == self.writer.next_seed:  # else a kill came before the ledger had it
                 self.writer.record(result.outcome)
+            self.writer.sync()  # a crash of the machine must not leave the record alone
         self._ledger.append(result.record)
         self._all.append(result.record)
         if result.unread is not None:

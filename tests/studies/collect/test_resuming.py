@@ -9,8 +9,10 @@ import pytest
 from collecting import complete, content
 from robotless import plans
 
+from rtphys.campaign.series import LOOKAHEAD, Listener
 from rtphys.core.errors import RtphysError
 from rtphys.data.faults import DatasetMismatch
+from rtphys.data.layout import STAGING
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.collect import collect
 from rtphys.studies.requests import Run, room_needed
@@ -31,6 +33,28 @@ def test_space_is_needed_for_what_is_missing(
     with pytest.raises(RtphysError, match=r"2\.6 GB are needed and 1\.0 GB are free"):
         collect(specs, Run(tmp_path / "new", workers=1))
     assert complete(collect(specs, Run(tmp_path / "begun", workers=1)))
+
+
+class Disk(Listener):
+    """Counts the attempts whose files wait for their number."""
+
+    def __init__(self, out: Path) -> None:
+        self.out, self.waiting = out, 0
+
+    def ticked(self) -> None:
+        folders = [len(list(folder.iterdir())) for folder in self.out.glob(f"*/*/*/{STAGING}")]
+        self.waiting = max([self.waiting, *folders])
+
+
+def test_a_twin_that_is_made_again_leaves_nothing_on_the_disk_of_the_other(tmp_path: Path) -> None:
+    specs, workers = [replace(spec, twin="phys_random") for spec in plans(1, 40)], 2
+    out, whole = tmp_path / "data", tmp_path / "whole"
+    for folder in (out, whole):
+        assert complete(collect(specs, Run(folder, workers=workers)))
+    shutil.rmtree(out / "clean.twin=phys_random")
+    assert complete(collect(specs, Run(out, workers=workers), disk := Disk(out)))
+    assert content(out) == content(whole)
+    assert 0 < disk.waiting <= LOOKAHEAD * workers
 
 
 def test_a_refused_run_begins_none_of_its_task_datasets(tmp_path: Path) -> None:
