@@ -42,6 +42,7 @@ FEWER = (
     (r"'stack_\*'", "stack_blocks_two"),
     (r"heft,rub,swing,tap", "heft"),
     (r"^(collect (?!.*--episodes).*)", r"\1 --episodes 1"),
+    (r"^(collect (?!.*--size).*--out data\b.*)", r"\1 --size 128x96"),  # an export has one size
     (r"(identify .*--episodes) 1", r"\1 20"),
     (r"^(certify (?!.*--feasible).*)", r"\1 --feasible 1"),
     (r"^(sensitivity (?!.*--seeds).*)", r"\1 --seeds 2 --steps 1"),
@@ -63,8 +64,8 @@ PREPARED = (
     "collect --task place_mouse_pad --protocol phys_random --twin clean --episodes 1 --seed 100027 "
     "--size 128x96 --sense depth,segmentation,pointcloud,touch,states --keep-failures all "
     "--out data",
-    "collect --task click_bell --shard 1/2 --episodes 2 --out parts/1",
-    "collect --task click_bell --shard 2/2 --episodes 2 --out parts/2",
+    "collect --task click_bell --shard 1/2 --episodes 2 --size 128x96 --out parts/1",
+    "collect --task click_bell --shard 2/2 --episodes 2 --size 128x96 --out parts/2",
     "evaluate --policy idle --task click_bell --protocol clean --episodes 1 --out eval/pi0",
     "evaluate --policy random --task click_bell --protocol clean --episodes 1 --out eval/random",
 )
