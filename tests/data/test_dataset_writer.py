@@ -321,6 +321,20 @@ def test_the_disk_has_every_row_that_the_manifest_counts(
     assert synced[ledger.stat().st_ino] == entry.ledger.bytes == ledger.stat().st_size
 
 
+def test_what_waits_for_the_first_commit_goes_with_an_error(tmp_path: Path) -> None:
+    """As where another task fills the disk."""
+    with pytest.raises(faults.CannotWrite), DatasetWriter(tmp_path) as dataset:
+        task = dataset.task(synthetic.header())
+        outcome(task, 0)
+        assert task.staging(0).is_dir()
+        raise faults.CannotWrite("other", OSError(errno.ENOSPC, "full"))
+    assert not task.task_dataset.staging.exists() and content(tmp_path) == {}
+    task.staging(7).mkdir(parents=True)  # of a run that was killed
+    with DatasetWriter(tmp_path) as dataset:
+        dataset.task(synthetic.header())
+        assert not task.task_dataset.staging.exists()
+
+
 @pytest.mark.parametrize("part", [".", "phys_random/click_bell"])
 def test_a_folder_that_is_removed_meanwhile_is_named(tmp_path: Path, part: str) -> None:
     out = tmp_path / "out"
