@@ -7,6 +7,7 @@ import multiprocessing.synchronize
 import os
 import pickle
 import shutil
+import stat
 from dataclasses import replace
 from pathlib import Path
 
@@ -196,6 +197,21 @@ def test_a_file_system_without_locks(
             DatasetWriter(tmp_path)
     collect(tmp_path, 1)
     assert verify(tmp_path).sound and not list(tmp_path.glob(".rtphys*"))
+
+
+def test_a_file_system_that_syncs_no_folders(
+    tmp_path: Path, reference: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fsync = os.fsync
+
+    def files_alone(handle: int) -> None:
+        if stat.S_ISDIR(os.fstat(handle).st_mode):
+            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL))
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", files_alone)
+    collect(tmp_path, 4)
+    assert content(tmp_path) == reference
 
 
 def failing(number: int):
