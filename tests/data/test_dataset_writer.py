@@ -7,6 +7,7 @@ import multiprocessing.synchronize
 import os
 import pickle
 import shutil
+import stat
 from dataclasses import replace
 from pathlib import Path
 
@@ -198,6 +199,21 @@ def test_a_file_system_without_locks(
     assert verify(tmp_path).sound and not list(tmp_path.glob(".rtphys*"))
 
 
+def test_a_file_system_that_syncs_no_folders(
+    tmp_path: Path, reference: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fsync = os.fsync
+
+    def files_alone(handle: int) -> None:
+        if stat.S_ISDIR(os.fstat(handle).st_mode):
+            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL))
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", files_alone)
+    collect(tmp_path, 4)
+    assert content(tmp_path) == reference
+
+
 def failing(number: int):
     def flock(*_: object) -> None:
         raise OSError(number, os.strerror(number))
@@ -319,6 +335,20 @@ def test_the_disk_has_every_row_that_the_manifest_counts(
     ledger = entry.below(tmp_path).ledger
     assert entry.rejections == {"slipped": 1}
     assert synced[ledger.stat().st_ino] == entry.ledger.bytes == ledger.stat().st_size
+
+
+def test_what_waits_for_the_first_commit_goes_with_an_error(tmp_path: Path) -> None:
+    """As where another task fills the disk."""
+    with pytest.raises(faults.CannotWrite), DatasetWriter(tmp_path) as dataset:
+        task = dataset.task(synthetic.header())
+        outcome(task, 0)
+        assert task.staging(0).is_dir()
+        raise faults.CannotWrite("other", OSError(errno.ENOSPC, "full"))
+    assert not task.task_dataset.staging.exists() and content(tmp_path) == {}
+    task.staging(7).mkdir(parents=True)  # of a run that was killed
+    with DatasetWriter(tmp_path) as dataset:
+        dataset.task(synthetic.header())
+        assert not task.task_dataset.staging.exists()
 
 
 @pytest.mark.parametrize("part", [".", "phys_random/click_bell"])

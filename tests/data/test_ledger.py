@@ -1,5 +1,6 @@
 """The ledger: one spec, rows in a chain, and only a torn last line is forgiven."""
 
+import resource
 from pathlib import Path
 from typing import Annotated
 
@@ -140,6 +141,19 @@ def test_a_refused_write_leaves_the_file_as_it_was(
     monkeypatch.undo()
     ledger.append(ROWS[0])
     assert opened(path)[1] == [*ROWS, ROWS[0]]
+
+
+def test_a_disk_that_takes_a_part_of_a_line_says_why_it_takes_no_more(path: Path) -> None:
+    """Here a limit of this process, which the system reports as it does a full disk."""
+    whole, (ledger, _) = path.read_bytes(), opened(path)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(whole) + 9, hard))
+    try:
+        with pytest.raises(CannotWrite, match=r"ledger\.jsonl: File too large"):
+            ledger.append(ROWS[0])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert path.read_bytes() == whole
 
 
 def test_a_row_that_breaks_its_schema_is_named(path: Path) -> None:

@@ -190,6 +190,23 @@ def test_what_was_run_without_recording_is_refused(tmp_path: Path, pack: Pack) -
             opened(tmp_path, writer=dataset.task(header))
 
 
+def test_an_episode_that_is_recorded_already_leaves_nothing_on_the_disk(
+    tmp_path: Path, pack: Pack
+) -> None:
+    """Where the results were deleted, and all are played again."""
+    listed = opened(tmp_path / "first").instances
+    header = recording_header(IDLE.spec, listed, load_task("lift_pot"), pack)
+    with DatasetWriter(tmp_path / "kept") as dataset:
+        for results in ("first", "second"):
+            made = opened(tmp_path / results, writer=(writer := dataset.task(header)))
+            assert made.begin() == MANY[0]
+            writer.staging(MANY[0]).mkdir(parents=True)
+            made.take(MANY[0], EvaluationResult(record(MANY[0]), Rejection(MANY[0], "gave_up")))
+            left = writer.staging(MANY[0]).exists()
+            writer.discard(MANY[0])
+        assert writer.totals.attempts == 1 and not left
+
+
 def test_no_record_outlives_its_attempt_when_the_machine_crashes(
     tmp_path: Path, pack: Pack, monkeypatch: pytest.MonkeyPatch
 ) -> None:

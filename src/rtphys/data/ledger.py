@@ -186,8 +186,9 @@ class Ledger(Generic[H, R]):
             if file.tell() != self.end:  # a torn line of a killed run
                 file.truncate(self.end)
             try:
-                if file.write(line) != len(line):
-                    raise OSError("only a part of a line could be written")
+                rest = memoryview(line)
+                while rest:  # a full disk takes a part, and says that it is full when asked again
+                    rest = rest[file.write(rest) :]
                 if durable:
                     os.fsync(file.fileno())
             except OSError:

@@ -75,10 +75,8 @@ class TaskWriter:
         place.check_links()
         self._read_ledger()
         leftovers = self._unlisted()
-        if not self._ledger.lines:
-            if leftovers:  # somebody else's
-                raise DatasetMismatch(place.folder, ["its episodes have no ledger"])
-            return
+        if leftovers and not self._ledger.lines:  # somebody else's
+            raise DatasetMismatch(place.folder, ["its episodes have no ledger"])
         shutil.rmtree(place.staging, ignore_errors=True)
         for path in leftovers:
             with files.refusals(path):
@@ -356,13 +354,13 @@ class DatasetWriter:
 
     def __exit__(self, kind: object, error: object, trace: object) -> None:
         """Last checkpoint, then unlocks, also when it fails. Called when no worker runs."""
-        if error:  # what was refused leaves nothing behind
-            self._tasks = {name: one for name, one in self._tasks.items() if one.begun}
         # The first error is the one to show; a full disk also fails the last checkpoint.
         with suppress(*([CannotWrite] if error else [])):
             try:
                 for writer in self._tasks.values():
                     shutil.rmtree(writer.task_dataset.staging, ignore_errors=True)
+                if error:  # what was refused leaves nothing behind
+                    self._tasks = {name: one for name, one in self._tasks.items() if one.begun}
                 self.checkpoint(last=True)
             finally:
                 self._lock.release()

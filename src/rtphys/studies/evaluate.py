@@ -252,8 +252,10 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
             for one in self.instances.instances:  # first the seeds that certification left out
                 if self.writer.next_seed <= one.seed < seed:
                     self.writer.record(Rejection(one.seed, "not_certified", one.reason))
-            if seed == self.writer.next_seed:  # else a kill came before the ledger had it
+            if seed == self.writer.next_seed:
                 self.writer.record(result.outcome)
+            else:  # it is there: a kill came before the ledger had it, or somebody deleted that
+                self.writer.discard(seed)
             self.writer.sync()  # a crash of the machine must not leave the record alone
         self._ledger.append(result.record)
         self._all.append(result.record)
