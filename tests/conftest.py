@@ -9,8 +9,12 @@ import rtphys  # noqa: F401  # isort: skip
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from rtphys import doctor
+
+settings.register_profile("any machine", deadline=None)  # a loaded one is slow, not wrong
+settings.load_profile("any machine")
 
 # Helpers of several folders' tests: synthetic episodes, records, jobs of worker processes.
 for folder in ("data", "campaign", "physics", "results"):

@@ -22,7 +22,7 @@ def picture(seed: int) -> np.ndarray:
     return np.asarray(cv2.GaussianBlur(noise, (0, 0), 2.0), np.uint8)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10_000))
 def test_decoding_gives_what_official_readers_see(seed: int) -> None:
     """XPolicyLab: imdecode, and exchange the channels of what is marked."""

@@ -57,7 +57,7 @@ def check(out: Path, name: str, data: bytes) -> None:
         path.write_bytes(before)
 
 
-ANY = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+ANY = settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
 
 
 @ANY

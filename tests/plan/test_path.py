@@ -39,7 +39,7 @@ def assert_legal(motion, limits=LIMITS) -> None:
     assert np.abs(moved).max() <= limits.acceleration.max() * DT**2 / 4 + 1e-9
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), n=st.integers(2, 7), d=st.sampled_from([6, 12]))
 def test_limits_and_corridor_hold_on_any_polyline(seed: int, n: int, d: int) -> None:
     rng = np.random.default_rng(seed)

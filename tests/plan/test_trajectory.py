@@ -58,7 +58,7 @@ def duration(motion: Trajectory) -> float:
     return (len(motion) - 1) * DT
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(seed=st.integers(0, 100_000))
 def test_motions_are_straight_legal_and_as_smooth_as_their_time_allows(seed: int) -> None:
     q0, q1, limits = random_way(seed)
@@ -127,7 +127,7 @@ def test_same_input_same_bits() -> None:
         assert first.qd.tobytes() == second.qd.tobytes()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(begin=st.integers(0, 1000), end=st.integers(0, 1000), rate=st.floats(0.1, 0.6))
 def test_strokes_are_smooth_and_never_too_fast(begin: int, end: int, rate: float) -> None:
     g0, g1 = begin / 1000, end / 1000
@@ -162,7 +162,7 @@ def fastest(q0: Array, q1: Array, limits: JointLimits) -> Trajectory:
     return way.sampled(way.steps)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10_000))
 def test_point_to_point_is_straight_and_legal(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -76,7 +76,7 @@ def test_every_message_is_one_or_is_refused(encoding: Encoding) -> None:
 
 
 @BOTH
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(data=st.binary(max_size=80))
 def test_any_bytes(encoding: Encoding, data: bytes) -> None:
     with suppress(BadFrame):

@@ -3,7 +3,7 @@
 import msgpack
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis.extra import numpy as hnp
 
 from rtphys.policies.websocket import MSGPACK_NUMPY, OPENPI, BadFrame, Encoding
@@ -13,7 +13,6 @@ NUMBERS = hnp.integer_dtypes() | hnp.floating_dtypes(sizes=(32, 64)) | hnp.boole
 
 
 @BOTH
-@settings(deadline=None)
 @given(array=hnp.arrays(NUMBERS, hnp.array_shapes(min_dims=0, min_side=0, max_dims=3)))
 def test_an_array_survives(encoding: Encoding, array: np.ndarray) -> None:
     back = encoding.unpack(encoding.pack({"a": [array]}))

@@ -248,28 +248,26 @@ def test_other_seeds_are_not_drawn_into_the_same_folder(tmp_path: Path) -> None:
         begin("0:3")
 
 
-def test_space_is_needed_for_what_is_not_drawn_yet(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    needed = list[float]()
+@pytest.fixture
+def needed(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """The disk space [bytes] that each check of a render asks for; it needs no assets."""
+    asked = list[float]()
     monkeypatch.setattr(module, "pack_with", lambda digest: object())
-    monkeypatch.setattr(module, "check_space", lambda out, room: needed.append(room))
+    monkeypatch.setattr(module, "check_space", lambda out, room: asked.append(room))
     monkeypatch.setattr(module, "check_drawable", lambda shader: 0)
+    return asked
+
+
+def test_space_is_needed_for_what_is_not_drawn_yet(tmp_path: Path, needed: list[float]) -> None:
     data = synthetic_dataset(tmp_path / "data")
     for out in (tmp_path / "new", synthetic_dataset(tmp_path / "drawn")):
         module._check(RenderSpec(data=data, out=out), Dataset(data))
     assert needed[0] > needed[1] == 0
 
 
-def test_space_is_needed_for_the_chosen_episodes_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_space_is_needed_for_the_chosen_episodes_alone(tmp_path: Path, needed: list[float]) -> None:
     from collected import collect as collect_synthetic
 
-    needed = list[float]()
-    monkeypatch.setattr(module, "pack_with", lambda digest: object())
-    monkeypatch.setattr(module, "check_space", lambda out, room: needed.append(room))
-    monkeypatch.setattr(module, "check_drawable", lambda shader: 0)
     collect_synthetic(tmp_path / "data", 4)  # of seeds 0, 1, 3, 4
     for seeds in ("", "3,4", "0"):
         plan = RenderSpec(data=tmp_path / "data", out=tmp_path / "out", part=Selection(seed=seeds))

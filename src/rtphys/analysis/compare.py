@@ -240,10 +240,7 @@ def _labels(evaluations: Sequence[Results]) -> list[str]:
 
 
 def told_apart(choices: Sequence[Sequence[str]]) -> list[str]:
-    """A name for each thing: of the lists of names, the first one in which no other has its name.
-
-    It is of the last list where there is none.
-    """
+    """A label for each thing: its name from the first list in which that is unique, or the last."""
     return [
         next((names[n] for names in choices if names.count(names[n]) == 1), choices[-1][n])
         for n in range(len(choices[-1]))

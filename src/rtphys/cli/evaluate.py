@@ -397,11 +397,12 @@ def _show_identified(files: Mapping[Path, Result], as_json: bool) -> None:
     """Mean R2 by attribute and estimator over the tasks that all of them have."""
     results = list(files.values())
     tasks = [t for t in results[0].tasks if all(t in result.tasks for result in results)]
-    ends = [f", {result.protocol}" for result in results]
-    if len({*ends}) == 1:
-        ends = [""] * len(ends)
-    choices = [short_name(result.estimator) for result in results], [*map(str, files)]
-    names = analysis.told_apart([[*map("".join, zip(c, ends, strict=True))] for c in choices])
+    several = len({result.protocol for result in results}) > 1
+    ends = [f", {result.protocol}" if several else "" for result in results]
+    estimators = [short_name(r.estimator) + end for r, end in zip(results, ends, strict=True)]
+    names = analysis.told_apart(
+        [estimators, [f"{path}{end}" for path, end in zip(files, ends, strict=True)]]
+    )
     keys = sorted({key for r in results for task in tasks for key in r.tasks[task].scores})
     if as_json:
         columns = [

@@ -118,9 +118,10 @@ def compare(dataset: Dataset, expected: Digests, name: str) -> Comparison:
 def _outcomes(part: Dataset, listed: TaskDigests, name: str) -> Iterator[Problem | None]:
     """What is wrong with each seed that gave an episode here or there, if both have tried it."""
     there = {int(seed): (n, one) for n, (seed, one) in enumerate(listed.episodes.items())}
+    last = max(there, default=-1)
     for episode in part:
         path = episode.paths.phys_meta
-        if episode.seed > max(there, default=-1):
+        if episode.seed > last:
             continue  # was not tried there
         if episode.seed not in there:
             yield Problem(path, f"is of seed {episode.seed}, of which {name} has no episode")
