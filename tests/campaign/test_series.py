@@ -94,9 +94,10 @@ def test_it_begins_as_many_as_the_missing_results_are_worth() -> None:
     assert begun(series, 9) == [3, 4], "one is missing, and three of four count"
 
 
-def test_it_does_not_run_far_ahead_of_the_slowest() -> None:
+@pytest.mark.parametrize("owed", [0, 1000])
+def test_it_does_not_run_far_ahead_of_the_slowest(owed: int) -> None:
     """What waits for an earlier seed may lie on the disk."""
-    series = numbers(1000)
+    series = numbers(1000, owed=owed)
     slowest, *others = begun(series, 2)
     ahead = list(others)
     while others:
@@ -107,6 +108,16 @@ def test_it_does_not_run_far_ahead_of_the_slowest() -> None:
     assert series.running == {0}
     take_all(series, (slowest,))
     assert begun(series, 2) == [LOOKAHEAD * 2, LOOKAHEAD * 2 + 1]
+
+
+def test_results_that_were_made_elsewhere_are_not_ahead() -> None:
+    """They take no room: of ten seeds one is a job here."""
+    series = numbers(1000, elsewhere=frozenset(seed for seed in range(1000) if seed % 10))
+    while series.wants(2):
+        seed = series.begin()
+        if (result := series.known(seed)) is not None:
+            series.take(seed, result)
+    assert len(series.running) == LOOKAHEAD * 2 and series.committed == []
 
 
 def test_a_goal_that_is_reached_wants_nothing() -> None:

@@ -133,10 +133,13 @@ class Series(ABC, Generic[J, R]):
         """Whether one more seed should begin: as many as the missing results are worth."""
         if self.enough or self.halted or self._begun >= len(self.seeds):
             return False
+        ahead = len(self.running) + sum(self.known(seed) is None for seed in self._waiting)
+        if ahead >= LOOKAHEAD * workers:
+            return False
         if self._begun < self._owed:
             return True
-        progress, ahead = self.progress, self._begun - self._committed
-        if progress.done or progress.stopped or ahead >= LOOKAHEAD * workers:
+        progress = self.progress
+        if progress.done or progress.stopped:
             return False
         ready = 0
         for result in self._waiting.values():
