@@ -357,12 +357,13 @@ def test_a_listener_hears_the_counts_every_result_and_what_a_pool_notices() -> N
 
 
 def test_a_bug_leaves_its_traceback_in_a_file(tmp_path: Path) -> None:
-    failure = WorkerError("numbers, seed 0: KeyError: 'x'", 70, "Traceback: deep down")
+    failure = WorkerError("numbers, seed 0: KeyError: 'x'", 70, "Traceback: tief in \udcfc, größer")
     with pytest.raises(Bug, match=r"seed 0: KeyError: 'x'\. This is a bug .*error.log") as caught:
         run_all([numbers(1)], BrokenPool(failure), Listener(), tmp_path)
     assert caught.value.exit_code == 70
-    assert (tmp_path / ERROR_LOG).read_text() == "Traceback: deep down\n"
-    assert failure.__notes__ == ["Traceback: deep down"]  # what `--debug` shows
+    said = (tmp_path / ERROR_LOG).read_text(encoding="utf-8")
+    assert said == "Traceback: tief in \\udcfc, größer\n", "a path need not be text"
+    assert failure.__notes__ == [failure.trace]  # what `--debug` shows
 
 
 def test_what_a_user_can_cause_is_passed_on(tmp_path: Path) -> None:

@@ -304,6 +304,7 @@ def run_all(
         place = ""
         with suppress(OSError):
             if log_folder is not None:
-                (log_folder / ERROR_LOG).write_text(failure.trace + "\n")
+                text = failure.trace + "\n"  # any: of paths, of source in any language
+                (log_folder / ERROR_LOG).write_text(text, "utf-8", "backslashreplace")
                 place = f"; the traceback is in {log_folder / ERROR_LOG}"
         raise Bug(f"{failure}. This is a bug in rtphys or in the task{place}") from failure
