@@ -82,6 +82,7 @@ class Series(ABC, Generic[J, R]):
         self._owed = owed
         self._begun = self._committed = 0  # seeds handed out; seeds done with
         self._waiting = dict[int, R | WorkerError]()  # for an earlier seed
+        self._made = set[int]()  # those of them that a job has made
         self._closed = False
         progress.judge(exhausted=not seeds)
 
@@ -133,8 +134,7 @@ class Series(ABC, Generic[J, R]):
         """Whether one more seed should begin: as many as the missing results are worth."""
         if self.enough or self.halted or self._begun >= len(self.seeds):
             return False
-        ahead = len(self.running) + sum(self.known(seed) is None for seed in self._waiting)
-        if ahead >= LOOKAHEAD * workers:
+        if len(self.running) + len(self._made) >= LOOKAHEAD * workers:
             return False
         if self._begun < self._owed:
             return True
@@ -172,8 +172,11 @@ class Series(ABC, Generic[J, R]):
             return
         failed = isinstance(result, WorkerError)
         self._waiting[seed] = result if failed else self.arrived(seed, result)
+        if self.known(seed) is None:
+            self._made.add(seed)
         while (first := self.seeds[self._committed]) in self._waiting:
             result = self._waiting.pop(first)
+            self._made.discard(first)
             if isinstance(result, WorkerError):
                 raise result
             if problem := self.commit(first, result):
