@@ -27,6 +27,7 @@ from time_limit import at_most
 
 from rtphys.campaign import local
 from rtphys.campaign.local import LocalPool, OutsideTrouble, limits_for_user_code
+from rtphys.campaign.machine import Usage
 from rtphys.campaign.pool import CannotStart, Limits, WorkerError, WorkerFailure, WorkerPool
 
 QUICK = Limits(seconds=20)
@@ -171,6 +172,18 @@ def test_code_of_a_user_that_waits_for_ever_has_itself_to_blame(tmp_path: Path) 
     assert found[0] == WorkerFailure("worker_hang", "did not end within 1 s")
     assert isinstance(found[1], int)
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_code_of_a_user_may_compute_in_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in so many that they use a minute of CPU time a second."""
+    monkeypatch.setattr(Usage, "of", staticmethod(lambda _: Usage(60 * time.monotonic())))
+    monkeypatch.setattr(local, "CHECK_SECONDS", 0.1)
+    ends = list[Outcome]()
+    with LocalPool[Trouble, int](setup, 1, limits_for_user_code(1, 30)) as pool:
+        pool.submit("0", Trouble("nap"), ends.append)
+        while pool.busy:
+            pool.wait(0.1)
+    assert len(ends) == 1 and isinstance(ends[0], int)
 
 
 def test_a_job_that_was_killed_from_outside_has_fewer_beside_it(tmp_path: Path) -> None:

@@ -94,9 +94,10 @@ def test_it_begins_as_many_as_the_missing_results_are_worth() -> None:
     assert begun(series, 9) == [3, 4], "one is missing, and three of four count"
 
 
-def test_it_does_not_run_far_ahead_of_the_slowest() -> None:
+@pytest.mark.parametrize("owed", [0, 1000])
+def test_it_does_not_run_far_ahead_of_the_slowest(owed: int) -> None:
     """What waits for an earlier seed may lie on the disk."""
-    series = numbers(1000)
+    series = numbers(1000, owed=owed)
     slowest, *others = begun(series, 2)
     ahead = list(others)
     while others:
@@ -107,6 +108,16 @@ def test_it_does_not_run_far_ahead_of_the_slowest() -> None:
     assert series.running == {0}
     take_all(series, (slowest,))
     assert begun(series, 2) == [LOOKAHEAD * 2, LOOKAHEAD * 2 + 1]
+
+
+def test_results_that_were_made_elsewhere_are_not_ahead() -> None:
+    """They take no room: of ten seeds one is a job here."""
+    series = numbers(1000, elsewhere=frozenset(seed for seed in range(1000) if seed % 10))
+    while series.wants(2):
+        seed = series.begin()
+        if (result := series.known(seed)) is not None:
+            series.take(seed, result)
+    assert len(series.running) == LOOKAHEAD * 2 and series.committed == []
 
 
 def test_a_goal_that_is_reached_wants_nothing() -> None:
@@ -346,12 +357,13 @@ def test_a_listener_hears_the_counts_every_result_and_what_a_pool_notices() -> N
 
 
 def test_a_bug_leaves_its_traceback_in_a_file(tmp_path: Path) -> None:
-    failure = WorkerError("numbers, seed 0: KeyError: 'x'", 70, "Traceback: deep down")
+    failure = WorkerError("numbers, seed 0: KeyError: 'x'", 70, "Traceback: tief in \udcfc, größer")
     with pytest.raises(Bug, match=r"seed 0: KeyError: 'x'\. This is a bug .*error.log") as caught:
         run_all([numbers(1)], BrokenPool(failure), Listener(), tmp_path)
     assert caught.value.exit_code == 70
-    assert (tmp_path / ERROR_LOG).read_text() == "Traceback: deep down\n"
-    assert failure.__notes__ == ["Traceback: deep down"]  # what `--debug` shows
+    said = (tmp_path / ERROR_LOG).read_text(encoding="utf-8")
+    assert said == "Traceback: tief in \\udcfc, größer\n", "a path need not be text"
+    assert failure.__notes__ == [failure.trace]  # what `--debug` shows
 
 
 def test_what_a_user_can_cause_is_passed_on(tmp_path: Path) -> None:

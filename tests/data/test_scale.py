@@ -1,5 +1,6 @@
 """What is read and written does not grow where it must not: counted, since no time is certain."""
 
+import gc
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
@@ -8,14 +9,17 @@ import pytest
 import synthetic
 from collected import wanting
 
+from rtphys.campaign.series import Batch
 from rtphys.data import files
 from rtphys.data.attempts import ATTEMPT, Accepted, Rejected
+from rtphys.data.compare import Comparison
 from rtphys.data.dataset import Dataset
 from rtphys.data.files import FileFacts
 from rtphys.data.layout import TaskDataset
 from rtphys.data.ledger import Ledger
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter, Rejection
+from rtphys.studies import reproduce
 
 SIZES = (30, 300)
 SLACK = 8  # lines: first ones, which say what a ledger is of
@@ -178,3 +182,29 @@ def test_verify_reads_each_line_twice_however_far_a_run_was_ahead(
     report = verify(out)
     assert (report.problems, report.newer, report.episodes) == ([], ahead, attempts // 2)
     assert attempts < counter.lines <= 2 * (attempts + 1) + SLACK
+
+
+def rows_in_memory() -> int:
+    return sum(isinstance(one, Accepted | Rejected) for one in gc.get_objects())
+
+
+def test_a_sample_to_be_made_again_is_all_that_is_held(
+    out: Path, attempts: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held = list[int]()
+
+    def run_here(batches: list[Batch], *_: object) -> None:
+        held.append(rows_in_memory())
+        batches[0].results.update(dict.fromkeys(batches[0].jobs, Comparison()))
+
+    before = rows_in_memory()
+    monkeypatch.setattr(reproduce, "run_here", run_here)
+    found = reproduce.reproduced(out, 3)
+    assert (len(found.episodes), len(found.rejections)) == (3, 3)
+    assert held and max(held) - before <= 6 + SLACK
+
+
+def test_what_is_sound_is_not_held_to_be_repaired(out: Path, attempts: int) -> None:
+    held, before = list[int](), rows_in_memory()
+    assert reproduce.damage(out, lambda *at: held.append(rows_in_memory())) == []
+    assert len(held) == attempts // 2 and max(held) - before <= SLACK

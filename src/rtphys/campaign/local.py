@@ -1,5 +1,6 @@
 """A pool of worker processes on this machine, which may crash, hang or leak without harm."""
 
+import math
 import os
 import resource
 import selectors
@@ -420,7 +421,8 @@ def limits_for_user_code(workers: int, seconds: float) -> Limits:
     waits, such as for a server.
     """
     share = max(MEMORY_FOR_WORKERS * memory() / workers, Limits().max_memory)
-    return Limits(seconds, seconds, user_code=True, memory=share, max_memory=share)
+    # Not in CPU time: threads of its own would use it up together.
+    return Limits(math.inf, seconds, user_code=True, memory=share, max_memory=share)
 
 
 def run_here(

@@ -82,6 +82,7 @@ class Series(ABC, Generic[J, R]):
         self._owed = owed
         self._begun = self._committed = 0  # seeds handed out; seeds done with
         self._waiting = dict[int, R | WorkerError]()  # for an earlier seed
+        self._made = set[int]()  # those of them that a job has made
         self._closed = False
         progress.judge(exhausted=not seeds)
 
@@ -133,10 +134,12 @@ class Series(ABC, Generic[J, R]):
         """Whether one more seed should begin: as many as the missing results are worth."""
         if self.enough or self.halted or self._begun >= len(self.seeds):
             return False
+        if len(self.running) + len(self._made) >= LOOKAHEAD * workers:
+            return False
         if self._begun < self._owed:
             return True
-        progress, ahead = self.progress, self._begun - self._committed
-        if progress.done or progress.stopped or ahead >= LOOKAHEAD * workers:
+        progress = self.progress
+        if progress.done or progress.stopped:
             return False
         ready = 0
         for result in self._waiting.values():
@@ -169,8 +172,11 @@ class Series(ABC, Generic[J, R]):
             return
         failed = isinstance(result, WorkerError)
         self._waiting[seed] = result if failed else self.arrived(seed, result)
+        if self.known(seed) is None:
+            self._made.add(seed)
         while (first := self.seeds[self._committed]) in self._waiting:
             result = self._waiting.pop(first)
+            self._made.discard(first)
             if isinstance(result, WorkerError):
                 raise result
             if problem := self.commit(first, result):
@@ -301,6 +307,7 @@ def run_all(
         place = ""
         with suppress(OSError):
             if log_folder is not None:
-                (log_folder / ERROR_LOG).write_text(failure.trace + "\n")
+                text = failure.trace + "\n"  # any: of paths, of source in any language
+                (log_folder / ERROR_LOG).write_text(text, "utf-8", "backslashreplace")
                 place = f"; the traceback is in {log_folder / ERROR_LOG}"
         raise Bug(f"{failure}. This is a bug in rtphys or in the task{place}") from failure

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from heapq import heappop, heappush
+from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -72,13 +74,15 @@ def reproduced(
     Raises `BadFile`: there is no manifest; `Bug`: an unexpected exception in a worker.
     """
     found = Reproduction()
-    known = [*recorded_attempts(out, read_manifest(out), found)]
-    # A random sample that nobody could know when the dataset was made.
-    rng, attempts = stream(int.from_bytes(os.urandom(7)), "reproduce"), list[RecordedAttempt]()
-    for accepted in (True, False):
-        having = [attempt for attempt in known if isinstance(attempt.row, Accepted) is accepted]
-        picks = rng.choice(len(having), min(count, len(having)), replace=False)
-        attempts += [having[index] for index in sorted(picks.tolist())]
+    # A random sample that nobody could know when the dataset was made. All do not fit into memory.
+    rng = stream(int.from_bytes(os.urandom(7)), "reproduce")
+    picks: dict[bool, list[tuple[float, int, RecordedAttempt]]] = {True: [], False: []}
+    for number, attempt in enumerate(recorded_attempts(out, read_manifest(out), found)):
+        of_kind = picks[isinstance(attempt.row, Accepted)]
+        heappush(of_kind, (rng.random(), number, attempt))
+        if len(of_kind) > count:
+            heappop(of_kind)
+    attempts = [pick[2] for kind in picks.values() for pick in sorted(kind, key=itemgetter(1))]
     results = dict[int, Comparison]()
     for shader, numbers in by_shader(attempts).items():
         batch = Batch("reproduce", {number: attempts[number] for number in numbers}, lost)
@@ -217,19 +221,20 @@ def damage(out: Path, compared: Progress | None = None) -> list[Damage]:
             raise BadFile(ledger, "is missing: nothing can be made again without it")
     if not there:
         raise BadFile(out, "holds no dataset")
-    rows = [
-        (header, row, row.on_disk.files)
-        for ledger, header in there.items()
-        for row in read_attempts(ledger)
-        if row.on_disk is not None
-    ]
+
+    def on_disk() -> Iterator[tuple[RecordedAttempt, dict[str, FileFacts]]]:
+        for ledger, header in there.items():
+            for row in read_attempts(ledger):
+                if row.on_disk is not None:
+                    yield RecordedAttempt(out, header, row), row.on_disk.files
+
     found = list[Damage]()
-    for done, (header, row, listed) in enumerate(rows, start=1):
-        recorded = RecordedAttempt(out, header, row)
+    total = sum(1 for _ in on_disk())  # all rows do not fit into memory
+    for done, (recorded, listed) in enumerate(on_disk(), start=1):
         facts = {recorded.place.folder / name: one for name, one in listed.items()}
         wanted = {p: one for p, one in facts.items() if file_problem(out, p, one)}
         if compared:
-            compared(done, len(rows))
+            compared(done, total)
         if wanted:
             found.append(Damage(recorded, wanted))
     return found

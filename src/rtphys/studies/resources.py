@@ -102,7 +102,7 @@ def check_drawable(what: str = "pictures", shader: str = "") -> int:
         cure = f"; cure: {finding.cure}" if finding.cure else ""
         raise NoRenderer(f"no {what} can be drawn: {finding.detail}{cure}")
     if stamp is not None:
-        with suppress(OSError):
+        with suppress(OSError, ValueError):  # a path need not be text
             stamp.parent.mkdir(parents=True, exist_ok=True)
             stamp.write_text(f"{now}\n{finding.gpus}")
     return finding.gpus

@@ -57,6 +57,9 @@ def test_how_many_gpus_draw_is_remembered(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(resources, "user_cache", lambda: tmp_path)
     drawing = Finding("renderer", "ok", "ok", "it draws", gpus=2)
     monkeypatch.setattr(resources, "check_renderer", lambda command: drawing)
+    with monkeypatch.context() as strange:
+        strange.setenv("VK_DRIVER_FILES", "/no/text/\udcfc.json")
+        assert resources.check_drawable() == 2, "only not remembered"
     assert resources.check_drawable() == 2
     monkeypatch.setattr(resources, "check_renderer", lambda command: 1 / 0)
     assert resources.check_drawable() == 2
