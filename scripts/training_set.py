@@ -85,6 +85,7 @@ def digests_of(dataset: Dataset, cpu: float) -> TaskDigests:
     reasons = Counter(row.reason for row in rows if isinstance(row, Rejected))
     return TaskDigests(
         config=entry.spec.name,
+        embodiment=entry.spec.episode.embodiment,
         dataset=dataset_digest((dataset.path / MANIFEST).read_bytes()),
         attempts=len(rows),
         rejections=dict(sorted(reasons.items())),

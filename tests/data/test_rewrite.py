@@ -106,6 +106,14 @@ def test_a_part_of_other_seeds_is_not_continued(
         assert content(tmp_path / "part") == before
 
 
+def test_the_progress_of_a_part_counts_what_is_taken(three: Path, tmp_path: Path) -> None:
+    told: list[tuple[int, int]] = []
+    keep = {1, 3}.__contains__
+    out = tmp_path / "part"
+    subset(three, out, lambda _: True, lambda row: keep(row.seed), lambda *at: told.append(at))
+    assert told[-1] == (2, 2)
+
+
 def test_a_part_has_the_failures_of_its_seeds(tmp_path: Path) -> None:
     """Kept or not: without them its acceptance would be 100 %."""
     collect(tmp_path / "data", 9, synthetic.header(keep_failures="1"), attempts=9)

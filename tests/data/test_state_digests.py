@@ -94,6 +94,7 @@ def test_as_many_are_compared_as_there_are(three: Path) -> None:
     assert str(found) == "3 of 3 episodes of 1 task have the states, actions and labels of ours"
     assert compare(dataset.where(numbers=[0, 1]), listed, "ours").episodes == 2
     assert compare(dataset, changed(listed, config="clean"), "ours").tasks == 0
+    assert compare(dataset, changed(listed, embodiment="piper"), "ours").tasks == 0
     assert compare(dataset, changed(listed, episodes={}), "ours").tasks == 0
 
 

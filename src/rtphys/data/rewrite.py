@@ -46,6 +46,12 @@ class _Part:
     stage: Stage
     keep: Callable[[Row], bool] | None = None
 
+    def episodes(self) -> int:
+        """How many are taken."""
+        if self.keep is None:
+            return sum(entry.episodes for _, entry in self.sources)
+        return sum(isinstance(row, Accepted) for _, row in self.rows())
+
     def rows(self) -> Iterator[tuple[TaskDataset, Row]]:
         """Every attempt that is taken, in the order of the seeds, and where it lies."""
         places = [entry.below(out) for out, entry in self.sources]
@@ -198,11 +204,12 @@ def _write(
 ) -> list[str]:
     if out.resolve() in [path.resolve() for path in read]:
         raise BadValue("out", str(out), "it is a dataset that is read; name another folder")
-    total, done = sum(entry.episodes for part in parts for _, entry in part.sources), 0
+    episodes, done = [part.episodes() for part in parts], 0
+    total = sum(episodes)
     names: list[str] = []
     with DatasetWriter(out) as dataset:
-        for part in parts:
-            writer = dataset.task(part.header, sum(entry.episodes for _, entry in part.sources))
+        for part, wanted in zip(parts, episodes, strict=True):
+            writer = dataset.task(part.header, wanted)
             names.append(writer.task_dataset.name)
             there = writer.seeds()  # of an earlier call
             for place, row in part.rows():

@@ -14,6 +14,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field as Key
 
+from rtphys.assets.embodiment import DEFAULT
 from rtphys.core import library
 from rtphys.core.errors import UnknownName, counted
 from rtphys.data import schema
@@ -35,6 +36,7 @@ class TaskDigests(Model):
     """A task dataset of a published collection, and what it cost."""
 
     config: str = Key(description="name of the folder, such as phys_random_all")
+    embodiment: str = Key(DEFAULT, description="the robot")
     dataset: str = Key(description="digest of the whole dataset, pictures included")
     attempts: Count
     rejections: dict[str, Count] = Key(description="reason -> attempts")
@@ -106,8 +108,10 @@ def compare(dataset: Dataset, expected: Digests, name: str) -> Comparison:
     """
     found = Comparison(name)
     for task, listed in expected.tasks.items():
-        if task in dataset.tasks and listed.config in dataset.configs:
-            part = dataset.where(task=task, config=listed.config)
+        robot = listed.embodiment
+        both = robot in dataset.embodiments and listed.config in dataset.configs
+        if both and task in dataset.tasks:
+            part = dataset.where(task=task, config=listed.config, embodiment=robot)
             compared = [*_outcomes(part, listed, name)]
             found.problems += filter(None, compared)
             found.episodes += len(compared)
