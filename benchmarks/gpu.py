@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import rtphys  # noqa: F401  # isort: skip  (before numpy: it chooses the arithmetic)
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 
 from scale import rates
 

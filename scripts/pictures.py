@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from itertools import count
 from pathlib import Path
 
-import rtphys  # noqa: F401  # isort: skip  (before numpy: it chooses the arithmetic)
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 import numpy as np
 from PIL import Image, ImageDraw
 

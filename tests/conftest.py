@@ -4,8 +4,8 @@ import os
 import sys
 from pathlib import Path
 
-# Before numpy, so that tests compute the bits that every other process of rtphys does.
-import rtphys  # noqa: F401  # isort: skip
+# So that tests compute the bits that every other process of rtphys does.
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 
 import numpy as np
 import pytest

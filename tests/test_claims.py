@@ -223,6 +223,8 @@ docs/evaluate.md
   should be the same bits on every x86-64 processor with AVX2
     test_arithmetic::test_sums_end_in_the_bits_that_processors_with_avx2_share
     test_arithmetic::test_numpy_leaves_avx512_unused
+  as a training does that reads a dataset, changes nothing
+    test_arithmetic::test_reading_a_dataset_changes_nothing_of_the_process
   gets a warning that names the remedy
     test_arithmetic::test_pinning_after_numpy_is_told_with_the_cure
   has a different digest there, the lists are refused

@@ -19,7 +19,7 @@ from pretrained import Eye
 from sight import PICTURES, Sees, looks
 from torch import Tensor
 
-import rtphys  # before NumPy
+import rtphys
 
 # Standard deviations [rad] of the noise on the command that is shown, smallest and largest; one is
 # drawn for each sample. Targets stay, so the network learns to return to the demonstration.

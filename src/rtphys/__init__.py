@@ -5,16 +5,12 @@
 
 from typing import TYPE_CHECKING
 
-from rtphys.core import arithmetic
-
 if TYPE_CHECKING:
     from rtphys.data.dataset import Dataset, Episode
 
     __version__: str
 
 __all__ = ["Dataset", "Episode", "__version__"]
-
-arithmetic.pin()  # before anything of rtphys loads numpy
 
 
 def __getattr__(name: str) -> object:

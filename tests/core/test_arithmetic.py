@@ -28,6 +28,17 @@ for n in (3, 6, 14, 33, 200):
 print(total.hexdigest())
 """
 
+# A processor of another machine.
+AVX512 = """
+import io, pathlib
+def opened(path, mode="r", buffering=-1, encoding=None, errors=None, newline=None):
+    if str(path) == "/proc/cpuinfo":
+        return io.StringIO("flags: fpu avx2 fma avx512f")
+    return io.open(path, mode, buffering, encoding, errors, newline)
+pathlib.Path.open = opened
+"""
+REASON = "print(a.mismatch_reason())"
+
 
 def run(code: str, environment: dict[str, str]) -> str:
     """What fresh Python prints, without what this process was told."""
@@ -40,15 +51,29 @@ def run(code: str, environment: dict[str, str]) -> str:
 
 
 def test_sums_end_in_the_bits_that_processors_with_avx2_share() -> None:
-    pinned = run("import rtphys" + SUMS, {})
+    pinned = run("import rtphys.core.pinned" + SUMS, {})
     assert pinned == run(SUMS, arithmetic.PINS)
-    assert pinned == run("import rtphys" + SUMS, arithmetic.PINS)
+    assert pinned == run("import rtphys.core.pinned" + SUMS, arithmetic.PINS)
 
 
 def test_numpy_leaves_avx512_unused() -> None:
-    code = "import rtphys, numpy; print(*numpy.show_config('dicts')['SIMD Extensions']['found'])"
+    found = "numpy.show_config('dicts')['SIMD Extensions']['found']"
+    code = f"import rtphys.core.pinned, numpy; print(*{found})"
     groups = run(code, {}).split()
     assert not [group for group in groups if group == "X86_V4" or "AVX512" in group]
+
+
+@pytest.mark.parametrize("module", ["cli", "gym", "episode", "sim", "assets.worker"])
+def test_what_simulates_pins_before_numpy_is_loaded(module: str) -> None:
+    code = f"{AVX512}import rtphys.{module}; from rtphys.core import arithmetic as a; {REASON}"
+    assert run(code, {}) == ""
+
+
+def test_reading_a_dataset_changes_nothing_of_the_process() -> None:
+    code = f"{AVX512}import os, rtphys; rtphys.Dataset; from rtphys.core import arithmetic as a; "
+    assert run(code + "print(a.PINS.keys() & os.environ.keys())", {}) == "set()"
+    code += "import rtphys.gym; "
+    assert "import rtphys.gym or rtphys.episode before it" in run(code + REASON, {})
 
 
 def test_these_tests_compute_as_rtphys_does() -> None:
@@ -92,7 +117,7 @@ def test_pinning_before_numpy_is_complete(processor: pytest.MonkeyPatch) -> None
 
 def test_pinning_after_numpy_is_told_with_the_cure(processor: pytest.MonkeyPatch) -> None:
     arithmetic.pin()
-    assert "import rtphys first" in arithmetic.mismatch_reason()
+    assert "import rtphys.gym or rtphys.episode before it" in arithmetic.mismatch_reason()
     with pytest.warns(UserWarning, match='OPENBLAS_CORETYPE="Haswell"'):
         arithmetic.warn()
     assert doctor.check_arithmetic().status == "note"

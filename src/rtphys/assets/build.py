@@ -147,7 +147,8 @@ def _run_worker(root: Path, share: list[Job], finished: "Queue[Job | Exception]"
     """
     source = str(Path(__file__).parents[2])
     env = os.environ | {"PYTHONPATH": os.pathsep.join([source, os.environ.get("PYTHONPATH", "")])}
-    command = [sys.executable, "-m", "rtphys.assets.worker", str(root)]
+    # -P: a file of the user's, such as a random.py in the current folder, hides no module.
+    command = [sys.executable, "-P", "-m", "rtphys.assets.worker", str(root)]
     with tempfile.TemporaryFile("w+") as job_lines, tempfile.TemporaryFile("w+") as error_text:
         job_lines.write("".join(f"{job.kind} {job.name} {job.index}\n" for job in share))
         job_lines.seek(0)

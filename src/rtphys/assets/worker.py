@@ -1,5 +1,7 @@
 """A builder process: reads jobs (`kind name index`) line by line, writes each, and reports it."""
 
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
+
 import sys
 from pathlib import Path
 

@@ -2,8 +2,9 @@
 
 numpy and OpenBLAS contain code for several kinds of processor and choose when they are loaded. The
 code for AVX-512 rounds differently from the code for AVX2, and after thousands of contact steps a
-different last bit is a different trajectory and state hash. So rtphys asks both for the code that
-all processors with AVX2 share, before it loads either. Its small matrices lose no speed.
+different last bit is a different trajectory and state hash. So whatever simulates asks both for the
+code that all processors with AVX2 share, before it loads either (`rtphys.core.pinned`). Its small
+matrices lose no speed. `import rtphys` alone changes nothing: a training may use AVX-512.
 """
 
 import os
@@ -82,8 +83,9 @@ def mismatch_reason() -> str:
         return ""
     if _loaded_before:
         return (
-            "numpy was imported before rtphys and computes with AVX-512; import rtphys first, or "
-            "set " + " ".join(f'{name}="{PINS[name]}"' for name in sorted(_loaded_before))
+            "numpy was imported first and computes with AVX-512; import rtphys.gym or "
+            "rtphys.episode before it, or set "
+            + " ".join(f'{name}="{PINS[name]}"' for name in sorted(_loaded_before))
         )
     now = {name: os.environ.get(name, "") for name in PINS}
     other = [n for n, words in PINS.items() if not set(words.split()) <= set(now[n].split())]

@@ -93,10 +93,13 @@ class _Known:
         with suppress(OSError):
             self._path.parent.mkdir(parents=True, exist_ok=True)
             handle, scratch = tempfile.mkstemp(dir=self._path.parent, suffix=".tmp")
-            with os.fdopen(handle, "w") as file:
-                json.dump(rows, file)
-            Path(scratch).replace(self._path)
-            self._fresh = False
+            try:
+                with os.fdopen(handle, "w") as file:
+                    json.dump(rows, file)
+                Path(scratch).replace(self._path)
+                self._fresh = False
+            finally:
+                Path(scratch).unlink(missing_ok=True)
 
 
 @cache

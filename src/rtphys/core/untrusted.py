@@ -92,7 +92,7 @@ def open_ordinary(path: Path, *, links: bool = False) -> int:
 def read_file(path: Path, most: int = FILE_BYTES, *, links: bool = False) -> bytes:
     """The whole content. Raises `BadFile`: missing, unreadable, no ordinary file, or too large."""
     try:
-        with os.fdopen(open_ordinary(path, links=links), "rb", buffering=0) as file:
+        with os.fdopen(open_ordinary(path, links=links), "rb") as file:
             # One byte more shows a file that grows; room for `most` would take 40 microseconds.
             data = file.read(min(most, os.fstat(file.fileno()).st_size) + 1)
     except (OSError, ValueError) as error:  # ValueError: NUL in the path

@@ -1,5 +1,7 @@
 """An episode as a policy sees it: observations out, actions in."""
 
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
+
 from rtphys.episode.observation import CameraView, Observation, View
 from rtphys.episode.policy_episode import PolicyEpisode, begin
 

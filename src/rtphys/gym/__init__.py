@@ -1,10 +1,12 @@
 """The tasks as Gymnasium environments.
 
-import rtphys.gym, gymnasium as gym  # this order: see `rtphys.core.arithmetic`
+import rtphys.gym, gymnasium as gym  # this order: see `rtphys.core.pinned`
 env = gym.make("rtphys/click_bell-v0", protocol="phys_random", physics={"friction": 0.2})
 
 Importing this module registers them; `gym.make("rtphys.gym:rtphys/click_bell-v0")` imports it.
 """
+
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 
 from collections.abc import Iterator, Mapping
 from typing import Any, cast

@@ -16,7 +16,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import rtphys  # noqa: F401  # isort: skip  (before numpy: it chooses the arithmetic)
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 
 import numpy as np
 from collecting import content, worker_processes
