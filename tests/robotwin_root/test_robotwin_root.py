@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 
 import numpy as np
@@ -103,6 +104,19 @@ def test_the_files_that_xpolicylab_reads_name_the_robot(root: Path) -> None:
     robots = json.loads((root / "env_cfg" / "robot" / "_robot_info.json").read_text())
     assert robots[config["config"]["robot"]] == {"arm_dim": [6, 6], "ee_dim": [1, 1]}
     assert robots["franka_panda"]["arm_dim"] == [7, 7]
+
+
+def test_a_robot_that_no_episode_can_use_is_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """RoboTwin's pack has some: their configs lack `hand`."""
+    mine = tmp_path / "lab" / "robots" / "ur5"
+    copytree(default_pack().embodiment_folder("piper"), mine)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "lab"))
+    write_root(tmp_path / "root", default_pack())
+    robots = json.loads((tmp_path / "root/env_cfg/robot/_robot_info.json").read_text())
+    assert sorted(robots) == ["aloha_agilex", "franka_panda", "piper"]
+    assert not (tmp_path / "root/env_cfg/ur5.yml").exists()
 
 
 def test_what_newer_drivers_import_is_there(root: Path) -> None:
