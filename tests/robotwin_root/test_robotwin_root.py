@@ -413,6 +413,36 @@ def test_textures_are_unseen_whatever_the_sentences_are(
         evaluate({**usr_args, "instruction_type": "sen"}, 1)
 
 
+def test_a_model_is_told_how_many_joints_the_robot_has(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the configuration's robot, as RoboTwin tells it."""
+    config = root / "task_config" / "clean.yml"
+    text = config.read_text()
+    config.write_text(text.replace("- aloha-agilex", "- piper\n- franka-panda\n- 0.7"))
+    (root / "policy" / "asks").mkdir()
+    (root / "policy" / "asks" / "__init__.py").write_text("")
+    (root / "policy" / "asks" / "deploy_policy.py").write_text(
+        "def get_model(usr_args):\n"
+        "    raise KeyboardInterrupt(usr_args['left_arm_dim'], usr_args['right_arm_dim'])\n"
+        "def reset_model(model): ...\n"
+        "def eval(TASK_ENV, model, observation): ...\n"
+    )
+    (root / "policy" / "asks" / "deploy_policy.yml").write_text("policy_name: asks")
+    code = (
+        "from rtphys.robotwin_root.drive import evaluate, parse_args_and_config\n"
+        "given = ['--config', 'policy/asks/deploy_policy.yml', '--overrides',\n"
+        "         '--task_name', 'click_bell', '--task_config', 'clean']\n"
+        "try: evaluate(parse_args_and_config(given), 1)\n"
+        "except KeyboardInterrupt as told: print(told.args)\n"
+    )
+    where = {**os.environ, "PYTHONPATH": os.pathsep.join([SOURCE, ".", "./policy"])}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, env=where, capture_output=True, text=True
+    )
+    assert done.stdout.strip() == "(6, 7)", done.stderr
+
+
 def test_overrides_are_literals_or_text() -> None:
     words = ["--port", "18093", "--name", "a.b", "--list", "[1, 2]", "--evil", "__import__('os')"]
     given = {"port": 18093, "name": "a.b", "list": [1, 2], "evil": "__import__('os')"}
