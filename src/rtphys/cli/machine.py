@@ -2,7 +2,6 @@
 
 import fnmatch
 import json
-import os
 import tempfile
 from contextlib import nullcontext
 from dataclasses import asdict
@@ -358,9 +357,8 @@ def link(
     with writing_cache():
         path.parent.mkdir(parents=True, exist_ok=True)
         # A worker may be reading it, and another process may link, too.
-        handle, scratch = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-        with os.fdopen(handle, "w") as file:
-            os.fchmod(handle, 0o644)  # for all who share this cache
-            file.write(f"{text}\n")
-        Path(scratch).replace(path)
+        with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
+            new = Path(scratch) / path.name
+            new.write_text(f"{text}\n")
+            new.replace(path)
     say(f"using {pack.root}" + (", then the builtin pack" if pack.fallback else ""))
