@@ -139,6 +139,13 @@ def test_the_dataset_stays_sound_and_the_card_repeats(dataset: Dataset) -> None:
     assert verify(dataset.path).problems == []
 
 
+def test_metadata_of_many_episodes_do_not_hold_their_arrays(dataset: Dataset) -> None:
+    """0.3 MB an episode: a large dataset did not fit into memory."""
+    fresh = Dataset(dataset.path)
+    croissant(fresh, TEXT)
+    assert not any("frames" in vars(one) for one in fresh)
+
+
 @pytest.mark.slow
 def test_mlcroissant_accepts_it(dataset: Dataset) -> None:
     program = os.environ.get("RTPHYS_MLCROISSANT")
