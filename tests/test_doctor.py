@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from rtphys import doctor
+from rtphys.assets.identity import source_digest
 from rtphys.assets.pack import default_pack
 from rtphys.core import dependencies, library
 from rtphys.core.cache import NoCache
@@ -324,17 +325,17 @@ def test_assets_that_a_run_refuses(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     assert "did you mean 'builtin'" in doctor.check_assets().detail
 
 
-def test_of_several_packs_the_newest_is_named(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_pack_that_a_run_uses_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Not one of another version, of which there may be newer ones."""
     monkeypatch.delenv("RTPHYS_ASSETS", raising=False)
-    monkeypatch.setattr(doctor, "linked", lambda: None)
-    monkeypatch.setattr(doctor, "cache_folder", lambda: tmp_path)
-    for name, age in (("f_old", 1000), ("a_new", 2000)):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / doctor.STAMP).write_text("{}")
-        os.utime(tmp_path / name / doctor.STAMP, (age, age))
-    assert doctor.check_assets().detail.endswith("a_new")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (other := doctor.cache_folder() / "a_new").mkdir(parents=True)
+    (other / doctor.STAMP).write_text("{}")
+    assert doctor.check_assets().detail.startswith("not built yet")
+    (mine := doctor.cache_folder() / source_digest()[:16]).mkdir()
+    (mine / doctor.STAMP).write_text("{}")
+    os.utime(mine / doctor.STAMP, (1000, 1000))
+    assert doctor.check_assets().detail == f"builtin pack in {mine}"
 
 
 def test_a_missing_library_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

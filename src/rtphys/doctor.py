@@ -315,7 +315,11 @@ def check_cache() -> Finding:
 def _is_built() -> bool:
     """Whether the builtin pack of this version is there. Raises `NoCache`."""
     with reading_cache():
-        return (cache_folder() / source_digest()[:16] / STAMP).is_file()
+        return (_builtin() / STAMP).is_file()
+
+
+def _builtin() -> Path:
+    return cache_folder() / source_digest()[:16]
 
 
 def check_assets() -> Finding:
@@ -332,13 +336,9 @@ def check_assets() -> Finding:
         raise
     except (RtphysError, OSError) as error:
         return _found("assets", "bad_assets", str(error))
-    with reading_cache():
-        packs = cache_folder().iterdir() if cache_folder().is_dir() else ()
-        stamps = [pack / STAMP for pack in packs if (pack / STAMP).is_file()]
-        newest = max(stamps, key=lambda stamp: stamp.stat().st_mtime, default=None)
-    if newest is None:
+    if not _is_built():
         return Finding("assets", "note", "ok", "not built yet; the first run builds the pack")
-    return _found("assets", "ok", f"newest builtin pack in {newest.parent}")
+    return _found("assets", "ok", f"builtin pack in {_builtin()}")
 
 
 def check_library() -> Finding:
