@@ -80,8 +80,20 @@ def test_each_model_is_a_row_with_its_points() -> None:
 def test_the_table_holds_every_model_and_a_wrong_name_is_an_error() -> None:
     lines = CliRunner().invoke(app, ["assets", "list"]).output.splitlines()
     pack = default_pack()
-    assert len(lines) == 3 + sum(len(pack.indices(name)) for name in pack.names)
+    assert len(lines) == 2 + sum(len(pack.indices(name)) for name in pack.names)
     assert "did you mean '050_bell'" in output_of("assets", "list", "050_bel", fails=True)
+
+
+def test_a_folder_without_models_hides_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As `objects/objaverse` of the official pack."""
+    copytree(default_pack().root / "objects" / "050_bell", tmp_path / "objects" / "050_bell")
+    (tmp_path / "objects" / "objaverse" / "apple").mkdir(parents=True)
+    monkeypatch.setenv("RTPHYS_ASSETS", str(tmp_path))
+    rows = json.loads(output_of("assets", "list", "--json"))
+    assert [(row["object"], row["model"]) for row in rows] == [("050_bell", 0), ("050_bell", 1)]
+    assert "objaverse" in output_of("assets", "list", "objaverse", fails=True)
 
 
 def test_a_picture_is_of_the_models_that_are_named(

@@ -187,14 +187,22 @@ def show(
 
 
 def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
-    """`050_bell` is all its models, `050_bell/1` one. Raises UnknownName, BadValue."""
+    """`050_bell` is all its models, `050_bell/1` one. Raises UnknownName, BadValue, or
+    MissingAsset: the object that is named holds none."""
     pattern, _, number = name.partition("/")
     found = fnmatch.filter(pack.names, pattern)
     if not found:
         raise UnknownName("object", pattern, pack.names)
     if number and not number.isdecimal():
         raise BadValue("names", name, "write an object's name, or name/number")
-    return [(one, i) for one in found for i in ([int(number)] if number else pack.indices(one))]
+    models = list[tuple[str, int]]()
+    for one in found:
+        try:
+            models += [(one, i) for i in ([int(number)] if number else pack.indices(one))]
+        except MissingAsset:  # a folder without models, such as `objaverse` of the official pack
+            if one == pattern:
+                raise
+    return models
 
 
 @assets.command("list")
