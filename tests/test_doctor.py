@@ -12,10 +12,11 @@ from pathlib import Path
 import pytest
 
 from rtphys import doctor
+from rtphys.assets.identity import source_digest
 from rtphys.assets.pack import default_pack
 from rtphys.core import dependencies, library
 from rtphys.core.cache import NoCache
-from rtphys.core.errors import RtphysError
+from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.verify import default_path
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.results.instances import (
@@ -49,6 +50,7 @@ def test_every_cause_has_its_own_exit_code_and_a_cure() -> None:
         ('print(\'{"cause": "ok", "devices": [], "first_frame_s": 1}\')', "ok"),
         ("print('noise'); print('{\"cause\": \"old_driver\"}'); exit(1)", "old_driver"),
         ("import os; os.kill(os.getpid(), 11)", "crashed"),
+        ("import os; os.write(2, b'\\xff'); os.kill(os.getpid(), 11)", "crashed"),
         ("import time; time.sleep(60)", "timeout"),
         ("raise ImportError('libX11.so.6: cannot open shared object file')", "no_simulator"),
         ('print(\'{"cause": "something new"}\')', "no_simulator"),
@@ -308,22 +310,38 @@ def test_assets_that_are_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -
     assert finding.cause == "bad_assets" and str(tmp_path) in finding.detail
 
 
-def test_of_several_packs_the_newest_is_named(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_assets_that_a_run_refuses(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """As under systemd or Docker, which leave the tilde of a variable as it is."""
+    (tmp_path / "pack" / "objects").mkdir(parents=True)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("RTPHYS_ASSETS", "~/pack")
+    with pytest.raises(BadFile):
+        default_pack()
+    assert doctor.check_assets().cause == "bad_assets"
+    monkeypatch.setenv("RTPHYS_ASSETS", str(tmp_path / "pack"))
+    monkeypatch.setenv("RTPHYS_ASSETS_FALLBACK", "builtin")
+    assert doctor.check_assets().status == "ok"
+    monkeypatch.setenv("RTPHYS_ASSETS_FALLBACK", "bultin")
+    assert "did you mean 'builtin'" in doctor.check_assets().detail
+
+
+def test_the_pack_that_a_run_uses_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Not one of another version, of which there may be newer ones."""
     monkeypatch.delenv("RTPHYS_ASSETS", raising=False)
-    monkeypatch.setattr(doctor, "linked", lambda: None)
-    monkeypatch.setattr(doctor, "cache_folder", lambda: tmp_path)
-    for name, age in (("f_old", 1000), ("a_new", 2000)):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / doctor.STAMP).write_text("{}")
-        os.utime(tmp_path / name / doctor.STAMP, (age, age))
-    assert doctor.check_assets().detail.endswith("a_new")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (other := doctor.cache_folder() / "a_new").mkdir(parents=True)
+    (other / doctor.STAMP).write_text("{}")
+    assert doctor.check_assets().detail.startswith("not built yet")
+    (mine := doctor.cache_folder() / source_digest()[:16]).mkdir()
+    (mine / doctor.STAMP).write_text("{}")
+    os.utime(mine / doctor.STAMP, (1000, 1000))
+    assert doctor.check_assets().detail == f"builtin pack in {mine}"
 
 
 def test_a_missing_library_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "gone"))
     assert doctor.check_library().cause == "bad_library"
+    assert doctor.check_lists().cause == "bad_library", "no check failed itself"
 
 
 def test_command_line(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from importlib import metadata
 from pathlib import Path
 
 from rtphys.assets.identity import source_digest
-from rtphys.assets.pack import STAMP, Pack, cache_folder, default_pack, linked
+from rtphys.assets.pack import STAMP, cache_folder, chosen_pack, default_pack, linked
 from rtphys.core import arithmetic, library
 from rtphys.core.cache import NoCache, reading_cache
 from rtphys.core.errors import RtphysError, counted
@@ -187,9 +187,7 @@ def check_renderer(command: Sequence[str] = PROBE, limit_s: float = PROBE_LIMIT)
 def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object]]:
     """(cause, facts) as the probe prints them, or as its exit shows."""
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=limit_s, stdin=subprocess.DEVNULL
-        )
+        done = _run(command, limit_s)
     except subprocess.TimeoutExpired:
         return "timeout", {"detail": f"stopped after {limit_s:g} s"}
     if done.returncode < 0:
@@ -202,12 +200,21 @@ def probe(command: Sequence[str], limit_s: float) -> tuple[str, dict[str, object
     return "no_simulator", {"detail": last}
 
 
+def _run(command: Sequence[str], limit_s: float) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        errors="replace",  # a driver writes what it likes
+        timeout=limit_s,
+        stdin=subprocess.DEVNULL,
+    )
+
+
 def check_compiled(command: Sequence[str] = COMPILED, limit_s: float = PROBE_LIMIT) -> Finding:
     """Import every compiled package in a child process."""
     try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=limit_s, stdin=subprocess.DEVNULL
-        )
+        done = _run(command, limit_s)
     except subprocess.TimeoutExpired:
         late = f"importing them was stopped after {limit_s:g} s"
         return _found("compiled packages", "not_loadable", late)
@@ -308,7 +315,11 @@ def check_cache() -> Finding:
 def _is_built() -> bool:
     """Whether the builtin pack of this version is there. Raises `NoCache`."""
     with reading_cache():
-        return (cache_folder() / source_digest()[:16] / STAMP).is_file()
+        return (_builtin() / STAMP).is_file()
+
+
+def _builtin() -> Path:
+    return cache_folder() / source_digest()[:16]
 
 
 def check_assets() -> Finding:
@@ -316,19 +327,18 @@ def check_assets() -> Finding:
     try:
         link, named = linked(), os.environ.get("RTPHYS_ASSETS")
         if named or link:
-            pack = Pack(Path(named) if named else link[0] if link else Path())
+            behind = os.environ.get("RTPHYS_ASSETS_FALLBACK", "") if named else ""
+            # Without the builtin pack, which would be built; a wrong name is refused.
+            behind = "" if behind == "builtin" else behind
+            pack = chosen_pack(Path(named) if named else link[0] if link else Path(), behind)
             return _found("assets", "ok", f"{pack.root}, {counted(len(pack.names), 'objects')}")
     except NoCache:
         raise
     except (RtphysError, OSError) as error:
         return _found("assets", "bad_assets", str(error))
-    with reading_cache():
-        packs = cache_folder().iterdir() if cache_folder().is_dir() else ()
-        stamps = [pack / STAMP for pack in packs if (pack / STAMP).is_file()]
-        newest = max(stamps, key=lambda stamp: stamp.stat().st_mtime, default=None)
-    if newest is None:
+    if not _is_built():
         return Finding("assets", "note", "ok", "not built yet; the first run builds the pack")
-    return _found("assets", "ok", f"newest builtin pack in {newest.parent}")
+    return _found("assets", "ok", f"builtin pack in {_builtin()}")
 
 
 def check_library() -> Finding:
@@ -358,14 +368,17 @@ def check_lists(folder: Path | None = None) -> Finding:
     except (ImportError, RtphysError) as error:  # which another check has found
         return Finding("certified lists", "note", "ok", f"not compared: {error}")
     tasks, clauses, total, stale = cache(load_task), Counter[str](), 0, 0
-    for path in sorted((folder or library.bundled() / "manifests").glob("*/*.jsonl")):
-        for task, listed in read_fingerprints(path).items():
-            now = fingerprint_of(tasks(task), path.stem, pack, listed.embodiment)
-            if pack is None:
-                now = now.model_copy(update={"assets": listed.assets})
-            found = listed.changes(now)
-            clauses.update(found)
-            total, stale = total + 1, stale + bool(found)
+    try:
+        for path in sorted((folder or library.bundled() / "manifests").glob("*/*.jsonl")):
+            for task, listed in read_fingerprints(path).items():
+                now = fingerprint_of(tasks(task), path.stem, pack, listed.embodiment)
+                if pack is None:
+                    now = now.model_copy(update={"assets": listed.assets})
+                found = listed.changes(now)
+                clauses.update(found)
+                total, stale = total + 1, stale + bool(found)
+    except RtphysError as error:  # such as an attribute of the user that cannot be loaded
+        return _found("certified lists", "bad_library", str(error))
     lists = counted(total, "lists")
     aside = "" if pack else "; their assets were not compared, since the pack is not built yet"
     if not stale:

@@ -1,6 +1,7 @@
 """The command line's frame: laziness, one-line errors, exit codes, global options."""
 
 import errno
+import json
 import os
 import re
 import shlex
@@ -19,10 +20,12 @@ from typer.testing import CliRunner, Result
 
 from pages import parse
 from rtphys.cli import lazy
+from rtphys.cli.authoring import TEMPLATE
 from rtphys.cli.derived import takes
 from rtphys.cli.lazy import COMMANDS, GROUPS
 from rtphys.cli.main import app
 from rtphys.cli.terminal import command_line
+from rtphys.core import library
 from rtphys.core.errors import BadValue, NoRenderer, RtphysError, UnknownName
 from rtphys.spec.option import Option
 
@@ -276,6 +279,53 @@ def test_library_option_adds_to_the_variable(
     result = RUN.invoke(app, ["--library", str(tmp_path / "gone"), "domains", "list"])
     assert result.exit_code == 2
     assert "gone" in result.stderr
+
+
+def test_a_library_that_is_named_twice_is_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """As in a shell that names it for all commands, or in a checkout of rtphys."""
+    (tmp_path / "tasks").mkdir()
+    (tmp_path / "tasks" / "stir_soup.py").write_text(TEMPLATE)
+    (tmp_path / "link").symlink_to(tmp_path)
+    monkeypatch.setenv("RTPHYS_LIBRARY", f"{tmp_path}{os.pathsep}{tmp_path}/")
+    twice = ["--library", str(tmp_path / "link"), "--library", str(library.bundled())]
+    result = RUN.invoke(app, [*twice, "tasks", "stir_soup"])
+    assert result.exit_code == 0 and "pick, place" in result.stdout, result.output
+    assert os.environ["RTPHYS_LIBRARY"] == str(tmp_path.resolve())
+    result = RUN.invoke(app, ["--library", "l\udcff", "tasks"])
+    assert result.exit_code == 2 and "its path is not UTF-8" in result.stderr
+
+
+def test_a_task_that_raises_is_named_and_hides_no_other(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "tasks").mkdir()
+    for name, wrong in (("stir_soup", "draw.spot"), ("stir_tea", "arm.lift")):
+        (tmp_path / "tasks" / f"{name}.py").write_text(TEMPLATE.replace(wrong, f"{wrong}t"))
+    (tmp_path / "tasks" / "stir_mud.py").write_text("import nothing_such")
+    (tmp_path / "tasks" / "stir_up.py").write_text(TEMPLATE)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    listed = json.loads(RUN.invoke(app, ["tasks", "stir_*", "--json"]).stdout)
+    broken = [row["task"] for row in listed if row["mechanism"].startswith("broken: ")]
+    assert broken == ["stir_mud", "stir_soup"] and len(listed) == 4
+    spot = 1 + TEMPLATE[: TEMPLATE.index("draw.spot")].count("\n")
+    lift = 1 + TEMPLATE[: TEMPLATE.index("arm.lift")].count("\n")
+    out = str(tmp_path / "out")
+    for task, line, *command in (
+        ("stir_soup", spot, "try"),
+        ("stir_soup", spot, "collect", "--episodes", "1", "--out", out),
+        ("stir_tea", lift, "try"),
+    ):
+        result = RUN.invoke(app, [command[0], task, *command[1:]])
+        assert result.exit_code == 2, result.output
+        assert f"{task}.py: raises AttributeError: " in result.stderr
+        assert result.stderr.rstrip().endswith(f"(line {line})")
+
+
+def test_a_new_task_says_how_to_try_it(tmp_path: Path) -> None:
+    done = RUN.invoke(app, ["new-task", "stir_soup", "--in", str(tmp_path / "my lab")])
+    assert f"rtphys --library '{tmp_path}/my lab' check stir_soup --seeds 20" in done.stdout
 
 
 def test_ctrl_c_in_a_real_process() -> None:

@@ -21,6 +21,7 @@ from rtphys.cli.screen import (
     print_parts,
     print_table,
     print_within,
+    progress_bar,
     reasons,
     summary_table,
 )
@@ -42,6 +43,14 @@ def test_every_letter_is_there_at_any_width(width: int, monkeypatch: pytest.Monk
     assert "".join(line[:8].strip() for line in lines[1:])[:8] == "stack_bl"
     if width >= 80:
         assert lines[1].startswith("stack_blocks_three")
+
+
+def test_a_bar_writes_nothing_into_a_log(capsys: pytest.CaptureFixture[str]) -> None:
+    """Not even an empty line: cron mails what a command writes there."""
+    with progress_bar("drawing") as tell:
+        tell(1, 2, "one")
+        tell(2, 2, "two")
+    assert capsys.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize("width", [80, 100, 120])

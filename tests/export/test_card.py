@@ -4,6 +4,7 @@ import json
 import os
 import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,7 @@ from rtphys.data.state_digests import state_digest
 from rtphys.data.verify import verify
 from rtphys.export.card import CardText, card, croissant, write_card
 
-TEXT = CardText("Bells", "cc-by-4.0", url="https://example.org/bells", published="2026-11-21")
+TEXT = CardText("Bells", "CC-BY-4.0", url="https://example.org/bells", published="2026-11-21")
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -34,11 +35,43 @@ def test_card_counts(dataset: Dataset) -> None:
     text = card(dataset, TEXT)
     front = text.split("---")[1].splitlines()
     assert 'license: "cc-by-4.0"' in front and "- robotics" in front and "- n<1K" in front
-    assert "| click_bell | phys_random | 3 | 4 | 75% |" in text
+    assert "| click_bell | phys_random | aloha-agilex | 3 | 4 | 75% |" in text
     assert "by reason: slipped 1." in text
     assert "3 bimanual demonstrations (12 frames at 16.67 Hz)" in text
     frictions = [float(e.physics.scalar("friction")) for e in dataset]
     assert f"| `friction` | 1 | 3 | {min(frictions):.4g} | {max(frictions):.4g} |" in text
+
+
+def test_the_licence_is_spelled_as_each_reader_spells_it(dataset: Dataset) -> None:
+    assert 'license: "cc-by-4.0"' in card(dataset, TEXT)
+    assert metadata(dataset)["license"] == "https://spdx.org/licenses/CC-BY-4.0"
+
+
+@pytest.mark.parametrize(
+    ("frames", "category"),
+    [(999, "n<1K"), (1000, "1K<n<10K"), (999_999, "100K<n<1M"), (10**6, "1M<n<10M"),
+     (12_345_678, "10M<n<100M"), (10**12 - 1, "100B<n<1T"), (10**12, "n>1T")],
+)  # fmt: skip
+def test_the_size_is_one_of_hugging_faces_categories(
+    dataset: Dataset, monkeypatch: pytest.MonkeyPatch, frames: int, category: str
+) -> None:
+    (entry,) = dataset.task_datasets
+    large = replace(entry, frames=frames)
+    monkeypatch.setattr(Dataset, "task_datasets", (large,))
+    front = yaml.safe_load(card(dataset, TEXT).split("---")[1])
+    assert front["size_categories"] == [category]
+
+
+def test_robots_are_told_apart(tmp_path: Path) -> None:
+    collect(tmp_path, 2)
+    collect(tmp_path, 3, synthetic.header(embodiment="piper"))
+    both = Dataset(tmp_path)
+    text = card(both, TEXT)
+    assert "| click_bell | phys_random | aloha-agilex | 2 | 2 | 100% |" in text
+    assert "| click_bell | phys_random | piper | 3 | 4 | 75% |" in text
+    (records,) = croissant(both, TEXT)["recordSet"]  # type: ignore[misc]
+    robots = [row["episodes/embodiment"] for row in records["data"]]
+    assert robots == ["aloha-agilex"] * 2 + ["piper"] * 3
 
 
 def test_any_name_is_one_in_the_front_matter(dataset: Dataset) -> None:
@@ -104,6 +137,13 @@ def test_the_dataset_stays_sound_and_the_card_repeats(dataset: Dataset) -> None:
     before = [path.read_bytes() for path in write_card(dataset, TEXT)]
     assert [path.read_bytes() for path in write_card(dataset, TEXT)] == before
     assert verify(dataset.path).problems == []
+
+
+def test_metadata_of_many_episodes_do_not_hold_their_arrays(dataset: Dataset) -> None:
+    """0.3 MB an episode: a large dataset did not fit into memory."""
+    fresh = Dataset(dataset.path)
+    croissant(fresh, TEXT)
+    assert not any("frames" in vars(one) for one in fresh)
 
 
 @pytest.mark.slow

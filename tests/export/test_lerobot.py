@@ -1,5 +1,6 @@
 """The LeRobot export against the format's rules and against the episodes it came from."""
 
+import errno
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -467,6 +468,67 @@ def test_the_rest_of_another_export_is_not_taken_over(dataset: Dataset, tmp_path
         export(dataset, tmp_path / "out", stop)
     two = [export(dataset, tmp_path / name, camera_names="robotwin") for name in ("out", "whole")]
     assert contents(two[0]) == contents(two[1])
+
+
+def test_the_rest_of_another_robots_export_is_not_taken_over(tmp_path: Path) -> None:
+    """Of the same task and seed: the rows would be those of the other robot."""
+
+    def stop(done: int, _: int) -> None:
+        raise Killed
+
+    for robot, arms in (("piper", (6, 6)), ("franka-panda", (7, 7))):
+        what = synthetic.header(embodiment=robot)
+        of = synthetic.episode(0, FRAMES, what.spec.episode)
+        with DatasetWriter(tmp_path / "data") as data:
+            task = data.task(what)
+            frames = synthetic.frames_of(0, FRAMES, arms)
+            task.record(stage_episode(task.staging(0), replace(of, frames=frames)))
+    both = Dataset(tmp_path / "data")
+    with pytest.raises(Killed):
+        export(both.where(embodiment="piper"), tmp_path / "out", stop)
+    out = export(both.where(embodiment="franka-panda"), tmp_path / "out")
+    assert verify_export(out, both) == []
+
+
+@pytest.mark.parametrize("version", ["v3.0", "v2.1"])
+def test_a_link_and_the_current_folder_are_filled(
+    dataset: Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, version: str
+) -> None:
+    """As a link to a larger disk, or after `mkdir lr && cd lr`."""
+    (tmp_path / "disk" / "real").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "disk" / "real")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    for place in (tmp_path / "link", Path()):
+        export(dataset, place, version=version)
+    assert (tmp_path / "link").is_symlink()
+    assert contents(tmp_path / "disk" / "real") == contents(tmp_path / "here")
+    assert info(tmp_path / "here")["total_episodes"] == 3
+
+
+def test_a_name_that_parquet_cannot_take_is_refused_at_once(
+    dataset: Dataset, tmp_path: Path
+) -> None:
+    with pytest.raises(BadValue, match="takes no path that is not UTF-8"):
+        export(dataset, tmp_path / "l\udcff")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_an_export_that_could_not_be_moved_goes_on(
+    dataset: Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where its folder is a mount: nothing is encoded a second time."""
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.EBUSY, "Device or resource busy")
+
+    with monkeypatch.context() as patched, pytest.raises(CannotWrite, match="busy"):
+        patched.setattr(Path, "rename", refuse)
+        export(dataset, tmp_path / "out", version="v2.1")
+    monkeypatch.setattr(lerobot, "encode", lambda *_: pytest.fail("encoded again"))
+    out = export(dataset, tmp_path / "out", version="v2.1")
+    assert verify_export(out, dataset) == []
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
 @pytest.mark.parametrize("version", ["v3.0", "v2.1"])

@@ -37,6 +37,19 @@ def test_an_export_is_its_dataset(exported: Path, dataset: Dataset) -> None:
     assert done.exit_code == 0 and "every number and picture" in done.output
 
 
+def test_the_arrays_of_an_episode_are_forgotten(exported: Path, dataset: Dataset) -> None:
+    fresh = Dataset(dataset.path)
+    assert verify_export(exported, fresh) == []
+    assert not any("frames" in vars(one) for one in fresh)
+
+
+def test_a_file_may_hold_more_pictures_than_an_episode_may(
+    exported: Path, dataset: Dataset, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(video, "MAX_FRAMES", R)
+    assert verify_export(exported, dataset) == []
+
+
 def test_a_number_that_differs_is_named(exported: Path, dataset: Dataset) -> None:
     path = max((exported / "data").rglob("*.parquet"))
     table = pq.read_table(path)

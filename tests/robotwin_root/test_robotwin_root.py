@@ -6,6 +6,7 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 
 import numpy as np
@@ -103,6 +104,19 @@ def test_the_files_that_xpolicylab_reads_name_the_robot(root: Path) -> None:
     robots = json.loads((root / "env_cfg" / "robot" / "_robot_info.json").read_text())
     assert robots[config["config"]["robot"]] == {"arm_dim": [6, 6], "ee_dim": [1, 1]}
     assert robots["franka_panda"]["arm_dim"] == [7, 7]
+
+
+def test_a_robot_that_no_episode_can_use_is_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """RoboTwin's pack has some: their configs lack `hand`."""
+    mine = tmp_path / "lab" / "robots" / "ur5"
+    copytree(default_pack().embodiment_folder("piper"), mine)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "lab"))
+    write_root(tmp_path / "root", default_pack())
+    robots = json.loads((tmp_path / "root/env_cfg/robot/_robot_info.json").read_text())
+    assert sorted(robots) == ["aloha_agilex", "franka_panda", "piper"]
+    assert not (tmp_path / "root/env_cfg/ur5.yml").exists()
 
 
 def test_what_newer_drivers_import_is_there(root: Path) -> None:
@@ -397,6 +411,36 @@ def test_textures_are_unseen_whatever_the_sentences_are(
     assert began == [("unseen", said[kind][0])]
     with pytest.raises(UnknownName, match="instruction type"):
         evaluate({**usr_args, "instruction_type": "sen"}, 1)
+
+
+def test_a_model_is_told_how_many_joints_the_robot_has(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the configuration's robot, as RoboTwin tells it."""
+    config = root / "task_config" / "clean.yml"
+    text = config.read_text()
+    config.write_text(text.replace("- aloha-agilex", "- piper\n- franka-panda\n- 0.7"))
+    (root / "policy" / "asks").mkdir()
+    (root / "policy" / "asks" / "__init__.py").write_text("")
+    (root / "policy" / "asks" / "deploy_policy.py").write_text(
+        "def get_model(usr_args):\n"
+        "    raise KeyboardInterrupt(usr_args['left_arm_dim'], usr_args['right_arm_dim'])\n"
+        "def reset_model(model): ...\n"
+        "def eval(TASK_ENV, model, observation): ...\n"
+    )
+    (root / "policy" / "asks" / "deploy_policy.yml").write_text("policy_name: asks")
+    code = (
+        "from rtphys.robotwin_root.drive import evaluate, parse_args_and_config\n"
+        "given = ['--config', 'policy/asks/deploy_policy.yml', '--overrides',\n"
+        "         '--task_name', 'click_bell', '--task_config', 'clean']\n"
+        "try: evaluate(parse_args_and_config(given), 1)\n"
+        "except KeyboardInterrupt as told: print(told.args)\n"
+    )
+    where = {**os.environ, "PYTHONPATH": os.pathsep.join([SOURCE, ".", "./policy"])}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=root, env=where, capture_output=True, text=True
+    )
+    assert done.stdout.strip() == "(6, 7)", done.stderr
 
 
 def test_overrides_are_literals_or_text() -> None:

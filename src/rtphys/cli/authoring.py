@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -34,7 +35,7 @@ from rtphys.physics.domain import AUXILIARY
 from rtphys.spec import protocol
 from rtphys.spec.option import Option
 from rtphys.studies.requests import CheckPlan, TryPlan
-from rtphys.studies.resources import check_drawable
+from rtphys.studies.resources import check_drawable, mistakes_named, props_of
 from rtphys.task.props import Articulated, Mesh
 from rtphys.task.rates import rates
 from rtphys.task.spec import load_task
@@ -125,12 +126,13 @@ def tasks(
     for name in library.matching("tasks", names_in([pattern])):
         try:
             task = load_task(name)
+            props = props_of(task, 1)  # of one layout
         except RtphysError as problem:  # one broken file must not hide the others
             rows.append({"task": name, "mechanism": f"broken: {problem}"})
             continue
-        objects = [  # what one layout puts on the table
+        objects = [
             prop.category if isinstance(prop, Mesh | Articulated) else prop.phrase or prop.name
-            for prop in task.props(0)
+            for prop in props
         ]
         rows.append(
             {
@@ -180,7 +182,8 @@ def new_task(
         raise BadValue("name", name, "there is a task of that name already", path)
     make_folder(path.parent)
     replace_file(path, TEMPLATE.encode())
-    say(f"{path}\ntry it: rtphys --library {folder} check {name} --seeds 20")
+    check = ("rtphys", "--library", str(folder), "check", name, "--seeds", "20")
+    say(f"{path}\ntry it: {shlex.join(check)}")
 
 
 def protocols(as_json: Json = False) -> None:
@@ -369,7 +372,8 @@ def try_(plan: TryPlan) -> None:
     pack = pack_in_use()
     check_robot(pack, plan.episode.embodiment)
     spec = replace(plan.episode, task=plan.task)
-    watched = watch(spec.at(plan.seed), task, pack)
+    with mistakes_named(task):
+        watched = watch(spec.at(plan.seed), task, pack)
     tried = watched.attempt
     table = fitting_table(["stage"], ["from", "to"])
     for name, begin, end in watched.stages:

@@ -2,6 +2,7 @@
 
 import fnmatch
 import json
+import tempfile
 from contextlib import nullcontext
 from dataclasses import asdict
 from pathlib import Path
@@ -28,7 +29,7 @@ from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.cache import reading_cache, writing_cache
 from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName, counted
-from rtphys.data.files import replace_file
+from rtphys.data.files import make_folder
 from rtphys.studies.requests import BenchPlan
 from rtphys.studies.resources import props_of
 from rtphys.task.props import Articulated, Mesh
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from rtphys.studies.cost import Cost
 
 
+PICTURES = (".png", ".jpg")  # how the name of a contact sheet ends
 STYLE = {"ok": "green", "note": "yellow", "fail": "red"}
 
 
@@ -140,8 +142,11 @@ def build(
     ] = None,
 ) -> None:
     """Generate the builtin pack, unless this version's is already there."""
-    root = out or cache_folder() / source_digest()[:16]
+    root = out.resolve() if out else cache_folder() / source_digest()[:16]
     stamp = root / STAMP
+    # Building replaces what is there.
+    if out and not stamp.is_file() and (root.is_file() or (root.is_dir() and any(root.iterdir()))):
+        raise BadValue("out", str(out), "rtphys built no pack there; name a new or empty folder")
     reading, writing = (nullcontext, nullcontext) if out else (reading_cache, writing_cache)
     with reading():
         there = stamp.is_file() and read_json(stamp).get("source") == source_digest()
@@ -167,8 +172,11 @@ def show(
     """
     from rtphys.assets.contact_sheet import contact_sheet
 
+    if out.suffix.lower() not in PICTURES:
+        raise BadValue("out", str(out), f"its name ends in {' or '.join(PICTURES)}")
     pack = pack_in_use()
     models = [model for name in names for model in _models(pack, name)]
+    make_folder(out.parent)
     with progress_bar("drawing") as bar:
         done = iter(range(1, len(models) + 1))
         picture = contact_sheet(
@@ -179,14 +187,22 @@ def show(
 
 
 def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
-    """`050_bell` is all its models, `050_bell/1` one. Raises UnknownName, BadValue."""
+    """`050_bell` is all its models, `050_bell/1` one. Raises UnknownName, BadValue, or
+    MissingAsset: the object that is named holds none."""
     pattern, _, number = name.partition("/")
     found = fnmatch.filter(pack.names, pattern)
     if not found:
         raise UnknownName("object", pattern, pack.names)
-    if number and not number.isdigit():
+    if number and not number.isdecimal():
         raise BadValue("names", name, "write an object's name, or name/number")
-    return [(one, i) for one in found for i in ([int(number)] if number else pack.indices(one))]
+    models = list[tuple[str, int]]()
+    for one in found:
+        try:
+            models += [(one, i) for i in ([int(number)] if number else pack.indices(one))]
+        except MissingAsset:  # a folder without models, such as `objaverse` of the official pack
+            if one == pattern:
+                raise
+    return models
 
 
 @assets.command("list")
@@ -245,6 +261,8 @@ def check(
     """Say what of a pack loads, what is missing, and which tasks can run on it."""
     from rtphys.plan.kinematics import check_robot
 
+    if folder is None and fallback:
+        raise BadValue("fallback", fallback, "it needs `folder`, which lacks models")
     pack = pack_in_use() if folder is None else chosen_pack(folder, fallback)
     if robot:
         _show_robot(pack, robot, as_json)
@@ -257,7 +275,12 @@ def check(
                 check_robot(pack, name)
         except RtphysError as problem:  # it loads, but no episode can be tried with it
             problems.append(str(problem))
-    lacks = {name: lacking(pack, name) for name in task_names()}
+    lacks = dict[str, list[str]]()
+    for name in task_names():
+        try:
+            lacks[name] = lacking(pack, name)
+        except RtphysError as problem:  # one broken file must not hide the others
+            problems.append(str(problem))
     if as_json:
         facts = {"root": str(pack.root), **asdict(report), "problems": problems, "lacking": lacks}
         say_json(facts)
@@ -323,6 +346,8 @@ def link(
 ) -> None:
     """Use another pack, such as the official one, from now on."""
     path = cache_folder() / "link.json"
+    if remove and (folder or fallback):
+        raise BadValue("remove", remove, "it takes no folder and no `fallback`")
     if remove:
         with writing_cache():
             path.unlink(missing_ok=True)
@@ -332,7 +357,16 @@ def link(
         raise BadValue("folder", None, "name the folder to link, or give `remove`")
     pack = chosen_pack(folder.resolve(), fallback)
     text = json.dumps({"root": str(pack.root), "fallback": pack.fallback is not None})
+    try:
+        str(pack.root).encode()
+    except UnicodeEncodeError as error:
+        allowed = "its path is not UTF-8; rename it, or name it in $RTPHYS_ASSETS"
+        raise BadValue("folder", str(folder), allowed) from error
     with writing_cache():
         path.parent.mkdir(parents=True, exist_ok=True)
-    replace_file(path, f"{text}\n".encode())  # a worker may be reading it
+        # A worker may be reading it, and another process may link, too.
+        with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
+            new = Path(scratch) / path.name
+            new.write_text(f"{text}\n")
+            new.replace(path)
     say(f"using {pack.root}" + (", then the builtin pack" if pack.fallback else ""))

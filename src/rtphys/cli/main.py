@@ -42,12 +42,25 @@ def _version(wanted: bool) -> None:
         raise typer.Exit()
 
 
-def _folder(path: Path) -> Path:
-    """A library's folder; one that ships with rtphys is found from anywhere."""
+def _folders(named: list[Path], given: list[Path]) -> list[str]:
+    """Each library's folder once, without the one that all have; those that ship with rtphys are
+    found from anywhere.
+
+    Args:
+        named: in the environment.
+        given: as options.
+    """
     from rtphys.core.library import bundled
 
-    shipped = str(path) in SHIPPED and not path.exists()
-    return bundled() / path if shipped else path.resolve()
+    shipped = [bundled() / p if str(p) in SHIPPED and not p.exists() else p for p in given]
+    folders = dict.fromkeys(path.resolve() for path in [*named, *shipped])
+    for path in folders:
+        try:
+            str(path).encode()
+        except UnicodeEncodeError as error:
+            allowed = "its path is not UTF-8; rename the folder"
+            raise BadValue("library", str(path), allowed) from error
+    return [str(path) for path in folders if path != bundled()]
 
 
 @app.callback()
@@ -74,11 +87,9 @@ def main(
 ) -> None:
     """Collect demonstrations with varied physics, and evaluate policies, for two-armed robots."""
     # Environment variables, because workers are spawned processes that read them again.
-    if library:
-        known = os.environ.get("RTPHYS_LIBRARY")
-        os.environ["RTPHYS_LIBRARY"] = os.pathsep.join(
-            [*([known] if known else []), *(str(_folder(path)) for path in library)]
-        )
+    named = [Path(p) for p in os.environ.get("RTPHYS_LIBRARY", "").split(os.pathsep) if p]
+    if library or named:
+        os.environ["RTPHYS_LIBRARY"] = os.pathsep.join(_folders(named, library or []))
     if assets:
         os.environ["RTPHYS_ASSETS"] = str(assets.resolve())
     if fallback:

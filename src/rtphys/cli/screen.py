@@ -210,8 +210,10 @@ def _widest(column: Column, parts: Callable[[str], list[str]], head: bool = True
 def progress_bar(verb: str) -> Iterator[Callable[..., None]]:
     """A bar on standard error. It is called with what is done, with all, and perhaps a name."""
     columns = (TextColumn(verb), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    name_column = TextColumn("{task.description}")
-    with ProgressBars(*columns, name_column, console=Screen(stderr=True), transient=True) as shown:
+    name_column, screen = TextColumn("{task.description}"), Screen(stderr=True)
+    bars = ProgressBars(*columns, name_column, console=screen, transient=True)
+    bars.disable = not screen.is_terminal  # rich would write an empty line into a log
+    with bars as shown:
         row = shown.add_task("", total=None)
 
         def tell(done: int, total: int, name: str = "") -> None:

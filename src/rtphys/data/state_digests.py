@@ -7,7 +7,7 @@ of a published collection.
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -62,6 +62,7 @@ def state_digest(episode: Episode, number: int | None = None) -> str:
 
     `number`: that which the label would have elsewhere; default: its own.
     """
+    episode = replace(episode)  # a copy, which takes what was read of it with it
     label = episode.meta.model_dump(mode="json", exclude=MACHINE)
     if number is not None:
         label["episode"] = number

@@ -228,9 +228,12 @@ def frame_count(data: bytes) -> int:
 
 
 def decode(data: bytes) -> Iterator[NDArray[Any]]:
-    """The pictures of an MP4, (H, W, 3) RGB uint8, or depths (H, W) uint16. Raises `BadVideo`."""
+    """The pictures of an MP4, (H, W, 3) RGB uint8, or depths (H, W) uint16. Raises `BadVideo`.
+
+    As many as are asked for: of small pictures, a file of an export holds hundreds of thousands.
+    """
     with _opened(data) as (container, stream):
-        for frame in islice(container.decode(stream), MAX_FRAMES):
+        for frame in container.decode(stream):
             yield frame.to_ndarray(
                 format="gray12le" if frame.format.name == "gray12le" else "rgb24"
             )

@@ -6,6 +6,7 @@ Croissant lists every file of an episode with its SHA-256, and every episode wit
 import json
 from collections import Counter
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
@@ -24,7 +25,7 @@ from rtphys.physics.reach import split
 from rtphys.spec.option import Option
 
 CARD, CROISSANT = "README.md", "croissant.json"
-SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (10**6, "100K<n<1M"))
+SIZES = ("1K", "10K", "100K", "1M", "10M", "100M", "1B", "10B", "100B", "1T")
 FORMATS = {
     "hdf5": "application/x-hdf5",
     "mp4": "video/mp4",
@@ -61,7 +62,7 @@ class CardText:
     """Facts about a publication that the manifest does not hold."""
 
     name: Annotated[str, Option("Name of the dataset.")] = "rtphys demonstrations"
-    license: Annotated[str, Option("SPDX identifier, such as cc-by-4.0. Default: none.")] = ""
+    license: Annotated[str, Option("SPDX identifier, such as CC-BY-4.0. Default: none.")] = ""
     url: Annotated[str, Option("Address where it will be published.")] = ""
     published: Annotated[str, Option("Date of publication, YYYY-MM-DD.")] = ""
 
@@ -84,14 +85,14 @@ def card(dataset: Dataset, text: CardText) -> str:
     """Text of the README."""
     entries = dataset.task_datasets
     frames = sum(entry.frames for entry in entries)
-    size = next((name for limit, name in SIZES if frames < limit), "n>1M")
     front = [
         "---",
-        *([f"license: {json.dumps(text.license)}"] if text.license else []),
+        # Hugging Face spells SPDX's identifiers in small letters.
+        *([f"license: {json.dumps(text.license.lower())}"] if text.license else []),
         *("language:", "- en", f"pretty_name: {json.dumps(text.name, ensure_ascii=False)}"),
         *("task_categories:", "- robotics", "tags:"),
         *(f"- {tag}" for tag in ("robotics", "manipulation", "bimanual", "RoboTwin", "physics")),
-        *("size_categories:", f"- {size}", "---"),
+        *("size_categories:", f"- {_size(frames)}", "---"),
     ]
     reasons: Counter[str] = Counter()
     versions: dict[str, set[str]] = {}
@@ -174,6 +175,14 @@ for episode in rtphys.Dataset("path/to/this/folder"):
 every episode from its seed again."""
 
 
+def _size(number: int) -> str:
+    """Hugging Face's category."""
+    for digits, (low, high) in enumerate(pairwise(("", *SIZES)), start=3):
+        if number < 10**digits:
+            return f"{low}<n<{high}" if low else f"n<{high}"
+    return f"n>{SIZES[-1]}"
+
+
 def _who(dataset: Dataset) -> str:
     """Who acts in the episodes."""
     names = dict.fromkeys(entry.spec.policy for entry in dataset.task_datasets)
@@ -181,11 +190,15 @@ def _who(dataset: Dataset) -> str:
 
 
 def _task_table(dataset: Dataset) -> str:
-    rows = ["| task | configuration | episodes | attempts | accepted |", "|---|---|---:|---:|---:|"]
+    rows = [
+        "| task | configuration | robot | episodes | attempts | accepted |",
+        "|---|---|---|---:|---:|---:|",
+    ]
     for entry in dataset.task_datasets:
-        tried, spec = entry.attempts, entry.spec
+        tried, of = entry.attempts, entry.spec.episode
         share = f"{entry.episodes / tried:.0%}" if tried else "–"
-        rows.append(f"| {spec.episode.task} | {spec.name} | {entry.episodes} | {tried} | {share} |")
+        names = f"{of.task} | {entry.spec.name} | {of.embodiment}"
+        rows.append(f"| {names} | {entry.episodes} | {tried} | {share} |")
     return "\n".join(rows)
 
 
@@ -260,6 +273,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
             "task": episode.task,
             "protocol": episode.protocol,
             "config": episode.config,
+            "embodiment": episode.embodiment,
             "number": episode.number,
             "seed": episode.seed,
             "state_digest": state_digest(episode)[:DIGITS],

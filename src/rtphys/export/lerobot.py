@@ -79,7 +79,7 @@ def export_lerobot(
         notice: is given a line about what is left out.
 
     Raises:
-        UnknownName, BadValue: see `plan_for`; `out` is not empty.
+        UnknownName, BadValue: see `plan_for`; `out` is not empty, or no UTF-8 text.
         DatasetLocked: another export writes there.
         BadFile: the dataset has no episode, or one is damaged, or lacks a number of others.
     """
@@ -91,6 +91,12 @@ def export_lerobot(
         notice(
             f"left out of the physics of each frame, since the asset's own is no number: {names}"
         )
+    out = out.resolve()  # "." has no name, and a link may lead to another disk
+    try:
+        str(out).encode()
+    except UnicodeEncodeError as error:
+        allowed = "Parquet's reader takes no path that is not UTF-8; name another folder"
+        raise BadValue("out", str(out), allowed) from error
     files.make_folder(out.parent)
     with FolderLock(out, hidden(out, ".lock")):
         with files.refusals(out):
@@ -98,7 +104,7 @@ def export_lerobot(
         if full:
             raise BadValue("out", str(out), "it is not empty; delete it, or name a new folder")
         part = hidden(out, files.TEMPORARY)
-        parts = _Parts(part / "episodes", spec, plan)
+        parts = _Parts(part, spec, plan)
         parts.begin(dataset)
         for done, episode in enumerate(dataset, start=1):
             if done > len(parts.records):
@@ -127,10 +133,14 @@ class _Record:
 
 
 class _Parts:
-    """Episodes in files of their own, in the layout of v2.1, each with a record written last."""
+    """Episodes in files of their own, in the layout of v2.1, each with a record written last.
 
-    def __init__(self, root: Path, spec: ExportSpec, plan: Plan) -> None:
-        self.root, self.spec, self.plan = root, spec, plan
+    Records lie outside the folder that becomes the export, so that a failed rename loses none.
+    """
+
+    def __init__(self, part: Path, spec: ExportSpec, plan: Plan) -> None:
+        self.root, self._records = part / "episodes", part / "records"
+        self.spec, self.plan = spec, plan
         self.records: list[_Record] = []
         self.tasks: dict[str, int] = {}  # sentence -> index
         self.frames = 0
@@ -141,17 +151,19 @@ class _Parts:
         return self.root / form.format(**where)
 
     def _record(self, episode: int) -> Path:
-        return self.root / "records" / f"{episode:06d}.json"
+        return self._records / f"{episode:06d}.json"
 
     def begin(self, dataset: Dataset) -> None:
         """Take over the episodes of a killed export; those of another one are removed."""
         source = files.facts_of(dataset.path / MANIFEST).sha256
         order = [[episode.task, episode.config, episode.seed] for episode in dataset]
-        text = pretty(plain({"export": asdict(self.spec), "manifest": source, "episodes": order}))
+        # Of another robot, the same tasks and seeds may be there.
+        what = {"export": asdict(self.spec), "robot": self.plan.robot}
+        text = pretty(plain({**what, "manifest": source, "episodes": order}))
         path = self.root / SPEC
         if not (path.is_file() and files.read(path) == text):
-            shutil.rmtree(self.root, ignore_errors=True)
-            for folder in (path.parent, self.root / "records"):
+            shutil.rmtree(self.root.parent, ignore_errors=True)
+            for folder in (path.parent, self._records):
                 files.make_folder(folder)
             files.replace_file(path, text)
         while (path := self._record(len(self.records))).is_file():
@@ -248,7 +260,6 @@ def _v21(parts: _Parts) -> Path:
     info = parts.info("v2.1", DATA_V21, VIDEO_V21)
     info |= {"total_videos": total * len(plan.videos), "total_chunks": -(-total // CHUNK)}
     files.write_synced(meta / "info.json", pretty(plain(info), sort=False))
-    shutil.rmtree(parts.root / "records")
     return parts.root
 
 

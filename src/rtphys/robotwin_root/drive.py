@@ -92,6 +92,8 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     plugin = plugin_named(str(usr_args["policy_name"]), root)
     env = getattr(importlib.import_module(f"envs.{task}"), task)()
     assert isinstance(env, Base_Task)
+    left, right = default_pack().embodiment(robot_of(args)).action_layout.per_arm
+    usr_args = {**usr_args, "left_arm_dim": left, "right_arm_dim": right}
     run = Run(usr_args, args, env, plugin, plugin.get_model(usr_args))
     for seed in run.seeds():
         run.roll_out(seed)

@@ -145,11 +145,14 @@ def _configs(pack: Pack) -> dict[str, str]:
     found["env_cfg/sim/sim_config_multi"] = {"dt": 0.004, "decimation": 1, "scene": {"num_envs": 1}}
     numbers: dict[str, object] = {}
     for name in pack.embodiments:  # what XPolicyLab's servers read of a robot
+        try:
+            arms = check_robot(pack, name).action_layout.per_arm
+        except RtphysError:  # no episode can use it, such as official ones whose hand is not known
+            continue
         robot = embodiment_folder(name)
         parts = {"sim": "sim_config_multi", "scene": "datagen", "robot": robot, "camera": robot}
         about = {"config_name": robot, "config": parts, "observation": {"collect_freq": 15}}
         found[f"env_cfg/{robot}"] = about
-        arms = check_robot(pack, name).action_layout.per_arm
         numbers[robot] = {"arm_dim": list(arms), "ee_dim": [1, 1]}
     return {
         **{f"{path}.yml": dump_yaml(content) for path, content in found.items()},

@@ -22,7 +22,7 @@ from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt
-from rtphys.physics.attribute import Part, is_attribute
+from rtphys.physics.attribute import is_attribute
 from rtphys.physics.idle import why_idle
 from rtphys.physics.values import Value
 from rtphys.plan.kinematics import check_robot
@@ -287,7 +287,7 @@ def check_assets(specs: Sequence[CollectionSpec], tasks: Mapping[str, Task], pac
     for spec in specs:
         task = tasks[spec.episode.task]
         try:
-            for prop in props_of(task, spec.first_seed):
+            for prop in props_of(task, first_seed=spec.first_seed):
                 read(prop)
         except MissingAsset as error:
             raise MissingAsset(error.what, error.where, task.name) from error
@@ -301,9 +301,8 @@ def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
     asked = defaultdict[str, set[str]](set)
     idle = defaultdict[tuple[str, str], dict[str, None]](dict[str, None])
     for spec in specs:
-        task, has = spec.episode.task, dict[str, frozenset[Part]]()
-        with suppress(Infeasible):
-            has = parts(load_task(task).props(spec.first_seed))
+        task = spec.episode.task
+        has = parts(props_of(load_task(task), 1, spec.first_seed))
         for episode in (side.episode for side in spec.sides):
             swept = [spec.swept[0]] if spec.sweep else []
             asks = {key: value for key, value in _asked(episode).items() if key not in swept}

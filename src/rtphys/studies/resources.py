@@ -3,12 +3,13 @@
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from importlib import metadata
 from pathlib import Path
 
 from rtphys.core.cache import NoCache, user_cache
-from rtphys.core.errors import BadValue, Infeasible, NoRenderer, RtphysError
+from rtphys.core.errors import BadFile, BadValue, Infeasible, NoRenderer, RtphysError
+from rtphys.core.library import line_of
 from rtphys.doctor import CAUSES, PROBE, check_disk, check_renderer
 from rtphys.spec.protocol import VisualRandomization
 from rtphys.spec.recording import RecordingSpec
@@ -28,11 +29,29 @@ LARGEST = 2e9  # [bytes] of what an episode's senses may take: a worker has it i
 DRIVERS = ("/etc/vulkan/icd.d", "/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d")
 
 
-def props_of(task: Task, first_seed: int = 0) -> Iterator[Prop]:
-    """The props of a task's first layouts, which tell what models a pack needs."""
-    for seed in range(first_seed, first_seed + LAYOUTS):
-        with suppress(Infeasible):  # another seed has a layout
-            yield from task.props(seed)
+@contextmanager
+def mistakes_named(task: Task) -> Iterator[None]:
+    """Turns what the code of a task raises into a `BadFile` that names the line."""
+    try:
+        yield
+    except RtphysError:
+        raise
+    except Exception as error:
+        if not (line := line_of(error, task.source)):  # of rtphys
+            raise
+        raise BadFile(task.source, f"raises {type(error).__name__}: {error}{line}") from error
+
+
+def props_of(task: Task, layouts: int = LAYOUTS, first_seed: int = 0) -> list[Prop]:
+    """The props of a task's first layouts, which tell what models a pack needs.
+
+    Raises `BadFile`: its layout raises an error.
+    """
+    found: list[Prop] = []
+    for seed in range(first_seed, first_seed + layouts):
+        with suppress(Infeasible), mistakes_named(task):  # another seed has a layout
+            found += task.props(seed)
+    return found
 
 
 def check_fits(recording: RecordingSpec) -> None:
