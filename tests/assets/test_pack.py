@@ -9,6 +9,7 @@ import pytest
 from rtphys.assets.build import build
 from rtphys.assets.pack import Pack, builtin_pack, default_pack
 from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError, UnknownName
+from rtphys.visual.clutter import pieces
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +35,15 @@ def official_like(root: Path, scale: float) -> Pack:
     }
     (folder / "model_data4.json").write_text(json.dumps(data))
     return Pack(root)
+
+
+def test_a_folder_without_models_is_no_object(tmp_path):
+    """RoboTwin's pack has objects/objaverse, with folders of other models in it."""
+    pack = official_like(tmp_path, 1.0)
+    (tmp_path / "objects/objaverse/apple/1").mkdir(parents=True)
+    (tmp_path / "objects/list.json").write_text("[]")
+    assert pack.names == ("123_thing",)
+    assert [piece.category for piece in pieces(pack)] == []  # it is too wide
 
 
 def test_scale_reaches_extents_and_points(tmp_path):

@@ -4,7 +4,7 @@ import importlib
 
 import pytest
 
-from rtphys.core.errors import BadFile, UnknownName
+from rtphys.core.errors import BadFile, RtphysError, UnknownName
 from rtphys.physics import Physics, attributes, enforce, load_domain
 from rtphys.physics.attribute import in_order
 
@@ -24,6 +24,8 @@ class Wind(Attribute):
     def read(self, world):
         return {{"air": world.wind}}
 '''
+
+ACTING = WIND.replace('    unit = "N"', '    unit = "N"\n    acts_on = "{on}"')
 
 
 @pytest.fixture
@@ -60,13 +62,16 @@ def test_a_fourteenth_moves_no_draw(own_library):
         (WIND.format(key="friction"), "the key is 'friction', the file or entry point 'wind'"),
         ("x = 1\n", "needs exactly one Attribute, has 0"),
         ("\nimport nowhere_at_all\n", r"cannot be loaded: ModuleNotFoundError.*\(line 2\)"),
-        (WIND.format(key="wind").replace('unit = "N"', ""), "does not say its unit"),
+        (WIND.format(key="wind").replace('unit = "N"', ""), "does not define unit"),
+        (WIND.format(key="wind").replace("def apply", "def aply"), "does not define apply"),
+        (ACTING.format(key="wind", on="body"), "did you mean 'bodies'"),
+        (WIND.format(key="wind").replace("nominal = 0.0", "nominal = -3.0"), "wind .*-3.0"),
     ],
 )
 def test_a_broken_plugin_is_named(own_library, text, words):
     path = own_library / "attributes" / "wind.py"
     path.write_text(text)
-    with pytest.raises(BadFile, match=words) as caught:
+    with pytest.raises(RtphysError, match=words) as caught:
         attributes()
     assert str(path) in str(caught.value)
 

@@ -5,7 +5,6 @@ of which two stand side by side: this writes the URDF of both into the cache.
 """
 
 import hashlib
-import os
 import tempfile
 from pathlib import Path
 
@@ -109,8 +108,8 @@ def _cached(name: str, text: str) -> Path:
             return path
     with writing_cache():
         folder.mkdir(parents=True, exist_ok=True)
-        handle, scratch = tempfile.mkstemp(dir=folder, suffix=".tmp")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(scratch).replace(path)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            new = Path(scratch) / path.name
+            new.write_text(text, encoding="utf-8")
+            new.replace(path)
     return path

@@ -68,7 +68,9 @@ class Pack:
     def names(self) -> tuple[str, ...]:
         """id_names of all objects, rigid and articulated, sorted; the fallback's included."""
         folder = self.root / "objects"
-        names = {p.name for p in folder.iterdir() if p.is_dir()} if folder.is_dir() else set()
+        listed = [path.name for path in folder.iterdir()] if folder.is_dir() else []
+        # RoboTwin's pack also has a folder of folders there.
+        names = {name for name in listed if self._rigid(name) or self._folders(name)}
         return tuple(sorted(names | set(self.fallback.names if self.fallback else ())))
 
     def is_articulated(self, id_name: str) -> bool:

@@ -10,7 +10,6 @@ reading 130 files anew takes longer than an episode.
 import ast
 import hashlib
 import json
-import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
@@ -92,14 +91,11 @@ class _Known:
         rows = [(*key, *found) for key, found in self._found.items() if Path(key[0]).is_file()]
         with suppress(OSError):
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            handle, scratch = tempfile.mkstemp(dir=self._path.parent, suffix=".tmp")
-            try:
-                with os.fdopen(handle, "w") as file:
-                    json.dump(rows, file)
-                Path(scratch).replace(self._path)
-                self._fresh = False
-            finally:
-                Path(scratch).unlink(missing_ok=True)
+            with tempfile.TemporaryDirectory(dir=self._path.parent) as scratch:
+                new = Path(scratch) / self._path.name
+                new.write_text(json.dumps(rows))
+                new.replace(self._path)
+            self._fresh = False
 
 
 @cache

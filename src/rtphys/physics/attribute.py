@@ -9,7 +9,7 @@ from functools import lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import MappingProxyType, ModuleType
-from typing import Any, ClassVar, Generic, Literal, TypeVar, cast
+from typing import Any, ClassVar, Generic, Literal, TypeVar, cast, get_args
 
 import numpy as np
 
@@ -184,14 +184,17 @@ def _attributes(files: tuple[Path, ...]) -> Attributes:
         if not (inspect.isclass(cls) and issubclass(cls, Attribute)):
             raise BadFile(where, "does not name a subclass of rtphys.physics.attribute.Attribute")
         cls = cast(type[AnyAttribute], cls)
-        missing = [name for name in ("key", "unit", "nominal", "valid") if not hasattr(cls, name)]
-        if missing:
-            raise BadFile(where, f"{cls.__name__} does not say its {', '.join(missing)}")
+        said = [name for name in ("key", "unit", "nominal", "valid") if not hasattr(cls, name)]
+        if missing := [*said, *sorted(cls.__abstractmethods__)]:
+            raise BadFile(where, f"{cls.__name__} does not define {', '.join(missing)}")
         if cls.key != key:
             raise BadFile(where, f"the key is {cls.key!r}, the file or entry point {key!r}")
         if key in by_key:
             raise BadFile(where, f"attribute {key!r} exists already, in {origin[key]}")
+        if cls.acts_on not in (None, *get_args(Part)):
+            raise UnknownName("part of a world in acts_on", cls.acts_on, get_args(Part), where)
         by_key[key], origin[key] = cls(), where
+        by_key[key].check(cls.nominal, where)
     known = MappingProxyType(dict(sorted(by_key.items())))
     _order(known, origin)
     return known
