@@ -123,15 +123,14 @@ def files_digest(spec: str, options: Mapping[str, str] = MappingProxyType({})) -
     """
     name, argument = parse_spec(spec)
     argument, options = split_options(argument, options)
-    path = Path(argument)
-    if not path.exists():  # `python:FILE:NAME`
-        path = Path(argument.rpartition(":")[0])
+    paths = (argument, argument.rpartition(":")[0])  # the second of `python:FILE:NAME`
+    path = Path(next(filter(os.path.exists, paths), ""))  # an argument may be of any length
     found = [path] if path.is_file() else []
     if name == "robotwin" and (beside := path.with_suffix(".yml")).is_file():
         found.append(beside)
-    if name == "python" and path.suffix != ".py":
+    if name == "python" and path.suffix != ".py":  # a package may lie in this folder
         found = _files_of_module(argument.rpartition(":")[0])
-    if argument and path.is_dir() and path != Path():
+    elif path.is_dir() and path != Path():
         kinds = product(CHECKPOINTS, ("*.json", "*.safetensors"))
         found = sorted(file for inner, kind in kinds for file in (path / inner).glob(kind))
     values = [value for _, value in sorted(options.items())]
