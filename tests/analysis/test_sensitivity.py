@@ -164,6 +164,29 @@ def test_a_policy_that_crashes_fails_and_its_error_is_said(
     assert capsys.readouterr().out == said
 
 
+@pytest.mark.sim
+def test_a_policy_whose_crash_cannot_be_said_or_closed_stops_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "broken.py"
+    file.write_text(
+        "class Silent(Exception):\n"
+        "    def __str__(self): raise RuntimeError\n"
+        "class Policy:\n"
+        "    needs_images = False\n"
+        "    def __init__(self, setup): ...\n"
+        "    def play(self, episode):\n"
+        "        raise Silent if episode.seed == 3 else OSError('caf\\udce9')\n"
+        "    def close(self): 1 / 0\n"
+    )
+    worker = SensitivityWorker(PACK, SearchSpec(policy=f"python:{file}:Policy"))
+    for seed, said in ((3, "Silent: <exception str() failed>"), (4, "OSError: caf\\udce9")):
+        assert not worker.do(SensitivityTask("click_bell", seed)).success
+        out = capsys.readouterr().out
+        assert out.startswith(f"click_bell, seed {seed}: the policy fails by ")
+        assert out.encode().decode().endswith(f"{said}\n")
+
+
 GIVES_UP = """
 class Policy:
     needs_images = False

@@ -159,6 +159,14 @@ def test_the_message_of_an_error_may_have_several_lines(tmp_path: Path) -> None:
         assert said.startswith("policy_error of seed 1: ValueError: sizes; ")
 
 
+def test_a_long_message_of_an_error_is_cut(tmp_path: Path) -> None:
+    wrong = EpisodeRecord(
+        TASK, "clean", 1, False, reason="policy_error", detail="E: " + "x" * 10**6
+    )
+    said, _ = errors_of(Results(tmp_path, {}, {("clean", TASK): [wrong]}, {}))
+    assert said.startswith("policy_error of seed 1: E: xxx") and len(said) < 1000
+
+
 def test_what_a_policy_usually_does_wrong_is_one_line_below_the_table(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

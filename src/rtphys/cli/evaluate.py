@@ -15,7 +15,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.cli.derived import AsJson, Json, takes
 from rtphys.cli.screen import campaign, fitting_table, print_parts, print_rows, print_table, reasons
 from rtphys.cli.terminal import Incomplete, say, say_json
-from rtphys.core.errors import BadValue, counted
+from rtphys.core.errors import BadValue, counted, shortened
 from rtphys.results import read_results
 from rtphys.results.breaks import TOGETHER, drawn_together, without_evidence
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
@@ -169,7 +169,9 @@ def errors_of(results: Results) -> tuple[str, bool]:
     first = broken[0]
     where = ledger_file(results.path, first.protocol, first.task)
     rest = f"the traceback is `detail` of its line in {where}"
-    return f"policy_error of seed {first.seed}: {first.raised}; {rest}", len(broken) == len(played)
+    return f"policy_error of seed {first.seed}: {shortened(first.raised)}; {rest}", len(
+        broken
+    ) == len(played)
 
 
 def rates_table(summary: Summary) -> Table:

@@ -83,9 +83,14 @@ def check_options(spec: str, given: Mapping[str, str]) -> None:
     """Refuse options that would be ignored.
 
     Raises `UnknownName`: no such policy; `BadValue`: the policy takes none, or one names physics,
-    which the benchmark's instances decide.
+    which the benchmark's instances decide; or a text is not UTF-8.
     """
     name, _ = parse_spec(spec)
+    try:
+        "".join((spec, *given, *given.values())).encode()
+    except UnicodeEncodeError as error:
+        cure = "results hold UTF-8 text; rename the file, or write the option so"
+        raise BadValue("policy", " ".join((spec, *given.values())), cure) from error
     for key, value in given.items():
         if is_attribute(key):
             cure = "physics follows from the protocol and the seed here, and no option holds it"

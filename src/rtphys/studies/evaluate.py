@@ -18,7 +18,7 @@ from rtphys.data import files
 from rtphys.data.attempts import Rejected
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
-from rtphys.data.json_text import plain, pretty
+from rtphys.data.json_text import plain, pretty, spelled
 from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
@@ -64,6 +64,7 @@ from rtphys.task.props import parts
 from rtphys.task.spec import Task
 
 SHORT = 200  # characters that a dataset keeps of what a policy raised
+LONGEST_TRACE = 100_000  # characters that a record keeps of it; the message may hold anything
 
 
 def evaluate(
@@ -339,7 +340,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
                 self._session.close()  # the next episode must not depend on what it remembers now
             except PolicyBroken as error:
                 trace += f"{error}\n"
-        record = _judged(episode, trace, policy.needs_images)
+        record = _judged(episode, spelled(trace[:LONGEST_TRACE]), policy.needs_images)
         if keep == "hash":
             return EvaluationResult(record)
         instance, recording = episode.instance, episode.rollout.recorder.recording
