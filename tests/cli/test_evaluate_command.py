@@ -22,11 +22,13 @@ from rtphys.cli.evaluate import (
 )
 from rtphys.cli.main import app
 from rtphys.cli.screen import Screen, print_within
+from rtphys.core.errors import BadValue
 from rtphys.results import summarise
 from rtphys.results.breaks import Break, Curve
 from rtphys.results.evaluation import EpisodeRecord, Results, ledger_file
 from rtphys.results.statistics import Paired
 from rtphys.results.summary import Counts, Loads, PairSummary, ProtocolSummary, Summary, TaskSummary
+from rtphys.studies.requests import CertificationRun, EvaluationRun
 
 COUNTS = Counts(feasible=500, infeasible=74, rollouts=500, successes=445, held=333)
 LOADS = Loads((0.0, 21.4, 1012.0), (0.3, 0.89, 1.0), 12)
@@ -213,12 +215,19 @@ def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
     [
         ("--policy-option friction=0.05", "--policy-option = 'friction=0.05' is not allowed"),
         ("--policy-option speed=2", "the policy idle has no options"),
+        ("--protocol clean", "--protocol = 'clean,clean' is not allowed; each protocol once"),
     ],
 )
 def test_what_would_be_ignored_is_refused(words: str, said: str) -> None:
     options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", *words.split()]
     done = CliRunner().invoke(app, ["evaluate", *options])
     assert done.exit_code == 2 and said in done.output
+
+
+def test_a_protocol_that_is_named_twice_is_refused_by_what_has_a_ledger_of_it() -> None:
+    for kind in (CertificationRun, EvaluationRun):
+        with pytest.raises(BadValue, match="each protocol once"):
+            kind((BELL,), ("clean", "phys_random", "clean"), out=Path("bench"))
 
 
 def test_the_command_spells_what_certifies(tmp_path: Path) -> None:
