@@ -153,15 +153,17 @@ def test_a_policy_that_crashes_fails_and_its_error_is_said(
     file.write_text(
         "class Policy:\n"
         "    needs_images = False\n"
-        "    def __init__(self, setup): self.weights = setup.options['weights']\n"
-        "    def play(self, episode): raise ValueError(f'no {self.weights}')\n"
+        "    def __init__(self, setup): self.at, self.split = setup.options['at'], setup.split\n"
+        "    def play(self, episode):\n"
+        "        spoken = episode.recipe.spec.split\n"
+        "        raise ValueError(f'no {self.at} of {self.split}, which is {spoken}')\n"
         "    def close(self): ...\n"
     )
-    search = SearchSpec(policy=f"python:{file}:Policy", options={"weights": "act.pt"})
+    search = SearchSpec(policy=f"python:{file}:Policy", options={"at": "act.pt"})
     worker = SensitivityWorker(PACK, search)
     assert not worker.do(SensitivityTask("click_bell", 3)).success
-    said = "click_bell, seed 3: the policy fails by ValueError: no act.pt\n"
-    assert capsys.readouterr().out == said
+    said = "seed 3: the policy fails by ValueError: no act.pt of seen, which is seen\n"
+    assert capsys.readouterr().out == f"click_bell, {said}"
 
 
 @pytest.mark.sim

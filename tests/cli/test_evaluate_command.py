@@ -87,6 +87,13 @@ def test_tables_have_their_rows_and_no_word_is_broken_in_80_columns(
     assert not Counter(word for text in texts for word in text.split()) - printed
 
 
+def test_a_pair_without_a_common_seed_has_no_p(capsys: pytest.CaptureFixture[str]) -> None:
+    """As in `compare`: 1 would say that the rates are alike."""
+    none = PairSummary("clean", "phys_random", Paired(0, 0, 0, 0))
+    print_within(Screen(width=80), pairs_table(replace(SUMMARY, pairs=(none,))))
+    assert capsys.readouterr().out.splitlines()[-1].split()[-1] == "-"
+
+
 def test_names_that_are_too_long_are_broken_between_their_parts(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

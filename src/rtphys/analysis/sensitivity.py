@@ -238,7 +238,7 @@ class SensitivityWorker(StudyWorker[SensitivityTask, SensitivityResult]):
                     tried = self.demonstrate(spec.at(job.seed))
                     self._demonstrations[key] = replace(tried, instance=None)  # worlds are large
                 return bool(self.replay(recipe, self._demonstrations[key]))
-            setup = PolicySetup(job.task, NOMINAL, options=self.search.options)
+            setup = PolicySetup(job.task, NOMINAL, spec.split, options=self.search.options)
             policy = self._session.policy(setup)
             episode = begin(recipe, task, self.pack, keep="nothing")
         except Infeasible:

@@ -225,7 +225,8 @@ def pairs_table(summary: Summary) -> Table:
     for row in summary.pairs:
         outcome = row.outcome
         counts = (outcome.trials, outcome.both, outcome.only_first, outcome.only_second)
-        table.add_row(row.first, row.second, *map(str, counts), f"{outcome.p:.2g}")
+        p = f"{outcome.p:.2g}" if outcome.trials else "-"
+        table.add_row(row.first, row.second, *map(str, counts), p)
     return table
 
 
