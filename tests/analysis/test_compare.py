@@ -195,7 +195,7 @@ def test_the_command(two: list[Path], tmp_path: Path) -> None:
 def test_a_figure_goes_where_it_was_asked_for_or_is_refused(
     two: list[Path], tmp_path: Path
 ) -> None:
-    for name in ("new/rates.png", "rates"):
+    for name in ("new/rates.png", "rates", "rates.PNG"):
         said(*two, "--figure", tmp_path / name)
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
     said(*two, "--figure", tmp_path / "rates.pdf")

@@ -49,7 +49,7 @@ FIGURES = (".png", ".pdf", ".svg", "")  # how the names of figures end; without 
 
 def check_figure(path: Path) -> None:
     """Raises `BadValue`: no figure can be written under this name."""
-    if path.suffix not in FIGURES:
+    if path.suffix.lower() not in FIGURES:
         raise BadValue("figure", str(path), "its name ends in .png, .pdf or .svg")
 
 
