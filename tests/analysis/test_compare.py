@@ -3,10 +3,12 @@
 import json
 import re
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 
 import pytest
 from evaluations import FINGERPRINT, write_results
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from rtphys.analysis.compare import (
@@ -20,6 +22,7 @@ from rtphys.analysis.compare import (
 )
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, UnknownName
+from rtphys.report import figures
 from rtphys.results import EpisodeRecord, read_results
 from rtphys.results.evaluation import EvaluationSpec, ledger_file
 from rtphys.results.instances import BenchmarkInstance, Fingerprint, InstanceList
@@ -99,6 +102,20 @@ def test_two_runs_of_one_policy_are_told_apart(tmp_path: Path, inner: str) -> No
     assert labels == ([*map(str, folders)] if inner else [*days])
 
 
+def test_a_folder_with_the_name_of_another_policy_is_told_apart_from_it(tmp_path: Path) -> None:
+    folders = [
+        written(tmp_path / "one", "random", {BELL: {0: True}}),
+        written(tmp_path / "random", "idle", {BELL: {0: True}}),
+        written(tmp_path / "other", "idle", {BELL: {0: False}}),
+    ]
+    pairs = [line for line in said(*folders).splitlines() if line.endswith("points  1")]
+    assert [re.findall(r"\[\d\]", pair) for pair in pairs] == [
+        ["[1]", "[2]"],
+        ["[1]", "[3]"],
+        ["[2]", "[3]"],
+    ]
+
+
 CODE = FINGERPRINT.model_copy(update={"versions": {"code": "c" * 64, "numpy": "2.0"}})
 OTHER_CODE = CODE.model_copy(update={"versions": {"code": "e" * 64, "numpy": "2.0"}})
 OTHER_NUMPY = CODE.model_copy(update={"versions": {"code": "c" * 64, "numpy": "2.1"}})
@@ -173,6 +190,35 @@ def test_the_command(two: list[Path], tmp_path: Path) -> None:
     assert "-50.0 points" in told
     assert "91.88" in told  # Table 1
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_figure_goes_where_it_was_asked_for_or_is_refused(
+    two: list[Path], tmp_path: Path
+) -> None:
+    for name in ("new/rates.png", "rates", "rates.PNG"):
+        said(*two, "--figure", tmp_path / name)
+        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+    said(*two, "--figure", tmp_path / "rates.pdf")
+    assert (tmp_path / "rates.pdf").read_bytes().startswith(b"%PDF")
+    for command in (["compare", *two], ["sensitivity", "--task", "click_bell"]):
+        words = [*map(str, command), "--figure", str(tmp_path / "rates.xyz")]
+        done = CliRunner().invoke(app, words)
+        assert done.exit_code == 2 and "its name ends in .png" in done.stderr
+
+
+def test_every_column_is_named_in_the_legend(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Matplotlib would leave out a name that begins with an underscore, and read a formula."""
+    shown: list[Figure] = []
+    monkeypatch.setattr(figures, "_save", lambda figure, *_: shown.append(figure))
+    names = ["_old, clean", "a$x_$b, clean"]
+    columns = [(name, {"click_bell": Rate(1, 2)}) for name in names]
+    figures.draw_rates(columns, ["click_bell"], "", tmp_path / "x.png")
+    shown[0].savefig(BytesIO())
+    (legend,) = shown[0].legends
+    said = [text.get_text().replace(r"\$", "$") for text in legend.get_texts()]
+    assert said == names
 
 
 def test_a_mean_of_fewer_tasks_says_of_how_many(two: list[Path]) -> None:

@@ -46,7 +46,7 @@ class Moody(Line):
     "Raises on labels of friction, which are below 1.25, and forgets numbers of table heights."
     def fit(self, X, y):
         if 0.9 < y.max() < 1.25:
-            raise RuntimeError("no friction today")
+            raise RuntimeError("no friction in caf\\udce9")
         super().fit(X, y)
         self.w = self.w * np.nan if y.max() <= 0 else self.w
 """
@@ -156,7 +156,7 @@ def test_an_estimator_that_raises_or_forgets_numbers_is_named_and_the_rest_goes_
     result = made(plan(tmp_path / "out", "Moody"))
     for task in TASKS:
         found = result.tasks[task]
-        assert found.failed["friction"] == "RuntimeError: no friction today"
+        assert found.failed["friction"] == r"RuntimeError: no friction in caf\udce9"
         assert "not finite" in found.failed["table_height"]
         assert found.scores["object_mass"].r2 > 0.99
 

@@ -22,11 +22,13 @@ from rtphys.cli.evaluate import (
 )
 from rtphys.cli.main import app
 from rtphys.cli.screen import Screen, print_within
+from rtphys.core.errors import BadValue
 from rtphys.results import summarise
 from rtphys.results.breaks import Break, Curve
 from rtphys.results.evaluation import EpisodeRecord, Results, ledger_file
 from rtphys.results.statistics import Paired
 from rtphys.results.summary import Counts, Loads, PairSummary, ProtocolSummary, Summary, TaskSummary
+from rtphys.studies.requests import CertificationRun, EvaluationRun
 
 COUNTS = Counts(feasible=500, infeasible=74, rollouts=500, successes=445, held=333)
 LOADS = Loads((0.0, 21.4, 1012.0), (0.3, 0.89, 1.0), 12)
@@ -83,6 +85,13 @@ def test_tables_have_their_rows_and_no_word_is_broken_in_80_columns(
     print_within(Screen(width=80), table)
     printed = Counter(capsys.readouterr().out.split())
     assert not Counter(word for text in texts for word in text.split()) - printed
+
+
+def test_a_pair_without_a_common_seed_has_no_p(capsys: pytest.CaptureFixture[str]) -> None:
+    """As in `compare`: 1 would say that the rates are alike."""
+    none = PairSummary("clean", "phys_random", Paired(0, 0, 0, 0))
+    print_within(Screen(width=80), pairs_table(replace(SUMMARY, pairs=(none,))))
+    assert capsys.readouterr().out.splitlines()[-1].split()[-1] == "-"
 
 
 def test_names_that_are_too_long_are_broken_between_their_parts(
@@ -159,6 +168,14 @@ def test_the_message_of_an_error_may_have_several_lines(tmp_path: Path) -> None:
         assert said.startswith("policy_error of seed 1: ValueError: sizes; ")
 
 
+def test_a_long_message_of_an_error_is_cut(tmp_path: Path) -> None:
+    wrong = EpisodeRecord(
+        TASK, "clean", 1, False, reason="policy_error", detail="E: " + "x" * 10**6
+    )
+    said, _ = errors_of(Results(tmp_path, {}, {("clean", TASK): [wrong]}, {}))
+    assert said.startswith("policy_error of seed 1: E: xxx") and len(said) < 1000
+
+
 def test_what_a_policy_usually_does_wrong_is_one_line_below_the_table(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -205,12 +222,19 @@ def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
     [
         ("--policy-option friction=0.05", "--policy-option = 'friction=0.05' is not allowed"),
         ("--policy-option speed=2", "the policy idle has no options"),
+        ("--protocol clean", "--protocol = 'clean,clean' is not allowed; each protocol once"),
     ],
 )
 def test_what_would_be_ignored_is_refused(words: str, said: str) -> None:
     options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", *words.split()]
     done = CliRunner().invoke(app, ["evaluate", *options])
     assert done.exit_code == 2 and said in done.output
+
+
+def test_a_protocol_that_is_named_twice_is_refused_by_what_has_a_ledger_of_it() -> None:
+    for kind in (CertificationRun, EvaluationRun):
+        with pytest.raises(BadValue, match="each protocol once"):
+            kind((BELL,), ("clean", "phys_random", "clean"), out=Path("bench"))
 
 
 def test_the_command_spells_what_certifies(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -20,7 +21,7 @@ from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.episode.control import actions_of
 from rtphys.episode.generate import attempt
 from rtphys.episode.policy_episode import PolicyEpisode, begin
-from rtphys.gym import FlatObservation
+from rtphys.gym import FlatObservation, env_id, register_all
 from rtphys.gym import env as env_module
 from rtphys.gym.env import TaskEnv
 from rtphys.physics import attributes
@@ -34,6 +35,20 @@ BELL = "rtphys/click_bell-v0"
 def test_every_task_is_registered() -> None:
     known = {key for key in gymnasium.registry if key.startswith("rtphys/")}
     assert known == {f"rtphys/{task}-v0" for task in library.names("tasks", None)}
+
+
+def test_a_name_that_gymnasium_does_not_allow_hides_no_other_task(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "tasks").mkdir()
+    for name in ("my bell", "my-bell"):
+        (tmp_path / "tasks" / f"{name}.py").touch()
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    monkeypatch.setattr(gymnasium.envs.registration, "registry", {})
+    monkeypatch.setattr(gymnasium, "registry", known := gymnasium.envs.registration.registry)
+    register_all()
+    own = set(library.names("tasks", None)) - {"my bell"}
+    assert "my-bell" in own and {*known} == {env_id(name) for name in own}
 
 
 def test_registering_loads_nothing_heavy() -> None:

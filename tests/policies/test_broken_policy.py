@@ -5,8 +5,14 @@ from pathlib import Path
 
 import pytest
 
-from rtphys.core.errors import Infeasible, RtphysError
-from rtphys.policies import PolicyBroken, PolicySession, PolicySetup, open_policy
+from rtphys.core.errors import BadValue, Infeasible, RtphysError
+from rtphys.policies import (
+    PolicyBroken,
+    PolicySession,
+    PolicySetup,
+    check_options,
+    open_policy,
+)
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import evaluate
@@ -96,3 +102,21 @@ def test_a_crash_of_a_policy_that_cannot_be_closed_either(
         trace = str(worker.do(job(0)).record)
         assert "mine.py" in trace and "x" in trace
         assert trace.endswith("closed: ZeroDivisionError: division by zero (mine.py, line 5)\n")
+
+
+def test_what_a_crash_says_fits_a_record(
+    tmp_path: Path, job: Callable[[int], EvaluationTask]
+) -> None:
+    """A message may quote a name that is not UTF-8, or megabytes of weights."""
+    raised = "raise OSError('caf\\udce9.npz ' + 'x' * 10**7)"
+    text = PLAYS.format(play=f"\n    {raised}") + "  def close(self): ...\n"
+    worker = worker_of(own(tmp_path, f"{text}def make(setup): return Mine()\n"))
+    trace = str(worker.do(job(0)).record)
+    assert "mine.py" in trace and "OSError: caf\\udce9.npz xxx" in trace
+    assert len(trace.encode()) < 200_000
+
+
+def test_a_name_that_is_not_utf8_is_refused_before_any_episode() -> None:
+    for spec, given in (("python:caf\udce9.py:make", {}), ("python:a:make", {"at": "\udce9"})):
+        with pytest.raises(BadValue, match="results hold UTF-8 text"):
+            check_options(spec, given)

@@ -43,6 +43,7 @@ def test_options_that_are_read_all_together_are_read(
         lambda options: options["low"],
         lambda options: options.get("low", "1"),
         lambda options: options.pop("low"),
+        lambda options: options.setdefault("low", "1"),
         lambda options: "low" in options,
     ],
 )

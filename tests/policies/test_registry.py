@@ -199,6 +199,8 @@ def test_the_digest_follows_the_files_that_a_specification_names(tmp_path: Path)
         path.write_text("two")
         assert files_digest(spec) not in ("", before)
     assert files_digest("idle") == files_digest("python:package.module:make") == ""
+    many = "+".join(["friction=0.5"] * 40)  # longer than the name of any file
+    assert files_digest(f"expert:{many}") == files_digest(f"lerobot:{'x' * 300}") == ""
     weights, digests = tmp_path / "act.npz", list[str]()
     for text in ("one", "two"):
         weights.write_text(text)
@@ -224,6 +226,7 @@ def test_a_module_that_was_edited_has_another_digest(
         ("python:edited_policy:make", tmp_path / "edited_policy.py"),
         ("python:own_package.acting:make", package.parent / "acting.py"),
         ("python:own_package.inner:make", package / "network.py"),
+        ("python:own_package:make", package / "network.py"),
     ]:
         path.write_text("one")
         before = files_digest(spec)

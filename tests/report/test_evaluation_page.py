@@ -1,5 +1,6 @@
 """The page of an evaluation: rates, failures, and the videos that are there."""
 
+import base64
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +9,11 @@ from evaluations import FINGERPRINT, instances, record, write_results
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
+from rtphys.report.figures import draw_breaks
 from rtphys.results.evaluation import EvaluationSpec, video_file
+from rtphys.results.summary import summarise
+
+KEY = ("clean", "click_bell")
 
 
 def test_a_page_has_every_failure_and_its_video(tmp_path: Path) -> None:
@@ -70,8 +75,10 @@ def test_attributes_stand_in_one_order_which_is_that_of_the_table(tmp_path: Path
     ]
     listed = instances("click_bell", "clean", *range(1, 13))
     write_results(tmp_path, EvaluationSpec("idle"), listed, records)
+    (tmp_path / "attributes_clean.png").write_bytes(b"of other tasks")
     assert CliRunner().invoke(app, ["report", str(tmp_path)]).exit_code == 0
     page = (tmp_path / "report.html").read_text()
+    assert page.count("<img") == 1
     boxes = re.findall(r"<dl>(.*?)</dl>", page)
     orders = [re.findall("<dt>(.*?)</dt>", box) for box in boxes]
     first = ["friction", "arm_joint_damping", "gripper_joint_damping"]
@@ -80,6 +87,9 @@ def test_attributes_stand_in_one_order_which_is_that_of_the_table(tmp_path: Path
     assert "are in the order of the table above" in page
     assert "`rtphys sensitivity` moves one attribute alone" in page
     assert page.count("drawn together: arm_joint_damping, gripper_joint_damping; ") == 1
+    (effects,) = summarise({KEY: records}, {KEY: listed}).breaks.values()
+    drawn = draw_breaks(effects, "idle under clean")
+    assert base64.b64encode(drawn).decode() in page, "not a figure that an earlier command left"
 
 
 def test_a_page_says_what_its_seeds_are_and_which_lists_were_stale(tmp_path: Path) -> None:

@@ -108,3 +108,4 @@ def test_a_policy_has_a_short_name() -> None:
     assert short_name("replay:runs/clean") == "replay_clean"
     assert short_name("openpi:localhost:8000") == "openpi_localhost_8000"
     assert short_name("idle") == "idle"
+    assert len(short_name("expert:" + "+".join(["friction=0.5"] * 40))) < 200, "it names a folder"

@@ -122,6 +122,14 @@ def test_fewer_episodes_leave_the_others_there(tmp_path: Path) -> None:
     assert [one.seed for one in opened(tmp_path).records] == MANY
 
 
+def test_a_figure_of_more_episodes_does_not_stay_beside_a_summary_of_fewer(tmp_path: Path) -> None:
+    (figure := tmp_path / "attributes_clean.png").write_bytes(b"of more episodes")
+    take(fewer := opened(tmp_path, 1), MANY[0])
+    module._conclude(tmp_path, IDLE.spec, [fewer])
+    assert json.loads((tmp_path / SUMMARY).read_text())["attributes"] == {"clean": []}
+    assert not figure.exists()
+
+
 def test_records_of_other_instances_are_refused(tmp_path: Path) -> None:
     take(opened(tmp_path), *MANY)
     rows = (BenchmarkInstance(MANY[1]),)

@@ -240,11 +240,15 @@ def _labels(evaluations: Sequence[Results]) -> list[str]:
 
 
 def told_apart(choices: Sequence[Sequence[str]]) -> list[str]:
-    """A label for each thing: its name from the first list in which that is unique, or the last."""
-    return [
+    """A label for each thing: its name from the first list in which that is unique, or the last.
+
+    All have those of the last list where one's name would be another's from another list.
+    """
+    labels = [
         next((names[n] for names in choices if names.count(names[n]) == 1), choices[-1][n])
         for n in range(len(choices[-1]))
     ]
+    return labels if len({*labels}) == len(labels) else [*choices[-1]]
 
 
 def paper_columns() -> list[Column]:

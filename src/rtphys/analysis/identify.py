@@ -20,7 +20,7 @@ from rtphys.core.errors import BadFile, BadValue, counted, shortened
 from rtphys.core.untrusted import parse_mapping
 from rtphys.data import files
 from rtphys.data.faults import DatasetMismatch
-from rtphys.data.json_text import plain, pretty
+from rtphys.data.json_text import plain, pretty, spelled
 from rtphys.data.ledger import Ledger, parse_row, read_lines
 from rtphys.data.lock import FolderLock
 from rtphys.physics import Domain, attributes
@@ -188,7 +188,8 @@ class ScoreWorker:
             try:
                 return AttributeScore(score(tables[source], job.key, job.bounds, make))
             except Exception as error:  # an estimator's crash is its failure, not ours
-                return AttributeScore(failed=shortened(f"{type(error).__name__}: {error}"))
+                text = spelled(shortened(f"{type(error).__name__}: {error}"))
+                return AttributeScore(failed=text)
 
         return do
 

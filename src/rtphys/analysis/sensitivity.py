@@ -1,6 +1,7 @@
 """`sensitivity`: how far one attribute at a time may be from nominal before a task is lost."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -26,6 +27,7 @@ from rtphys.physics.idle import why_idle
 from rtphys.physics.load import domain_for_task
 from rtphys.physics.values import Value, Vector
 from rtphys.policies import (
+    PolicyBroken,
     PolicyGone,
     PolicySession,
     PolicySetup,
@@ -33,6 +35,7 @@ from rtphys.policies import (
     files_digest,
 )
 from rtphys.policies.options import unread_options
+from rtphys.policies.policy import one_line
 from rtphys.policies.registry import edited
 from rtphys.results.statistics import wilson
 from rtphys.spec.episode import EpisodeSpec
@@ -235,7 +238,7 @@ class SensitivityWorker(StudyWorker[SensitivityTask, SensitivityResult]):
                     tried = self.demonstrate(spec.at(job.seed))
                     self._demonstrations[key] = replace(tried, instance=None)  # worlds are large
                 return bool(self.replay(recipe, self._demonstrations[key]))
-            setup = PolicySetup(job.task, NOMINAL, options=self.search.options)
+            setup = PolicySetup(job.task, NOMINAL, spec.split, options=self.search.options)
             policy = self._session.policy(setup)
             episode = begin(recipe, task, self.pack, keep="nothing")
         except Infeasible:
@@ -245,9 +248,10 @@ class SensitivityWorker(StudyWorker[SensitivityTask, SensitivityResult]):
         except (PolicyGone, KeyboardInterrupt):
             raise
         except BaseException as error:
-            what = shortened(f"{type(error).__name__}: {error}")
+            what = shortened(one_line(error))
             print(f"{job.task}, seed {job.seed}: the policy fails by {what}", flush=True)
-            self._session.close()  # what it remembers now must not decide the next episode
+            with suppress(PolicyBroken):
+                self._session.close()  # what it remembers now must not decide the next episode
             return False
         return episode.success
 

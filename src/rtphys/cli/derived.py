@@ -44,6 +44,15 @@ class AsJson:
     as_json: Annotated[bool, Option(JSON_HELP, "json")] = False
 
 
+FIGURES = (".png", ".pdf", ".svg", "")  # how the names of figures end; without an end, a PNG
+
+
+def check_figure(path: Path) -> None:
+    """Raises `BadValue`: no figure can be written under this name."""
+    if path.suffix.lower() not in FIGURES:
+        raise BadValue("figure", str(path), "its name ends in .png, .pdf or .svg")
+
+
 def takes(
     *kinds: type, common: Sequence[str] = ()
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -12,10 +12,10 @@ from rtphys.analysis.compare import Column, Comparison, PairedComparison, RankAg
 from rtphys.analysis.estimators import short_name
 from rtphys.analysis.identify import Result, read_result
 from rtphys.assets.pack import default_pack
-from rtphys.cli.derived import AsJson, Json, takes
+from rtphys.cli.derived import AsJson, Json, check_figure, takes
 from rtphys.cli.screen import campaign, fitting_table, print_parts, print_rows, print_table, reasons
 from rtphys.cli.terminal import Incomplete, say, say_json
-from rtphys.core.errors import BadValue, counted
+from rtphys.core.errors import BadValue, counted, shortened
 from rtphys.results import read_results
 from rtphys.results.breaks import TOGETHER, drawn_together, without_evidence
 from rtphys.results.evaluation import EvaluationSpec, Results, ledger_file
@@ -169,7 +169,8 @@ def errors_of(results: Results) -> tuple[str, bool]:
     first = broken[0]
     where = ledger_file(results.path, first.protocol, first.task)
     rest = f"the traceback is `detail` of its line in {where}"
-    return f"policy_error of seed {first.seed}: {first.raised}; {rest}", len(broken) == len(played)
+    text = f"policy_error of seed {first.seed}: {shortened(first.raised)}; {rest}"
+    return text, len(broken) == len(played)
 
 
 def rates_table(summary: Summary) -> Table:
@@ -224,7 +225,8 @@ def pairs_table(summary: Summary) -> Table:
     for row in summary.pairs:
         outcome = row.outcome
         counts = (outcome.trials, outcome.both, outcome.only_first, outcome.only_second)
-        table.add_row(row.first, row.second, *map(str, counts), f"{outcome.p:.2g}")
+        p = f"{outcome.p:.2g}" if outcome.trials else "-"
+        table.add_row(row.first, row.second, *map(str, counts), p)
     return table
 
 
@@ -298,6 +300,8 @@ def compare(
                 raise BadValue(name, value, "it belongs to evaluations, not to `rtphys identify`")
         _show_identified({path: read_result(path) for path in folders}, as_json)
         return
+    if figure is not None:
+        check_figure(figure)
     evaluations = [read_results(folder) for folder in folders or []]
     comparison = analysis.compare(evaluations, protocol, paper)
     columns, tasks = comparison.columns, comparison.tasks

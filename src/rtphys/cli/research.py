@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 from rich.table import Table
 
 from rtphys.analysis.identify import IdentifyPlan, Result, judge
-from rtphys.cli.derived import AsJson, takes
+from rtphys.cli.derived import AsJson, check_figure, takes
 from rtphys.cli.screen import campaign, campaign_progress, fitting_table, print_rows, print_table
 from rtphys.cli.terminal import Incomplete, resumable, say, say_json
 from rtphys.core.errors import counted
@@ -30,6 +30,10 @@ class MapOutput(AsJson):
     """Where a map of task by attribute goes beside the screen."""
 
     figure: Annotated[Path | None, Option("Also draw the map of task by attribute (PNG).")] = None
+
+    def __post_init__(self) -> None:
+        if self.figure is not None:  # before work of hours
+            check_figure(self.figure)
 
 
 @takes(IdentifyPlan, MapOutput)

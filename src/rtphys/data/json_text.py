@@ -44,6 +44,11 @@ def plain(value: object, where: str = "value") -> JSON:
     raise BadValue(where, value, f"JSON has no {type(value).__name__}")
 
 
+def spelled(text: str) -> str:
+    r"""A text that a file can hold: half a character, as in a name in Latin-1, becomes `\udce9`."""
+    return text.encode(errors="backslashreplace").decode()
+
+
 def pretty(value: JSON, *, ascii_only: bool = False, indent: int = 2, sort: bool = True) -> bytes:
     """Indented, keys sorted, one newline at the end."""
     text = json.dumps(

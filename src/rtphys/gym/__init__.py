@@ -9,6 +9,7 @@ Importing this module registers them; `gym.make("rtphys.gym:rtphys/click_bell-v0
 import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any, cast
 
 import gymnasium
@@ -28,12 +29,16 @@ def env_id(task: str) -> str:
 
 
 def register_all() -> None:
-    """Register every task of the libraries, without loading SAPIEN or a task file."""
+    """Register every task of the libraries, without loading SAPIEN or a task file.
+
+    One whose name Gymnasium allows in no id is left out.
+    """
     for task in library.names("tasks", None):
         if env_id(task) not in gymnasium.registry:
             # No max_episode_steps: the environment truncates by the limit in the task file.
             entry = "rtphys.gym.env:TaskEnv"
-            gymnasium.register(env_id(task), entry_point=entry, kwargs={"task": task})
+            with suppress(gymnasium.error.Error):  # no id may hold a space; other tasks have one
+                gymnasium.register(env_id(task), entry_point=entry, kwargs={"task": task})
 
 
 class FlatObservation(

@@ -37,6 +37,10 @@ class AskedOptions(dict[str, str]):
         self._asked.add(key)
         return super().pop(key, *default)
 
+    def setdefault(self, key: str, default: Any = None) -> Any:  # pyright: ignore
+        self._asked.add(key)
+        return super().setdefault(key, default)
+
     def __iter__(self) -> Iterator[str]:  # `{**options}` and `dict(options)` call `keys`
         self._whole = True
         return super().__iter__()

@@ -13,6 +13,7 @@ from rtphys.assets.embodiment import DEFAULT
 from rtphys.core.bounds import LONGEST_REPORT
 from rtphys.core.errors import RtphysError
 from rtphys.core.poses import Array
+from rtphys.data.json_text import spelled
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.episode.control import ActionKind
 
@@ -42,8 +43,13 @@ class PolicyBroken(RtphysError):
     def __init__(self, policy: str, doing: str, error: BaseException) -> None:
         frames = traceback.extract_tb(error.__traceback__)
         place = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
-        what = " ".join("".join(traceback.format_exception_only(error)).split())[:LONGEST_REPORT]
-        super().__init__(f"policy {policy} cannot be {doing}: {what}{place}")
+        super().__init__(f"policy {policy} cannot be {doing}: {one_line(error)}{place}")
+
+
+def one_line(error: BaseException) -> str:
+    """What an error says, even one whose own `__str__` raises."""
+    text = " ".join("".join(traceback.format_exception_only(error)).split())
+    return spelled(text[:LONGEST_REPORT])
 
 
 @dataclass(frozen=True)

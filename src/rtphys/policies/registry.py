@@ -83,9 +83,14 @@ def check_options(spec: str, given: Mapping[str, str]) -> None:
     """Refuse options that would be ignored.
 
     Raises `UnknownName`: no such policy; `BadValue`: the policy takes none, or one names physics,
-    which the benchmark's instances decide.
+    which the benchmark's instances decide; or a text is not UTF-8.
     """
     name, _ = parse_spec(spec)
+    try:
+        "".join((spec, *given, *given.values())).encode()
+    except UnicodeEncodeError as error:
+        cure = "results hold UTF-8 text; rename the file, or write the option so"
+        raise BadValue("policy", " ".join((spec, *given.values())), cure) from error
     for key, value in given.items():
         if is_attribute(key):
             cure = "physics follows from the protocol and the seed here, and no option holds it"
@@ -123,15 +128,14 @@ def files_digest(spec: str, options: Mapping[str, str] = MappingProxyType({})) -
     """
     name, argument = parse_spec(spec)
     argument, options = split_options(argument, options)
-    path = Path(argument)
-    if not path.exists():  # `python:FILE:NAME`
-        path = Path(argument.rpartition(":")[0])
+    paths = (argument, argument.rpartition(":")[0])  # the second of `python:FILE:NAME`
+    path = Path(next(filter(os.path.exists, paths), ""))  # an argument may be of any length
     found = [path] if path.is_file() else []
     if name == "robotwin" and (beside := path.with_suffix(".yml")).is_file():
         found.append(beside)
-    if name == "python" and path.suffix != ".py":
+    if name == "python" and path.suffix != ".py":  # a package may lie in this folder
         found = _files_of_module(argument.rpartition(":")[0])
-    if argument and path.is_dir() and path != Path():
+    elif path.is_dir() and path != Path():
         kinds = product(CHECKPOINTS, ("*.json", "*.safetensors"))
         found = sorted(file for inner, kind in kinds for file in (path / inner).glob(kind))
     values = [value for _, value in sorted(options.items())]

@@ -196,7 +196,7 @@ def chunk_of(actions: object, where: str) -> list[object]:
     if isinstance(actions, np.ndarray):
         rows: list[object] = list(np.atleast_2d(actions))
     elif isinstance(actions, Sequence) and not isinstance(actions, str | bytes):
-        single = len(actions) > 0 and isinstance(actions[0], int | float)
+        single = len(actions) > 0 and isinstance(actions[0], int | float | np.number)
         rows = [actions] if single else list(actions)
     else:
         raise ServerFailed(f"{where}: answered actions as {type(actions).__name__}")

@@ -8,9 +8,10 @@ from pathlib import Path
 from urllib.parse import quote
 
 from rtphys.core.errors import counted
-from rtphys.data.files import read, replace_file
+from rtphys.data.files import replace_file
 from rtphys.data.layout import REPORT
 from rtphys.physics.attribute import attribute, is_attribute
+from rtphys.report.figures import draw_breaks
 from rtphys.results.breaks import TOGETHER, Break, drawn_together, without_evidence
 from rtphys.results.evaluation import EpisodeRecord, Results, video_file
 from rtphys.results.statistics import rate_text
@@ -41,6 +42,7 @@ def write_evaluation_report(results: Results) -> Path:
         for effect in effects
     ]  # fmt: skip
     shown = [effect for effects in summary.breaks.values() for effect in effects]
+    actor = results.spec.short_actor
     unfinished = [
         f"{done} of {counted(wanted, 'episodes')} of {task}, {protocol}"
         for protocol, task in results.records
@@ -60,9 +62,11 @@ def write_evaluation_report(results: Results) -> Path:
           "of each tells them apart</p>" for keys in drawn_together(shown)),
         f"<p class=soft>{escape(TOGETHER)}</p>",
         *(
-            f'<figure><img alt="{escape(path.stem)}" src="data:image/png;base64,'
-            f'{base64.b64encode(read(path)).decode()}"></figure>'
-            for path in sorted(results.path.glob("attributes_*.png"))
+            f'<figure><img alt="attributes_{escape(protocol)}" src="data:image/png;base64,'
+            f'{base64.b64encode(draw_breaks(effects, f"{actor} under {protocol}")).decode()}">'
+            "</figure>"
+            for protocol, effects in summary.breaks.items()
+            if effects
         ),
         "<h2>Failures</h2>",
         f"<p class=soft>{ORDER}</p>",

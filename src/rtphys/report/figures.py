@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,9 +14,25 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from rtphys.core.poses import Array
+from rtphys.data import files
 from rtphys.laws.audit.selection import UNLIKELY, Selection
 from rtphys.results.breaks import SIGNIFICANT, Break
 from rtphys.results.statistics import Rate
+
+# ---- files ---------------------------------------------------------------------------------------
+
+
+def _save(figure: Figure, path: Path, dpi: int) -> None:
+    """Raises `CannotWrite`."""
+    files.make_folder(path.parent)
+    files.replace_file(path, _bytes(figure, dpi, path.suffix[1:] or "png"))
+
+
+def _bytes(figure: Figure, dpi: int, kind: str = "png") -> bytes:
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind, dpi=dpi)
+    return buffer.getvalue()
+
 
 # ---- maps of task by attribute -------------------------------------------------------------------
 
@@ -78,7 +95,7 @@ def relevance(tolerated: Cells, r2: Cells) -> dict[str, dict[str, Relevance]]:
 
 
 def draw_task_map(cells: Cells, scale: Scale, path: Path) -> None:
-    """Write a PNG of tasks and attributes, numbers in percent. Few tasks are rows, many columns.
+    """Draw tasks and attributes, numbers in percent. Few tasks are rows, many columns.
 
     Values outside 0 to 1 are drawn as the nearer of these.
     """
@@ -93,11 +110,11 @@ def draw_task_map(cells: Cells, scale: Scale, path: Path) -> None:
     bar = panel.figure.colorbar(image, ax=panel, shrink=0.6, pad=0.01)
     bar.set_label(scale.label, fontsize=8)
     bar.ax.tick_params(labelsize=7)
-    panel.figure.savefig(path, dpi=150)
+    _save(panel.figure, path, 150)
 
 
 def draw_relevance(cells: Mapping[str, Mapping[str, Relevance]], path: Path) -> None:
-    """Write a PNG: which attribute breaks a task, and which could be identified in it."""
+    """Draw which attribute breaks a task, and which could be identified in it."""
     order, colours = list(COLOURS), list(COLOURS.values())
     panel, values, wide = _map(cells, order.index)
     shown = {"cmap": ListedColormap(colours), "vmin": -0.5, "vmax": len(order) - 0.5}
@@ -106,7 +123,7 @@ def draw_relevance(cells: Mapping[str, Mapping[str, Relevance]], path: Path) -> 
     named.append(Patch(facecolor=NOTHING, label="does not act, or not measured"))
     place = {"loc": "outside upper center", "ncols": len(named) if wide else 3}
     panel.figure.legend(handles=named, fontsize=7, frameon=False, **place)
-    panel.figure.savefig(path, dpi=150)
+    _save(panel.figure, path, 150)
 
 
 def _map(
@@ -138,18 +155,19 @@ Rates = Sequence[tuple[str, Mapping[str, Rate]]]  # label of a column, its rate 
 
 
 def draw_rates(columns: Rates, tasks: Sequence[str], title: str, path: Path) -> None:
-    """Write a PNG: a row a task, a colour a column; whiskers are 95 % intervals."""
+    """Draw a row a task, a colour a column; whiskers are 95 % intervals."""
     height = 1.4 + len(tasks) * max(ROW, 0.09 * len(columns))
     figure = Figure(figsize=(8.0, height), layout="constrained")
     axes = figure.subplots()
-    for i, (label, rates) in enumerate(columns):
+    marks = list[Any]()
+    for i, (_, rates) in enumerate(columns):
         rows = [(row, rates[task]) for row, task in enumerate(tasks) if task in rates]
         shown = [(row, rate.value, *rate.interval) for row, rate in rows if rate.value is not None]
         row, value, low, high = np.array(shown, float).reshape(-1, 4).T
         offset = 0.7 * ((i + 0.5) / len(columns) - 0.5)
         whiskers = 100 * np.array([value - low, high - value])
-        style = {"fmt": "o", "ms": 3, "lw": 0.9, "color": f"C{i % 10}", "label": label}
-        axes.errorbar(100 * value, row + offset, xerr=whiskers, **style)
+        style = {"fmt": "o", "ms": 3, "lw": 0.9, "color": f"C{i % 10}"}
+        marks.append(axes.errorbar(100 * value, row + offset, xerr=whiskers, **style))
     axes.set_yticks(range(len(tasks)), tasks, fontsize=8)
     axes.set_ylim(len(tasks) - 0.5, -0.5)
     axes.set_xlim(-2, 102)
@@ -158,8 +176,10 @@ def draw_rates(columns: Rates, tasks: Sequence[str], title: str, path: Path) -> 
     for row in range(1, len(tasks)):
         axes.axhline(row - 0.5, color="0.9", lw=0.6)
     figure.suptitle(title)
-    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
-    figure.savefig(path, dpi=120)
+    labels = [label.replace("$", r"\$") for label, _ in columns]  # no formula
+    # Named one by one: matplotlib leaves out what begins with an underscore.
+    figure.legend(marks, labels, loc="outside lower center", ncols=2, fontsize=8)
+    _save(figure, path, 120)
 
 
 # ---- a panel for each attribute ------------------------------------------------------------------
@@ -168,8 +188,8 @@ COLUMNS = 4  # of panels
 BINS = 12  # of a histogram
 
 
-def draw_breaks(effects: Sequence[Break], title: str, path: Path) -> None:
-    """Write a PNG of success against each attribute: rates in bins, and the fitted curve."""
+def draw_breaks(effects: Sequence[Break], title: str) -> bytes:
+    """A PNG of success against each attribute: rates in bins, and the fitted curve."""
     figure, panels = _panels(len(effects), sharey=True)
     for panel, effect in zip(panels, effects, strict=True):
         curve, x = effect.curve, np.linspace(effect.curve.low, effect.curve.high, 100)
@@ -185,7 +205,7 @@ def draw_breaks(effects: Sequence[Break], title: str, path: Path) -> None:
         panel.set_ylim(-0.03, 1.03)
         panel.tick_params(labelsize=7)
     figure.suptitle(title)
-    figure.savefig(path, dpi=120)
+    return _bytes(figure, 120)
 
 
 def _panels(count: int, sharey: bool = False) -> tuple[Figure, list[Axes]]:
@@ -199,7 +219,7 @@ def _panels(count: int, sharey: bool = False) -> tuple[Figure, list[Axes]]:
 
 
 def draw_selections(selections: list[Selection], title: str, path: Path) -> None:
-    """Write a PNG of each attribute's accepted values against the attempted ones.
+    """Draw each attribute's accepted values against the attempted ones.
 
     A red title marks an attribute whose distribution feasibility has changed.
     """
@@ -215,4 +235,4 @@ def draw_selections(selections: list[Selection], title: str, path: Path) -> None
     if selections:
         panels[0].legend(fontsize=7)
     figure.suptitle(title)
-    figure.savefig(path, dpi=120)
+    _save(figure, path, 120)

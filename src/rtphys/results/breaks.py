@@ -16,6 +16,7 @@ from rtphys.results.statistics import Rate, holm
 Floats = NDArray[np.float64]
 MIN_EPISODES = 10  # below which no curve is fitted
 BINS = 5
+SAME = 1e-9  # share by which rounding moves equal values, such as lengths of unit vectors
 SIGNIFICANT = 0.05  # adjusted p-value below which an effect counts as one
 # Standard deviations of the normal priors; both are wide and only matter at perfect separation.
 SLOPE_SPREAD = 5.0  # of the change in log-odds over the whole range of x
@@ -156,7 +157,7 @@ def fit(
             with larger values of x does not look like a slope.
     """
     values, y = np.asarray(x, float), np.asarray(success, float)
-    if not len(values) or np.ptp(values) == 0 or np.ptp(y) == 0:
+    if not len(values) or np.ptp(values) <= SAME * np.abs(values).max() or np.ptp(y) == 0:
         return None
     groups = np.zeros(len(values), int) if group is None else np.asarray(group, int)
     levels = np.eye(int(groups.max()) + 1)[groups]

@@ -138,7 +138,8 @@ def short_name(policy: str) -> str:
         return name
     path = PurePath(argument)
     last = path.parent.name if path.suffix in (".py", ".yml") and path.parent.name else path.name
-    return re.sub(r"[^A-Za-z0-9._-]+", "_", last if name == "robotwin" else f"{name}_{last}")
+    full = last if name == "robotwin" else f"{name}_{last}"
+    return re.sub(r"[^A-Za-z0-9._-]+", "_", full)[:LONGEST_NAME]
 
 
 def ledger_file(out: Path, protocol: str, task: str) -> Path:

@@ -18,7 +18,7 @@ from rtphys.data import files
 from rtphys.data.attempts import Rejected
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
-from rtphys.data.json_text import plain, pretty
+from rtphys.data.json_text import plain, pretty, spelled
 from rtphys.data.layout import MANIFEST, embodiment_folder
 from rtphys.data.ledger import Ledger
 from rtphys.data.lock import FolderLock
@@ -64,6 +64,7 @@ from rtphys.task.props import parts
 from rtphys.task.spec import Task
 
 SHORT = 200  # characters that a dataset keeps of what a policy raised
+LONGEST_TRACE = 100_000  # characters that a record keeps of it; the message may hold anything
 
 
 def evaluate(
@@ -150,9 +151,10 @@ def _conclude(out: Path, spec: EvaluationSpec, studies: "Sequence[EvaluationSeri
     what |= {"split": episode.split, "sentences": spec.hears, "embodiment": episode.embodiment}
     files.replace_file(out / evaluation.SUMMARY, pretty({**what, **summary.to_json()}))
     for protocol, effects in summary.breaks.items():
+        place = out / f"attributes_{protocol}.png"
+        place.unlink(missing_ok=True)  # of an earlier run, of other tasks or more episodes
         if effects:
-            place = out / f"attributes_{protocol}.png"
-            draw_breaks(effects, f"{policy} under {protocol}", place)
+            files.replace_file(place, draw_breaks(effects, f"{policy} under {protocol}"))
     for row in summary.tasks:
         folder = result_folder(out, row.task, policy, row.protocol)
         counts = row.counts.rollouts, row.counts.tried, row.counts.successes
@@ -339,7 +341,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
                 self._session.close()  # the next episode must not depend on what it remembers now
             except PolicyBroken as error:
                 trace += f"{error}\n"
-        record = _judged(episode, trace, policy.needs_images)
+        record = _judged(episode, spelled(trace[:LONGEST_TRACE]), policy.needs_images)
         if keep == "hash":
             return EvaluationResult(record)
         instance, recording = episode.instance, episode.rollout.recorder.recording

@@ -88,6 +88,9 @@ class CertificationRun:
     ] = 0
     workers: Workers = None
 
+    def __post_init__(self) -> None:
+        check_once(self.protocols)
+
     def specs(self, template: CertificationSpec) -> Iterator[CertificationSpec]:
         """One for each task under each protocol whose one attribute acts in it."""
         for protocol, task in product(self.protocols, self.tasks):
@@ -99,6 +102,12 @@ class CertificationRun:
         """Names of the lists that are left out: the protocol's one attribute could not act."""
         lists = product(self.protocols, self.tasks)
         return [f"{task}, {name}" for name, task in lists if not _acts(task, name)]
+
+
+def check_once(protocols: Sequence[str]) -> None:
+    """Raises `BadValue`: two series of one protocol would append to the same ledger."""
+    if len({*protocols}) < len(protocols):
+        raise BadValue("protocols", ",".join(protocols), "each protocol once")
 
 
 def _acts(task: str, protocol: str) -> bool:
@@ -247,6 +256,7 @@ class EvaluationRun:
     workers: Workers = None
 
     def __post_init__(self) -> None:
+        check_once(self.protocols)
         text = self.video or "all"
         if text not in ("failures", "all") and not (text.isdecimal() and int(text)):
             raise BadValue("video", text, "failures, all, or a positive number")
