@@ -65,7 +65,7 @@ def survival(task: str, domain: Domain, bodies: Bodies, seeds: Sequence[int]) ->
             solids = bodies.solids(loaded.props(seed))
         except Infeasible:
             continue
-        physics = domain.sample(seed, task=task)
+        physics = domain.sample(seed, ["center_of_mass"], task=task)
         drawn.append(physics.vector("center_of_mass"))
         named = {str(number): solid for number, solid in enumerate(solids)}
         kept.append(inside(named, domain.smallest_scale)(drawn[-1], Reach()))

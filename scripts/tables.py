@@ -8,6 +8,7 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 import coverage
@@ -27,7 +28,6 @@ from rtphys.policies.experts import OTHER
 from rtphys.report import figures
 from rtphys.results import Rate
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
-from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.rates import PROTOCOL, SHARES, costs, rates
 from rtphys.task.spec import load_task, task_names
 
@@ -394,17 +394,17 @@ def _worth(first: str, second: str) -> str:
     return f"{better:.0f} ({low:.{digits}f} to {high:.{digits}f})"
 
 
+@cache
 def _chance(task: str) -> float:
     """How often another episode's hidden values lead to what these ask for, of 5,000 pairs."""
-    spec = EpisodeSpec(task, "clean")
-    keys = [key for key in domain_for_task(task).by_prop.keys if "@" in key]
-    pairs = [
-        [
-            [_first(drawn[key]) for key in keys]
-            for drawn in (spec.draw(seed), spec.draw(seed + OTHER))
-        ]
-        for seed in range(5000)
-    ]
+    domain = domain_for_task(task).by_prop
+    keys = [key for key in domain.keys if "@" in key]
+
+    def hidden(seed: int) -> list[float]:
+        drawn = domain.sample(seed, keys, task=task)
+        return [_first(drawn[key]) for key in keys]
+
+    pairs = [(hidden(seed), hidden(seed + OTHER)) for seed in range(5000)]
     if task in NEAR:
         return sum(NEAR[task](true[0], taken[0]) for true, taken in pairs) / len(pairs)
     ranks = [[sorted(range(len(keys)), key=one.__getitem__) for one in pair] for pair in pairs]

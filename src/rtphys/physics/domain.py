@@ -12,7 +12,7 @@ from typing import cast
 
 from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.core.seeds import Chance
-from rtphys.physics.attribute import AnyAttribute, attribute, attributes, is_attribute
+from rtphys.physics.attribute import AnyAttribute, attribute, attributes
 from rtphys.physics.distribution import (
     By,
     Choice,
@@ -100,10 +100,10 @@ class Domain:
         """
         held, chance, known = overrides or {}, Chance(seed, task), attributes()
         check_overrides(held)
-        active = self._active(only, held)
+        active = self._active(only, held, known)
         values: dict[str, Value] = {key: a.nominal for key, a in known.items()}
         values |= dict.fromkeys(AUXILIARY) | {REDRAWS: 0}
-        needed = {aux for key in active for aux in attribute(key).auxiliary}
+        needed = {aux for key in active for aux in known[split(key)[0]].auxiliary}
         for key in AUXILIARY:
             if key in held:
                 values[key] = held[key]
@@ -124,15 +124,17 @@ class Domain:
                 rule = rule.branches[str(values[rule.selector])]
             if isinstance(rule, Deal):
                 source = rule.source
-            values[key] = rule.draw(chance.stream("physics", source), attribute(key).size)
+            values[key] = rule.draw(chance.stream("physics", source), known[split(key)[0]].size)
         for key in keys_of(CENTER_OF_MASS, active):
             if key not in held and inside is not None:
                 values |= self._center_of_mass(key, active, inside, chance)
         return Physics(values, active)
 
-    def _active(self, only: Collection[str] | None, held: Mapping[str, Value]) -> list[str]:
+    def _active(
+        self, only: Collection[str] | None, held: Mapping[str, Value], known: Collection[str]
+    ) -> list[str]:
         """Attributes that an episode sets, drawn or held, sorted."""
-        varied = {key for key in self.keys if is_attribute(key)}
+        varied = {key for key in self.keys if split(key)[0] in known}
         if only is not None:
             for key in only:
                 attribute(key)
