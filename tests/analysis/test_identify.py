@@ -221,6 +221,9 @@ def test_a_plan_that_cannot_be_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
         IdentifyPlan(("click_bell",), protocol="phys_randon")
     with pytest.raises(BadValue, match="estimator"):
         IdentifyPlan(("click_bell",), estimator="forest")
+    (tmp_path / "own.py").write_text("class features:\n    fit = predict = print\n")
+    with pytest.raises(BadValue, match="the features have this name"):
+        IdentifyPlan(("click_bell",), estimator=f"python:{tmp_path / 'own.py'}:features")
     with pytest.raises(BadValue, match="at least 20"):
         IdentifyPlan(("click_bell",), episodes=19)
     monkeypatch.setitem(sys.modules, "sklearn", None)

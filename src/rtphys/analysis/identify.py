@@ -32,6 +32,7 @@ from rtphys.spec.protocol import load_protocol, protocol_names
 from rtphys.spec.stored import load
 from rtphys.studies.requests import FirstSeed
 
+FEATURES = "features"  # the folder of their ledgers
 FORMAT = 1  # of a result file
 DECIMALS = 4  # in it; no score is known better
 
@@ -69,6 +70,8 @@ class IdentifyPlan:
         if not load_protocol(self.protocol).physics:
             raise BadValue("protocol", self.protocol, "it varies no physics that could be inferred")
         make = open_estimator(self.estimator)
+        if short_name(self.estimator) == FEATURES:  # scores would take the place of the features
+            raise BadValue("estimator", self.estimator, "the features have this name; rename it")
         if self.estimator == BASELINE:
             make()
 
@@ -78,7 +81,7 @@ class IdentifyPlan:
 
     def features_file(self, task: str) -> Path:
         """Where the features of a task's episodes are kept."""
-        return self.out / "features" / f"{task}.jsonl"
+        return self.out / FEATURES / f"{task}.jsonl"
 
     @property
     def result_file(self) -> Path:
