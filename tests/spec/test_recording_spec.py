@@ -23,7 +23,7 @@ from rtphys.spec.recording import RecordingSpec, parse_size
         ({"size": "-640x480"}, "WIDTHxHEIGHT"),
     ],
 )
-def test_what_cannot_be_filmed_is_refused(given: dict[str, object], words: str) -> None:
+def test_what_cannot_be_recorded_is_refused(given: dict[str, object], words: str) -> None:
     with pytest.raises(RtphysError, match=words) as caught:
         RecordingSpec(**given)  # type: ignore[arg-type]
     assert isinstance(caught.value, BadValue | UnknownName)

@@ -172,20 +172,21 @@ def test_a_lost_episode_is_a_failure_with_its_reason(tmp_path: Path) -> None:
     assert "30 s" in lost.detail and not made.halted
 
 
-def test_episodes_of_an_earlier_run_that_lack_a_film_are_counted(tmp_path: Path) -> None:
+def test_episodes_of_an_earlier_run_that_lack_a_video_are_counted(tmp_path: Path) -> None:
     made = opened(tmp_path)
     lost = record(MANY[2], reason="worker_hang")
     played = [record(MANY[0], True, state="0" * 64), record(MANY[1], state="1" * 64)]
     for one in (*played, lost):
         made.begin()
         made.take(one.seed, EvaluationResult(one))
-    assert opened(tmp_path).unfilmed == 0  # nobody asks for films
-    assert opened(tmp_path, video="all").unfilmed == 2  # of the lost one there can be none
-    assert opened(tmp_path, video="failures").unfilmed == opened(tmp_path, video="1").unfilmed == 1
-    film = video_file(tmp_path, *IDLE.spec.key, MANY[1], success=False)
-    film.parent.mkdir(parents=True)
-    film.touch()
-    assert opened(tmp_path, video="failures").unfilmed == 0
+    assert opened(tmp_path).without_video == 0  # nobody asks for videos
+    assert opened(tmp_path, video="all").without_video == 2  # of the lost one there can be none
+    assert opened(tmp_path, video="failures").without_video == 1
+    assert opened(tmp_path, video="1").without_video == 1
+    path = video_file(tmp_path, *IDLE.spec.key, MANY[1], success=False)
+    path.parent.mkdir(parents=True)
+    path.touch()
+    assert opened(tmp_path, video="failures").without_video == 0
     assert opened(tmp_path).progress.solved == 1
 
 
@@ -247,7 +248,7 @@ def test_a_policy_that_changes_the_folder_moves_no_file(
     header = recording_header(IDLE.spec, made.instances, load_task("lift_pot"), pack)
     with DatasetWriter("kept") as dataset:
         job = opened(Path("out"), video="all", writer=dataset.task(header)).job(MANY[0])
-        assert job.films == tmp_path / "out"
+        assert job.video_folder == tmp_path / "out"
         assert job.staging is not None and job.staging.is_relative_to(tmp_path / "kept")
 
 
@@ -560,16 +561,16 @@ def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None
     done = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
     assert done.exit_code == 0, done.output
     assert " 0 % [0-79.3] 0/1" in done.output and "gave_up 1" in done.output
-    film = tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}_failure.mp4"
-    facts = probe(film.read_bytes())
+    path = tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}_failure.mp4"
+    facts = probe(path.read_bytes())
     assert (facts.width, facts.height) == (320, 360) and facts.frames > 2
     again = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options[:-4], "--video", "all",
                                      *options[-2:]])  # fmt: skip
-    assert "not filmed" not in again.stderr, "the film is there"
-    film.unlink()
+    assert "made without video" not in again.stderr, "the video is there"
+    path.unlink()
     again = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
     assert "run without video: 1 episode; evaluate into another" in again.stderr
-    assert not film.exists()
+    assert not path.exists()
     (official,) = (tmp_path / "eval_result").rglob("_result_clean.txt")
     assert official.read_text().rstrip().endswith("0.0")
 

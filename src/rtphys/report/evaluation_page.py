@@ -93,10 +93,10 @@ def _failures(results: Results, key: tuple[str, str], effects: Sequence[Break]) 
         )
         video = video_file(results.path, *key, one.seed, success=False)
         where = quote(video.relative_to(results.path).as_posix())
-        film = f'<video controls preload=none src="{where}"></video>' if video.is_file() else ""
+        player = f'<video controls preload=none src="{where}"></video>' if video.is_file() else ""
         why = escape(f"{one.reason}: {one.detail.strip()[-200:]}".removesuffix(": "))
         what = f"<h3>seed {one.seed}, {counted(one.steps, 'actions')}, {one.time:.1f} s</h3>"
-        boxes.append(f"<div class=box>{what}{film}<p>{why}</p><dl>{physics}</dl></div>")
+        boxes.append(f"<div class=box>{what}{player}<p>{why}</p><dl>{physics}</dl></div>")
     name = escape(f"{key[1]}, {key[0]}: {len(boxes)} of {len(records)}")
     return f"<h3>{name}</h3><div class=grid>{''.join(boxes)}</div>"
 

@@ -1,4 +1,4 @@
-"""How an episode is filmed: which cameras, their optics, and what they record beyond colours."""
+"""How an episode is recorded: which cameras, their optics, and what else is kept."""
 
 import re
 from dataclasses import replace

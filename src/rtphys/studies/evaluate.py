@@ -114,9 +114,11 @@ def evaluate(
             write_lists(path, (one for one in copied if not one.begins(known.get(one.task))))
         if earlier := sum(study.progress.accepted for study in studies):
             listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
-        if unfilmed := sum(study.unfilmed for study in studies):
-            text = f"not filmed, since they were run without video: {counted(unfilmed, 'episodes')}"
-            listener.noticed(f"{text}; evaluate into another folder to film them")
+        if lacking := sum(study.without_video for study in studies):
+            text = (
+                f"{counted(lacking, 'episodes')} of an earlier run, made without video, have none"
+            )
+            listener.noticed(f"{text}; evaluate into another folder to have one of each")
         worker = EvaluateWorker(pack, spec.policy, spec.recording)
         saved = dataset.checkpoint_if_due if dataset else lambda: None
         run_here(
@@ -170,7 +172,7 @@ class EvaluationTask(NamedTuple):
 
     recipe: Recipe
     setup: PolicySetup
-    films: Path | None = None  # the result folder that takes its video
+    video_folder: Path | None = None  # the result folder that takes its video
     of_failure: bool = False  # write it only if the policy fails
     staging: Path | None = None  # folder for the files of a recorded episode
 
@@ -233,7 +235,7 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         return self._all[: self.progress.wanted]
 
     @property
-    def unfilmed(self) -> int:
+    def without_video(self) -> int:
         """How many episodes that are there already should have a video, and have none."""
         played = (one for one in self.records if one.state and one.seed in self._shown)
         wanted = (one for one in played if not (one.success and self._video == "failures"))
@@ -244,10 +246,11 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         return sum(not path.is_file() for path in paths)
 
     def job(self, seed: int) -> EvaluationTask:
-        films = self._out.absolute() if seed in self._shown else None  # a policy may change folder
+        # Absolute, since a policy may change the working directory.
+        video_folder = self._out.absolute() if seed in self._shown else None
         staging = self.writer.staging(seed) if self.writer else None
         recipe, failures = self.spec.episode.at(seed), self._video == "failures"
-        return EvaluationTask(recipe, self._setup, films, failures, staging)
+        return EvaluationTask(recipe, self._setup, video_folder, failures, staging)
 
     def commit(self, seed: int, result: EvaluationResult) -> str:
         if self.writer is not None and result.outcome is not None:
@@ -326,7 +329,7 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         recipe, task = job.recipe, self.tasks[job.recipe.task]
         policy = self._session.policy(job.setup)
         try:
-            keep = "hash" if job.films is None and job.staging is None else "rows"
+            keep = "hash" if job.video_folder is None and job.staging is None else "rows"
             episode = begin(recipe, task, self.pack, self.recording, keep, job.setup.split)
         except Infeasible as problem:
             return unplayed(recipe, "infeasible", str(problem))
@@ -345,9 +348,9 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         if keep == "hash":
             return EvaluationResult(record)
         instance, recording = episode.instance, episode.rollout.recorder.recording
-        if job.films is not None and not (record.success and job.of_failure):
+        if job.video_folder is not None and not (record.success and job.of_failure):
             path = evaluation.video_file(
-                job.films, recipe.protocol, recipe.task, recipe.seed, record.success
+                job.video_folder, recipe.protocol, recipe.task, recipe.seed, record.success
             )
             write_video(instance, recording, self.pack, path)
         if job.staging is None:
