@@ -55,7 +55,7 @@ def run_child(out: Path, seconds: float | None, line: int = 0) -> bool:
 
 def kill_until_done(out: Path, kills: int, longest: float) -> int:
     """Kills again and again on the way; returns how often a run really was cut off."""
-    rng = stream(kills, "kill", out.name)
+    rng = stream(kills, "kill", *out.parts[-2:])  # other instants in each trial
     hits = 0
     for _ in range(kills):
         finished = run_child(out, rng.uniform(0, longest))

@@ -569,7 +569,7 @@ def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None
     assert "made without video" not in again.stderr, "the video is there"
     path.unlink()
     again = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
-    assert "run without video: 1 episode; evaluate into another" in again.stderr
+    assert "1 episode of an earlier run, made without video, have none" in again.stderr
     assert not path.exists()
     (official,) = (tmp_path / "eval_result").rglob("_result_clean.txt")
     assert official.read_text().rstrip().endswith("0.0")
