@@ -326,11 +326,12 @@ def check_assets() -> Finding:
     """The pack that a run would use: named, linked or builtin."""
     try:
         link, named = linked(), os.environ.get("RTPHYS_ASSETS")
-        if named or link:
+        root = Path(named) if named else link[0] if link else None
+        if root is not None:
             behind = os.environ.get("RTPHYS_ASSETS_FALLBACK", "") if named else ""
             # Without the builtin pack, which would be built; a wrong name is refused.
             behind = "" if behind == "builtin" else behind
-            pack = chosen_pack(Path(named) if named else link[0] if link else Path(), behind)
+            pack = chosen_pack(root, behind)
             return _found("assets", "ok", f"{pack.root}, {counted(len(pack.names), 'objects')}")
     except NoCache:
         raise

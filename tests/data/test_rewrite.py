@@ -107,11 +107,11 @@ def test_a_part_of_other_seeds_is_not_continued(
 
 
 def test_the_progress_of_a_part_counts_what_is_taken(three: Path, tmp_path: Path) -> None:
-    told: list[tuple[int, int]] = []
+    calls: list[tuple[int, int]] = []
     keep = {1, 3}.__contains__
     out = tmp_path / "part"
-    subset(three, out, lambda _: True, lambda row: keep(row.seed), lambda *at: told.append(at))
-    assert told[-1] == (2, 2)
+    subset(three, out, lambda _: True, lambda row: keep(row.seed), lambda *at: calls.append(at))
+    assert calls[-1] == (2, 2)
 
 
 def test_a_part_has_the_failures_of_its_seeds(tmp_path: Path) -> None:

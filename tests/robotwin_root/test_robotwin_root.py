@@ -434,7 +434,7 @@ def test_a_model_is_told_how_many_joints_the_robot_has(
         "given = ['--config', 'policy/asks/deploy_policy.yml', '--overrides',\n"
         "         '--task_name', 'click_bell', '--task_config', 'clean']\n"
         "try: evaluate(parse_args_and_config(given), 1)\n"
-        "except KeyboardInterrupt as told: print(told.args)\n"
+        "except KeyboardInterrupt as error: print(error.args)\n"
     )
     where = {**os.environ, "PYTHONPATH": os.pathsep.join([SOURCE, ".", "./policy"])}
     done = subprocess.run(

@@ -30,6 +30,7 @@ from rtphys.core import library
 from rtphys.core.cache import reading_cache, writing_cache
 from rtphys.core.errors import BadValue, MissingAsset, RtphysError, UnknownName, counted
 from rtphys.data.files import make_folder
+from rtphys.data.json_text import check_spelled
 from rtphys.studies.requests import BenchPlan
 from rtphys.studies.resources import props_of
 from rtphys.task.props import Articulated, Mesh
@@ -357,11 +358,8 @@ def link(
         raise BadValue("folder", None, "name the folder to link, or give `remove`")
     pack = chosen_pack(folder.resolve(), fallback)
     text = json.dumps({"root": str(pack.root), "fallback": pack.fallback is not None})
-    try:
-        str(pack.root).encode()
-    except UnicodeEncodeError as error:
-        allowed = "its path is not UTF-8; rename it, or name it in $RTPHYS_ASSETS"
-        raise BadValue("folder", str(folder), allowed) from error
+    cure = "its path is not UTF-8; rename it, or name it in $RTPHYS_ASSETS"
+    check_spelled("folder", str(pack.root), cure)
     with writing_cache():
         path.parent.mkdir(parents=True, exist_ok=True)
         # A worker may be reading it, and another process may link, too.

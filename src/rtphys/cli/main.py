@@ -51,15 +51,12 @@ def _folders(named: list[Path], given: list[Path]) -> list[str]:
         given: as options.
     """
     from rtphys.core.library import bundled
+    from rtphys.data.json_text import check_spelled
 
     shipped = [bundled() / p if str(p) in SHIPPED and not p.exists() else p for p in given]
     folders = dict.fromkeys(path.resolve() for path in [*named, *shipped])
     for path in folders:
-        try:
-            str(path).encode()
-        except UnicodeEncodeError as error:
-            allowed = "its path is not UTF-8; rename the folder"
-            raise BadValue("library", str(path), allowed) from error
+        check_spelled("library", str(path), "its path is not UTF-8; rename the folder")
     return [str(path) for path in folders if path != bundled()]
 
 

@@ -49,6 +49,12 @@ def spelled(text: str) -> str:
     return text.encode(errors="backslashreplace").decode()
 
 
+def check_spelled(key: str, text: str, allowed: str) -> None:
+    """Raises `BadValue` of `key`: the text is not UTF-8, so that no file can hold it."""
+    if spelled(text) != text:
+        raise BadValue(key, text, allowed)
+
+
 def pretty(value: JSON, *, ascii_only: bool = False, indent: int = 2, sort: bool = True) -> bytes:
     """Indented, keys sorted, one newline at the end."""
     text = json.dumps(

@@ -24,7 +24,7 @@ from rtphys.core.errors import BadFile, BadValue
 from rtphys.core.untrusted import hidden, parse_mapping
 from rtphys.data import files
 from rtphys.data.dataset import Dataset, Episode
-from rtphys.data.json_text import compact, plain, pretty
+from rtphys.data.json_text import check_spelled, compact, plain, pretty
 from rtphys.data.layout import MANIFEST
 from rtphys.data.lock import FolderLock
 from rtphys.data.video import VideoJoiner
@@ -92,11 +92,8 @@ def export_lerobot(
             f"left out of the physics of each frame, since the asset's own is no number: {names}"
         )
     out = out.resolve()  # "." has no name, and a link may lead to another disk
-    try:
-        str(out).encode()
-    except UnicodeEncodeError as error:
-        allowed = "Parquet's reader takes no path that is not UTF-8; name another folder"
-        raise BadValue("out", str(out), allowed) from error
+    cure = "Parquet's reader takes no path that is not UTF-8; name another folder"
+    check_spelled("out", str(out), cure)
     files.make_folder(out.parent)
     with FolderLock(out, hidden(out, ".lock")):
         with files.refusals(out):

@@ -18,6 +18,7 @@ from rtphys.core.dependencies import cure_of
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
 from rtphys.core.library import load_file
 from rtphys.data.files import facts_of
+from rtphys.data.json_text import check_spelled
 from rtphys.physics.attribute import is_attribute
 from rtphys.policies.options import AskedOptions
 from rtphys.policies.policy import Policy, PolicyBroken, PolicyGone, PolicySetup
@@ -86,11 +87,8 @@ def check_options(spec: str, given: Mapping[str, str]) -> None:
     which the benchmark's instances decide; or a text is not UTF-8.
     """
     name, _ = parse_spec(spec)
-    try:
-        "".join((spec, *given, *given.values())).encode()
-    except UnicodeEncodeError as error:
-        cure = "results hold UTF-8 text; rename the file, or write the option so"
-        raise BadValue("policy", " ".join((spec, *given.values())), cure) from error
+    cure = "results hold UTF-8 text; rename the file, or write the option so"
+    check_spelled("policy", " ".join((spec, *given, *given.values())), cure)
     for key, value in given.items():
         if is_attribute(key):
             cure = "physics follows from the protocol and the seed here, and no option holds it"
