@@ -1,30 +1,30 @@
-"""Update what an episode costs in manifests/costs.yaml: `scripts/costs.py BENCH.json`.
+"""Update what an episode costs in manifests/costs.yaml: `scripts/costs.py`.
 
-The file is what `rtphys bench --protocol phys_random_all --json` prints. `collect --dry-run` and
-the table in docs/scale.md are made from it.
+The numbers are those with which Training Set v1 was made (manifests/training_v1.digests.json).
+`collect --dry-run` and the table in docs/scale.md are made from the file.
 """
 
-import json
-import sys
 from pathlib import Path
 
-from rtphys.task.rates import PROTOCOL, Cost, costs
+from rtphys.data import schema
+from rtphys.data.state_digests import Digests
+from rtphys.studies.rates import PROTOCOL, Cost, costs
 
-OUT = Path(__file__).resolve().parents[1] / "manifests" / "costs.yaml"
+MANIFESTS = Path(__file__).resolve().parents[1] / "manifests"
 
 
-def main(bench: str) -> None:
-    """Updates the file."""
+def main() -> None:
+    """Updates the tasks that the training set has."""
     known = costs()
-    for row in json.loads(Path(bench).read_text())["rows"]:
-        if row["protocol"] == PROTOCOL and row["accepted"]:
-            attempt, pictures = row["attempt_cpu_s"]["sum"], row["pictures_cpu_s"]["sum"]
-            known[row["task"]] = Cost(attempt, pictures, row["episode_bytes"] / 1e6)
-    lines = [f"# under {PROTOCOL}: CPU-s of an attempt, CPU-s and MB of an episode's files"]
-    for task, one in sorted(known.items()):
-        lines.append(f"{task}: [{one.attempt:.2f}, {one.pictures:.1f}, {one.megabytes:.1f}]")
-    OUT.write_text("\n".join(lines) + "\n")
+    for task, made in schema.read(Digests, MANIFESTS / "training_v1.digests.json").tasks.items():
+        count = len(made.episodes)
+        known[task] = Cost(made.cpu_seconds / count, made.bytes / count / 1e6)
+    lines = [f"# of an accepted episode under {PROTOCOL}: CPU-s with failed attempts, and MB"]
+    lines += [
+        f"{task}: [{one.cpu:.1f}, {one.megabytes:.1f}]" for task, one in sorted(known.items())
+    ]
+    (MANIFESTS / "costs.yaml").write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main()

@@ -12,7 +12,7 @@ from dataclasses import astuple
 from pathlib import Path
 
 from rtphys.results.instances import read_lists
-from rtphys.task.rates import Rate, rates
+from rtphys.studies.rates import Rate, rates
 
 SHOWN = ("clean", "official_random", "phys_random", "phys_random_all")  # by `rtphys tasks`
 OUT = Path(__file__).resolve().parents[1] / "manifests" / "rates.yaml"

@@ -20,7 +20,7 @@ from rtphys.physics.attribute import attribute
 from rtphys.results.instances import benchmark_file, read_list
 from rtphys.sim import renderer
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.task.rates import rates
+from rtphys.studies.rates import rates
 from rtphys.task.spec import Task, load_task, task_names
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -28,7 +28,7 @@ from rtphys.policies.experts import OTHER
 from rtphys.report import figures
 from rtphys.results import Rate
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
-from rtphys.task.rates import PROTOCOL, SHARES, costs, rates
+from rtphys.studies.rates import SHARES, costs, rates
 from rtphys.task.spec import load_task, task_names
 
 REPLAYS = ("replay", "twin")  # columns of a certified list
@@ -51,9 +51,6 @@ NEAR: dict[str, Callable[[float, float], bool]] = {
     "slide_to_mark": lambda true, taken: abs(taken / true - 1) < 0.02 / 0.1375,  # half the mark
 }
 CORES = (4, 16, 64)
-# On one H200 with 16 cores: CPU time of a picture as a share of that without a GPU (version 1.0.0),
-# and how many pictures a whole collection has a second (1.1.0); without a GPU one takes so long.
-GPU_SHARE, GPU_PICTURES, PICTURE_S = 0.45, 1636, 0.0118  # [1], [1/s], [CPU-s]
 # Fields of a label that the schema does not explain, or in fewer words than a reader needs.
 FIELDS = {
     "schema_version": "version of the dataset",
@@ -443,39 +440,27 @@ def _replayed(lists: Iterable[InstanceList], name: str) -> str:
 
 def episode_costs() -> str:
     """CPU-s and MB of an episode of each task, in three columns."""
-    known, seeds = costs(), rates()
-    cells = list[str]()
-    for task, cost in sorted(known.items()):
-        rate = seeds[task][PROTOCOL]
-        cpu = cost.attempt * rate.seeds / rate.accepted + cost.pictures
-        cells.append(f"`{task}` {cpu:.1f} s, {cost.megabytes:.0f} MB")
+    cells = [
+        f"`{task}` {of.cpu:.1f} s, {of.megabytes:.0f} MB" for task, of in sorted(costs().items())
+    ]
     cells += [""] * (-len(cells) % 3)
     rows = [tuple(cells[n : n + 3]) for n in range(0, len(cells), 3)]
     return _table(("", "", ""), rows)
 
 
 def collection_costs() -> str:
-    """Table of protocols: what a hundred episodes of every task cost, by cores, with a GPU too."""
+    """Table of protocols: what a hundred episodes of every task cost, by cores."""
     known, seeds, rows = costs(), rates(), list[tuple[str, ...]]()
+    cpu = EPISODES * sum(cost.cpu for cost in known.values())
+    gigabytes = EPISODES * sum(cost.megabytes for cost in known.values()) / 1e3
     for protocol, (of_cpu, of_bytes) in SHARES.items():
-        tried = {
-            task: EPISODES * (rate := seeds[task][protocol]).seeds / rate.accepted
-            for task in task_names()
-        }
-        attempts = of_cpu * sum(known[task].attempt * n for task, n in tried.items())
-        pictures = of_cpu * EPISODES * sum(cost.pictures for cost in known.values())
-        gigabytes = of_bytes * EPISODES * sum(cost.megabytes for cost in known.values()) / 1e3
-        drawing = pictures / PICTURE_S / GPU_PICTURES
-        with_gpu = attempts + GPU_SHARE * pictures
-        plain = (f"{(attempts + pictures) / cores / 60:.0f}" for cores in CORES)
-        gpu = (f"{max(with_gpu / cores, drawing) / 60:.0f}" for cores in CORES[:2])
-        hours = f"{(attempts + pictures) / 3600:.1f}"
-        rows.append(
-            (f"`{protocol}`", f"{sum(tried.values()):.0f}", hours, f"{gigabytes:.0f}", *plain, *gpu)
-        )
-    minutes = (f"min, {cores} cores" for cores in CORES)
-    gpu = (f"{cores} cores, GPU" for cores in CORES[:2])
-    return _table(("protocol", "attempts", "CPU-hours", "GB", *minutes, *gpu), rows)
+        tried = [seeds[task][protocol] for task in task_names()]
+        attempts = sum(EPISODES * rate.seeds / rate.accepted for rate in tried)
+        minutes = (f"{of_cpu * cpu / cores / 60:.0f}" for cores in CORES)
+        whole = f"{of_cpu * cpu / 3600:.1f}", f"{of_bytes * gigabytes:.0f}"
+        rows.append((f"`{protocol}`", f"{attempts:.0f}", *whole, *minutes))
+    titles = (f"min, {cores} cores" for cores in CORES)
+    return _table(("protocol", "attempts", "CPU-hours", "GB", *titles), rows)
 
 
 def label() -> str:

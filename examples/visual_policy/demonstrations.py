@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sight import PICTURES, felt_frames, labels, shrink
+from sight import PICTURES, felt_frames, shrink
 
 from rtphys.data.dataset import Episode
 
@@ -27,7 +27,6 @@ class Demonstrations:
     command: Floats  # (N, 14) in force: left arm [rad], left opening, right arm, right opening
     following: Floats  # (N, CHUNK, 14) the next commands; behind the end, the last one
     objects: Floats  # (N, 3 k) positions of the task's k objects [m], world frame
-    labels: Floats  # (N, m) physics of the episode
     felt: Floats  # (N, FELT), or (N, 0) where it does not matter
     begin: NDArray[np.intp]  # (N,) frame with which the episode begins
     longest: int  # frames of the longest episode
@@ -123,5 +122,4 @@ def _numbers(episode: Episode, rows: NDArray[np.intp], names: list[str]) -> dict
         "command": command.astype(np.float32),
         "following": command[ahead].astype(np.float32),
         "objects": objects.astype(np.float32),
-        "labels": np.tile(labels(episode.physics), (len(rows), 1)),
     }

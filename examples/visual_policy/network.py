@@ -17,7 +17,6 @@ class Shape:
 
     chunk: int
     objects: int  # numbers of the objects' positions, which are predicted in training alone
-    labels: int  # physics labels that it is shown; 0: none
     felt: int = 0  # numbers that are felt in a frame; 0: it feels nothing
     looks: int = 1  # how many frames are felt: this one, and earlier ones (`sight.looks`)
     hidden: int = 512
@@ -28,8 +27,6 @@ class Shape:
 
 class Encoder(nn.Module):
     """Features of n pictures to points (n, 2 CHANNELS), -1..1, where maps of them are strongest."""
-
-    short = False  # whether to convolve in bfloat16: faster where the processor has it
 
     def __init__(self, camera: str) -> None:
         super().__init__()
@@ -51,10 +48,7 @@ class Encoder(nn.Module):
         self.spread.copy_(joined.std((0, 2, 3), keepdim=True) + 1e-3)
 
     def forward(self, fine: Tensor, coarse: Tensor) -> Tensor:
-        known = (_joined(fine, coarse) - self.mean) / self.spread
-        with torch.autocast(known.device.type, torch.bfloat16, enabled=self.short):
-            maps = self.maps(known)
-        maps = maps.float()
+        maps = self.maps((_joined(fine, coarse) - self.mean) / self.spread)
         height, width = maps.shape[-2:]
         weight = maps.flatten(2).softmax(-1).unflatten(-1, (height, width))
         x = torch.linspace(-1, 1, width, device=maps.device)
@@ -71,7 +65,7 @@ def _joined(fine: Tensor, coarse: Tensor) -> Tensor:
 
 
 class Network(nn.Module):
-    """Features, command and labels to the next commands, and where the objects are.
+    """Features, command and what is felt to the next commands, and where the objects are.
 
     Arms are predicted relative to the command that is shown, openings as they are.
     """
@@ -86,7 +80,7 @@ class Network(nn.Module):
             if shape.looks > 1
             else nn.Identity()
         )
-        inputs = 3 * 2 * CHANNELS + 14 + shape.labels + remembered
+        inputs = 3 * 2 * CHANNELS + 14 + remembered
         self.body = nn.Sequential(
             nn.Linear(inputs, shape.hidden),
             nn.ReLU(),
@@ -95,13 +89,7 @@ class Network(nn.Module):
         )
         self.actions = nn.Linear(shape.hidden, shape.chunk * 14)
         self.objects = nn.Linear(shape.hidden, shape.objects)
-        sizes = {
-            "command": 14,
-            "labels": shape.labels,
-            "objects": shape.objects,
-            "felt": shape.felt,
-        }
-        for name, size in sizes.items():
+        for name, size in {"command": 14, "objects": shape.objects, "felt": shape.felt}.items():
             self.register_buffer(f"{name}_mean", torch.zeros(size))
             self.register_buffer(f"{name}_scale", torch.ones(size))
 
@@ -118,7 +106,6 @@ class Network(nn.Module):
         self,
         seen: dict[str, tuple[Tensor, Tensor]],
         command: Tensor,
-        labels: Tensor,
         felt: Tensor,
     ) -> tuple[Tensor, Tensor]:
         """Commands (n, chunk, 14) and object positions (n, objects) [m].
@@ -126,7 +113,6 @@ class Network(nn.Module):
         Args:
             seen: features by camera, fine and coarse (`pretrained.Seen`).
             command: (n, 14).
-            labels: (n, m) in standard deviations from the mean (`standard`).
             felt: (n, looks, felt), now and before, as it is.
         """
         encoders = {"head": self.head, "left": self.wrist, "right": self.wrist}
@@ -134,14 +120,9 @@ class Network(nn.Module):
         known = (command - self.command_mean) / self.command_scale
         feeling = (felt - self.felt_mean) / self.felt_scale
         feeling = self.remember(feeling.clamp(-5, 5).flatten(1))
-        hidden = self.body(torch.cat([*points, known, labels, feeling], dim=1))
+        hidden = self.body(torch.cat([*points, known, feeling], dim=1))
         actions = self.actions(hidden).unflatten(1, (self.shape.chunk, 14))
         base = command.clone()
         base[:, GRIPPERS] = 0
         scale = torch.where(self.objects_scale.isinf(), 0.0, self.objects_scale)
         return actions + base[:, None], self.objects(hidden) * scale + self.objects_mean
-
-    def standard(self, labels: Tensor) -> Tensor:
-        """Labels (n, all) as `forward` wants them; (n, 0) for a network that is shown none."""
-        chosen = labels[:, : self.shape.labels]
-        return (chosen - self.labels_mean) / self.labels_scale

@@ -1,4 +1,4 @@
-"""What the network is shown: small pictures, the command, what is felt, and labels if it may know.
+"""What the network is shown: small pictures, the command, and what is felt.
 
 Training and acting both come through here, so that they cannot differ.
 """
@@ -14,7 +14,6 @@ from rtphys.assets.pack import default_pack
 from rtphys.data.dataset import Episode
 from rtphys.data.jpeg import decode, encode
 from rtphys.episode import Observation
-from rtphys.physics import Physics, attributes
 
 PICTURES = {"head": (96, 128), "left": (48, 64), "right": (48, 64)}  # camera -> height, width [px]
 SMALLEST = PICTURES["head"]  # pictures must be drawn at this size or larger
@@ -47,18 +46,6 @@ def shrink(camera: str, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     if picture.shape[:2] == (height, width):
         return picture
     return np.asarray(cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
-
-
-def labels(physics: Physics) -> Floats:
-    """All attributes in a row, in alphabetical order; 0 for what is the asset's own (None)."""
-    numbers: list[float] = []
-    for key in sorted(attributes()):
-        value = physics[key]
-        if isinstance(value, tuple):
-            numbers += value
-        else:
-            numbers.append(physics.scalar(key, 0.0))
-    return np.array(numbers, np.float32)
 
 
 def shrunk(images: Mapping[str, NDArray[np.uint8]]) -> Pictures:

@@ -24,7 +24,6 @@ import rtphys
 # Standard deviations [rad] of the noise on the command that is shown, smallest and largest; one is
 # drawn for each sample. Targets stay, so the network learns to return to the demonstration.
 NOISE = (0.003, 0.05)
-LABEL_NOISE = 0.2  # deviations; exact labels would tell the episodes apart, and be learnt by heart
 OBJECTS_WEIGHT = 0.5  # of the objects' positions [0.1 m] in the loss
 MEASURED = 7  # every so many frames suffice for the spread of features
 REPORT, KEEP = 100, 500  # steps between reports, and between checkpoints
@@ -38,10 +37,8 @@ class Options:
     steps: int = 2400
     batch: int = 64
     rate: float = 1e-3  # Adam's, at first; it falls to 0 along a cosine
-    labels: bool = False  # whether the physics labels are shown
     sees: Sees = "joints"  # beside pictures
     seed: int = 0
-    bfloat16: bool = False  # whether to convolve in it
 
 
 class Samples:
@@ -56,11 +53,10 @@ class Samples:
         self.command = torch.from_numpy(data.command).to(device)
         self.following = torch.from_numpy(data.following).to(device)
         self.objects = torch.from_numpy(data.objects).to(device)
-        self.labels = torch.from_numpy(data.labels).to(device)
         self.felt = torch.from_numpy(data.felt).to(device)
         self._begin, self._looks = self._on(data.begin), self._on(looks(options.sees))
 
-    def batch(self, step: int, net: Network) -> dict[str, object]:
+    def batch(self, step: int) -> dict[str, object]:
         """One batch, a function of the seed and the step alone."""
         rng = np.random.default_rng([self._options.seed, step])
         size = self._options.batch
@@ -68,11 +64,9 @@ class Samples:
         spread = np.exp(rng.uniform(*np.log(NOISE), size=(size, 1)))
         noise = spread * rng.normal(size=(size, 14))
         noise[:, GRIPPERS] = 0
-        labels = net.standard(self.labels[rows])
         return {
             "seen": {c: tuple(array[rows] for array in arrays) for c, arrays in self.seen.items()},
             "command": self.command[rows] + self._on(noise.astype(np.float32)),
-            "labels": labels + self._on(LABEL_NOISE * _normal(rng, tuple(labels.shape))),
             "felt": self.felt[torch.maximum(rows[:, None] - self._looks, self._begin[rows, None])],
             "following": self.following[rows],
             "objects": self.objects[rows],
@@ -82,13 +76,9 @@ class Samples:
         return torch.from_numpy(array).to(self._device)
 
 
-def _normal(rng: np.random.Generator, shape: tuple[int, ...]) -> np.ndarray:
-    return rng.normal(size=shape).astype(np.float32)
-
-
 def errors(net: Network, batch: dict) -> tuple[Tensor, Tensor, Tensor]:
     """Mean absolute errors of arms [rad], openings, and object positions [m]."""
-    actions, objects = net(batch["seen"], batch["command"], batch["labels"], batch["felt"])
+    actions, objects = net(batch["seen"], batch["command"], batch["felt"])
     off = (actions - batch["following"]).abs()
     return (
         off[..., ARMS].mean(),
@@ -105,15 +95,13 @@ def train(data: Demonstrations, options: Options, out: Path, device: str = "cpu"
     """
     torch.manual_seed(options.seed)
     torch.use_deterministic_algorithms(True)
-    labels, felt = options.labels * data.labels.shape[1], data.felt.shape[1]
-    shape = Shape(CHUNK, data.objects.shape[1], labels, felt, len(looks(options.sees)))
+    objects, felt = data.objects.shape[1], data.felt.shape[1]
+    shape = Shape(CHUNK, objects, felt, len(looks(options.sees)))
     samples, net = Samples(data, options, device), Network(shape).to(device)
-    net.head.short = net.wrist.short = options.bfloat16
     for encoder, camera in ((net.head, "head"), (net.wrist, "left")):
         encoder.measure(*(array[::MEASURED].float() for array in samples.seen[camera]))
     net.measure("command", samples.command)
     net.measure("objects", samples.objects)
-    net.measure("labels", samples.labels[:, : shape.labels])
     net.measure("felt", samples.felt)
     adam = torch.optim.Adam(net.parameters(), lr=options.rate)
     about = {"options": asdict(options), "data": data.digest, "longest": data.longest}
@@ -122,7 +110,7 @@ def train(data: Demonstrations, options: Options, out: Path, device: str = "cpu"
     for step in range(first, options.steps):
         for group in adam.param_groups:
             group["lr"] = options.rate * 0.5 * (1 + math.cos(math.pi * step / options.steps))
-        found = errors(net, samples.batch(step, net))
+        found = errors(net, samples.batch(step))
         adam.zero_grad()
         (found[0] + found[1] + 10 * OBJECTS_WEIGHT * found[2]).backward()
         torch.nn.utils.clip_grad_norm_(net.parameters(), 1.0)
@@ -195,7 +183,6 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=Options.steps)
     parser.add_argument("--batch", type=int, default=Options.batch)
     parser.add_argument("--rate", type=float, default=Options.rate)
-    parser.add_argument("--labels", action="store_true", help="show the network the physics labels")
     parser.add_argument(
         "--sees",
         choices=("joints", "touch", "memory"),
@@ -203,12 +190,11 @@ def main() -> None:
         help="beside pictures: joint commands; also efforts and touch; also those of the last 15 s",
     )
     parser.add_argument("--seed", type=int, default=Options.seed)
-    parser.add_argument("--bfloat16", action="store_true", help="faster where the processor has it")
     parser.add_argument("--device", default="cpu", help="cuda, cuda:1, ...")
     parser.add_argument("--threads", type=int, default=1, help="of PyTorch, on a CPU")
     args = parser.parse_args()
     torch.set_num_threads(args.threads)
-    decisive = ("task", "steps", "batch", "rate", "labels", "sees", "seed", "bfloat16")
+    decisive = ("task", "steps", "batch", "rate", "sees", "seed")
     options = Options(**{name: getattr(args, name) for name in decisive})
     opened = [rtphys.Dataset(path).where(args.task, args.protocol) for path in args.datasets]
     episodes = [episode for dataset in opened for episode in dataset[: args.episodes]]

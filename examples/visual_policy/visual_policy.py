@@ -2,8 +2,7 @@
 
 `--policy-option weights=FOLDER` names the folder of the checkpoints, `<task>.pt`. `execute` (8) is
 how many of a chunk's actions are carried out, `device` where the network computes, `patience` (2)
-after how many times the longest demonstration the policy gives up. `labels=mean` shows a network
-that was trained with labels their mean in training instead of the episode's.
+after how many times the longest demonstration the policy gives up.
 """
 
 from pathlib import Path
@@ -13,21 +12,18 @@ import torch
 from network import Network, Shape
 from numpy.typing import NDArray
 from pretrained import Eye
-from sight import felt, labels, looks, shrunk
+from sight import felt, looks, shrunk
 
 from rtphys.episode import Observation, PolicyEpisode
 from rtphys.policies import PolicySetup
 
 
 class VisualPolicy:
-    """Acts on three small pictures, the command, and the physics if it was trained with it."""
+    """Acts on three small pictures, the command, and what is felt if it was trained with it."""
 
     needs_images = True
 
     def __init__(self, checkpoint: Path, options: dict[str, str]) -> None:
-        self._labels = options.get("labels", "true")
-        if self._labels not in ("true", "mean"):
-            raise ValueError(f"labels: {self._labels!r}; allowed: true, mean")
         torch.set_num_threads(1)  # the evaluation has a process for each core
         self._device = options.get("device", "cpu")
         self._execute = int(options.get("execute", 8))
@@ -41,11 +37,9 @@ class VisualPolicy:
 
     def play(self, episode: PolicyEpisode) -> None:
         """Act until the episode is over, or for as long as demonstrations make sense."""
-        true = self._tensor(labels(episode.instance.physics))  # used by an oracle alone
-        known = self._net.labels_mean[None] if self._labels == "mean" else true
         self._felt.clear()
         while not episode.over and episode.taken < self._most:
-            for action in self._chunk(episode.observe(), known):
+            for action in self._chunk(episode.observe()):
                 self._felt.append(self._feel(episode.observe()))
                 episode.act(action)
 
@@ -56,7 +50,7 @@ class VisualPolicy:
         return felt(observation) if self._net.shape.felt else np.empty(0, np.float32)
 
     @torch.no_grad()
-    def _chunk(self, observation: Observation, known: torch.Tensor) -> NDArray[np.float64]:
+    def _chunk(self, observation: Observation) -> NDArray[np.float64]:
         seen = {
             camera: tuple(
                 torch.from_numpy(array).to(self._device) for array in self._eye(picture[None])
@@ -67,7 +61,7 @@ class VisualPolicy:
         before = [*self._felt, self._feel(observation)]
         shown = [before[max(0, len(before) - 1 - ago)] for ago in self._looks]
         remembered = self._tensor(np.array(shown))
-        actions, _ = self._net(seen, command, self._net.standard(known), remembered)
+        actions, _ = self._net(seen, command, remembered)
         return actions[0, : self._execute].double().cpu().numpy()
 
     def _tensor(self, array: np.ndarray) -> torch.Tensor:

@@ -34,10 +34,10 @@ from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY
 from rtphys.spec import protocol
 from rtphys.spec.option import Option
+from rtphys.studies.rates import rates
 from rtphys.studies.requests import CheckPlan, TryPlan
 from rtphys.studies.resources import check_drawable, mistakes_named, props_of
 from rtphys.task.props import Articulated, Mesh
-from rtphys.task.rates import rates
 from rtphys.task.spec import load_task
 
 if TYPE_CHECKING:

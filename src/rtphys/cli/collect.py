@@ -27,6 +27,7 @@ from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.option import Option, Tasks, checked_dataclass
 from rtphys.spec.protocol import load_protocol
 from rtphys.spec.varies import what_varies
+from rtphys.studies.rates import MOST, expected, like
 from rtphys.studies.requests import (
     Run,
     find_collection,
@@ -35,7 +36,6 @@ from rtphys.studies.requests import (
     shard_of,
     specs_for,
 )
-from rtphys.task.rates import MOST, expected, like
 
 
 @checked_dataclass(frozen=True)

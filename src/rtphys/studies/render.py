@@ -33,10 +33,10 @@ from rtphys.spec.episode import Recipe
 from rtphys.spec.protocol import VisualRandomization
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import load
+from rtphys.studies.rates import Cost, costs
 from rtphys.studies.requests import RenderSpec
 from rtphys.studies.resources import check_drawable, check_fits, check_space, episode_bytes
 from rtphys.studies.worker import StudyWorker
-from rtphys.task.rates import Cost, costs
 from rtphys.task.spec import load_task
 
 
@@ -113,7 +113,7 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         check_fits(recording)
         if drawn(recording.senses):
             renderer.check_senses(recording.shader)
-        cost = known.get(of.task, Cost(0, 0, 0))
+        cost = known.get(of.task, Cost(0, 0))
         name = TaskDataset.of(wanted.out, _header(wanted, entry).spec).name
         chosen = part.where(of.task, config=entry.spec.name, embodiment=of.embodiment)
         left = max(len(chosen) - there.get(name, 0), 0)

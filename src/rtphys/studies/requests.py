@@ -37,9 +37,9 @@ from rtphys.spec.protocol import Protocols, load_look, load_protocol
 from rtphys.spec.recording import CAMERAS, HEAD, SHADERS, CameraType, RecordingSpec, Size
 from rtphys.spec.stored import CLOSED, Extent
 from rtphys.spec.sweep import families, swept
+from rtphys.studies.rates import Cost, costs
 from rtphys.studies.resources import check_drawable, episode_bytes
 from rtphys.task.props import parts
-from rtphys.task.rates import Cost, costs
 from rtphys.task.spec import Task, load_task
 
 if TYPE_CHECKING:
@@ -370,7 +370,7 @@ def room_needed(specs: Sequence[CollectionSpec], most: float = 1.0) -> float:
     """
     known = costs()
     sizes = [cost.megabytes for cost in known.values()] or [0.0]
-    other = Cost(0, 0, sum(sizes) / len(sizes) if most == 1 else max(sizes))
+    other = Cost(0, sum(sizes) / len(sizes) if most == 1 else max(sizes))
     return sum(
         (spec.episodes + spec.failures_expected)
         * episode_bytes(

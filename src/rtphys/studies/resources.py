@@ -13,8 +13,8 @@ from rtphys.core.library import line_of
 from rtphys.doctor import CAUSES, PROBE, check_disk, check_renderer
 from rtphys.spec.protocol import VisualRandomization
 from rtphys.spec.recording import RecordingSpec
+from rtphys.studies.rates import SHARES, Cost, like
 from rtphys.task.props import Prop
-from rtphys.task.rates import SHARES, Cost, like
 from rtphys.task.spec import Task
 
 CAMERAS = 3  # with which the costs of tasks are measured

@@ -20,8 +20,8 @@ from rtphys.spec.sweep import swept
 from rtphys.studies import collect as collect_module
 from rtphys.studies import resources
 from rtphys.studies.collect import check, without_effect
+from rtphys.studies.rates import MOST, SHARES, costs
 from rtphys.studies.requests import Run, room_needed
-from rtphys.task.rates import MOST, SHARES, costs
 
 
 @pytest.fixture(autouse=True)

@@ -59,10 +59,9 @@ def rates() -> dict[str, dict[str, Rate]]:
 
 @dataclass(frozen=True)
 class Cost:
-    """What an episode of a task costs, with three pictures of 320 x 240 a frame."""
+    """What an accepted episode of a task costs, with three pictures of 320 x 240 a frame."""
 
-    attempt: float  # [CPU-s] whether it is accepted or not
-    pictures: float  # [CPU-s] of an accepted one: drawn, encoded, written
+    cpu: float  # [CPU-s] with the attempts that failed before it
     megabytes: float  # of its files
 
 
@@ -99,10 +98,8 @@ def expected(episodes: Mapping[tuple[str, str], int]) -> tuple[float, list[str]]
 
     The protocol is one of `SHARES`, see `like`.
     """
-    known, measured, cpu = rates(), costs(), 0.0
+    measured, cpu = costs(), 0.0
     for (task, protocol), count in episodes.items():
         if (cost := measured.get(task)) is not None:
-            rate = known.get(task, {}).get(protocol)
-            share = rate.accepted / rate.seeds if rate is not None and rate.accepted else 1.0
-            cpu += count * SHARES[protocol][0] * (cost.attempt / share + cost.pictures)
+            cpu += count * SHARES[protocol][0] * cost.cpu
     return cpu, [*dict.fromkeys(task for task, _ in episodes if task not in measured)]
