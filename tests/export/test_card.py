@@ -12,6 +12,7 @@ import synthetic
 import yaml
 from collected import collect
 
+from rtphys.core.errors import BadValue
 from rtphys.data.dataset import Dataset
 from rtphys.data.rewrite import convert
 from rtphys.data.state_digests import state_digest
@@ -40,6 +41,12 @@ def test_card_counts(dataset: Dataset) -> None:
     assert "3 bimanual demonstrations (12 frames at 16.67 Hz)" in text
     frictions = [float(e.physics.scalar("friction")) for e in dataset]
     assert f"| `friction` | 1 | 3 | {min(frictions):.4g} | {max(frictions):.4g} |" in text
+
+
+def test_a_date_that_is_none_is_refused() -> None:
+    for text in ("soon", "2026-13-01", "21.11.2026"):
+        with pytest.raises(BadValue, match=rf"published = '{text}'.*allowed: YYYY-MM-DD"):
+            CardText(published=text)
 
 
 def test_the_licence_is_spelled_as_each_reader_spells_it(dataset: Dataset) -> None:

@@ -2,11 +2,11 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import textwrap
 from pathlib import Path
-from shutil import copytree
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from evaluations import FINGERPRINT, instances
 import rtphys
 from rtphys.assets.pack import default_pack
 from rtphys.core.errors import BadValue, Infeasible, RtphysError, UnknownName
-from rtphys.core.library import read_yaml
+from rtphys.core.library import bundled, read_yaml
 from rtphys.data import files
 from rtphys.policies.robotwin_plugin import user_args
 from rtphys.robotwin_root import (
@@ -111,7 +111,7 @@ def test_a_robot_that_no_episode_can_use_is_left_out(
 ) -> None:
     """RoboTwin's pack has some: their configs lack `hand`."""
     mine = tmp_path / "lab" / "robots" / "ur5"
-    copytree(default_pack().embodiment_folder("piper"), mine)
+    shutil.copytree(default_pack().embodiment_folder("piper"), mine)
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path / "lab"))
     write_root(tmp_path / "root", default_pack())
     robots = json.loads((tmp_path / "root/env_cfg/robot/_robot_info.json").read_text())
@@ -194,6 +194,18 @@ def test_a_root_can_be_written_again_and_others_are_left_alone(root: Path, tmp_p
     (other / "thesis.tex").write_text("")
     with pytest.raises(NotOurs, match="choose a new folder"):
         write_root(other, default_pack())
+
+
+def test_a_task_whose_name_no_class_can_have_is_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tasks = tmp_path / "library" / "tasks"
+    tasks.mkdir(parents=True)
+    shutil.copy(bundled() / "tasks" / "click_bell.py", tasks / "my-task.py")
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tasks.parent))
+    files = {path.name for path in write_root(tmp_path / "root", default_pack())}
+    assert "my-task" in task_names()
+    assert "click_bell.py" in files and "my-task.py" not in files
 
 
 @pytest.mark.parametrize("written", [0, 1, 7])

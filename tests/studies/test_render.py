@@ -274,3 +274,15 @@ def test_space_is_needed_for_the_chosen_episodes_alone(tmp_path: Path, needed: l
         module._check(plan, plan.part.of(Dataset(plan.data)))
     every, two, one = needed
     assert every == 2 * two == 4 * one > 0
+
+
+def test_space_is_needed_for_kept_failures_too(tmp_path: Path, needed: list[float]) -> None:
+    from collected import keep
+
+    for name, kept in (("all", "all"), ("few", None)):
+        keep(tmp_path / name, kept)
+        module._check(
+            RenderSpec(data=tmp_path / name, out=tmp_path / "out"), Dataset(tmp_path / name)
+        )
+    data, (every, few) = Dataset(tmp_path / "all"), needed
+    assert every / few == pytest.approx(1 + len(data.failures()) / len(data)) != 1

@@ -108,14 +108,14 @@ def read_manifest(out: Path) -> Manifest:
     return parse_manifest(read_bytes(out), out / MANIFEST)
 
 
-def episodes_there(out: Path) -> dict[str, int]:
-    """Episodes of each task dataset in a folder, of which the manifest may lack the last few.
+def entries_there(out: Path) -> Mapping[str, TaskEntry]:
+    """Each task dataset that a folder has, if any; the manifest may lack the last few episodes.
 
     Raises `BadFile`: the manifest is damaged, or of another version.
     """
     if not os.path.exists(out / MANIFEST):  # noqa: PTH110 - that of a path object may raise
         return {}
-    return {name: entry.episodes for name, entry in read_manifest(out).task_datasets.items()}
+    return read_manifest(out).task_datasets
 
 
 def read_bytes(out: Path) -> bytes:

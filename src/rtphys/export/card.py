@@ -6,13 +6,14 @@ Croissant lists every file of an episode with its SHA-256, and every episode wit
 import json
 from collections import Counter
 from dataclasses import dataclass
+from datetime import date
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 
-from rtphys.core.errors import counted
+from rtphys.core.errors import BadValue, counted
 from rtphys.data.dataset import Dataset
 from rtphys.data.files import facts_of, replace_file
 from rtphys.data.json_text import plain, pretty
@@ -65,6 +66,14 @@ class CardText:
     license: Annotated[str, Option("SPDX identifier, such as CC-BY-4.0. Default: none.")] = ""
     url: Annotated[str, Option("Address where it will be published.")] = ""
     published: Annotated[str, Option("Date of publication, YYYY-MM-DD.")] = ""
+
+    def __post_init__(self) -> None:
+        """Raises `BadValue`: no such date."""
+        if self.published:
+            try:
+                date.fromisoformat(self.published)
+            except ValueError:
+                raise BadValue("published", self.published, "allowed: YYYY-MM-DD") from None
 
 
 def write_card(dataset: Dataset, text: CardText) -> list[Path]:

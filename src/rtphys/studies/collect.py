@@ -17,7 +17,7 @@ from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.layout import TaskDataset
 from rtphys.data.lock import check_unlocked
-from rtphys.data.manifest import episodes_there
+from rtphys.data.manifest import entries_there
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.episode.assemble import describer, rejection
 from rtphys.episode.fingerprint import versions
@@ -273,9 +273,10 @@ def check_machine(specs: Sequence[CollectionSpec], run: Run) -> int:
 
 def missing(specs: Sequence[CollectionSpec], out: Path) -> list[CollectionSpec]:
     """Each side with the episodes that it still lacks. Raises `BadFile`."""
-    there, left = episodes_there(out), list[CollectionSpec]()
+    there, left = entries_there(out), list[CollectionSpec]()
     for side in (side for spec in specs for side in spec.sides):
-        episodes = side.episodes - there.get(TaskDataset.of(out, side).name, 0)
+        entry = there.get(TaskDataset.of(out, side).name)
+        episodes = side.episodes - (entry.episodes if entry else 0)
         if episodes > 0:
             left.append(replace(side, twin=None, episodes=episodes))
     return left

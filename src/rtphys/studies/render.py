@@ -18,7 +18,7 @@ from rtphys.data.encode import VIDEO_CAMERA, encode_images
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch
 from rtphys.data.json_text import plain
 from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
-from rtphys.data.manifest import TaskEntry, episodes_there
+from rtphys.data.manifest import TaskEntry, entries_there
 from rtphys.data.rewrite import encoded_episode
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection
@@ -105,7 +105,7 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     if wanted.out.resolve() == wanted.data.resolve():
         raise BadValue("out", str(wanted.out), "it is the dataset itself; name another folder")
     needed, packs, shaders, known = 0.0, dict[str, Pack](), set[str](), costs()
-    there = episodes_there(wanted.out)
+    there = entries_there(wanted.out)
     for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
         recording, of = wanted.recording(entry), entry.spec.episode
@@ -114,9 +114,10 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         if drawn(recording.senses):
             renderer.check_senses(recording.shader)
         cost = known.get(of.task, Cost(0, 0))
-        name = TaskDataset.of(wanted.out, _header(wanted, entry).spec).name
+        done = there.get(TaskDataset.of(wanted.out, _header(wanted, entry).spec).name)
         chosen = part.where(of.task, config=entry.spec.name, embodiment=of.embodiment)
-        left = max(len(chosen) - there.get(name, 0), 0)
+        drawn_already = done.episodes + done.failures if done else 0
+        left = max(len(chosen) + len(chosen.failures()) - drawn_already, 0)
         needed += left * episode_bytes(cost, recording, _visual(wanted, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
