@@ -66,14 +66,15 @@ def demonstrations(plan: Plan, task: str, protocol: str) -> Path:
 
 def trained(plan: Plan, task: str, protocol: str) -> None:
     """Train a network on demonstrations of a protocol, where its weights are missing."""
-    data, out = demonstrations(plan, task, protocol), weights(plan, protocol) / f"{task}.pt"
+    data = demonstrations(plan, task, protocol)
     options = ("--steps", plan.steps, "--seed", plan.seed, "--device", plan.device)
-    run(sys.executable, HERE / "training.py", data, "--task", task, *options, "--out", out)
+    where = ("--out", weights(plan.out, task, protocol))
+    run(sys.executable, HERE / "training.py", data, "--task", task, *options, *where)
 
 
-def weights(plan: Plan, train: str) -> Path:
-    """Folder of the weights of all tasks that were trained under a protocol."""
-    return plan.out / "weights" / train
+def weights(out: Path, task: str, train: str) -> Path:
+    """Checkpoint of a task that was trained under a protocol."""
+    return out / "weights" / train / f"{task}.pt"
 
 
 def instances(plan: Plan, task: str, protocol: str) -> Path:
@@ -96,7 +97,7 @@ def tested(plan: Plan, task: str, train: str, protocol: str) -> Found:
     options = ("--episodes", plan.instances, "--instances", instances(plan, task, protocol))
     given = (
         "--policy-option",
-        f"weights={weights(plan, train)}",
+        f"weights={weights(plan.out, task, train)}",
         "--policy-option",
         f"device={plan.device}",
         "--size",

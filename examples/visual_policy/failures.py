@@ -10,7 +10,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from experiment import POLICY, RTPHYS, SHIPPED, SIZE, run
+from experiment import POLICY, RTPHYS, SHIPPED, SIZE, run, weights
 
 import rtphys
 from rtphys.report.pictures import captioned
@@ -28,7 +28,7 @@ def first_failure(out: Path, task: str) -> rtphys.Episode | None:
         return None
     count = 1 + sum(seed < min(cell["failed"]) for seed in cell["solved"])
     folder = out / "failures" / task
-    given = ("--policy-option", f"weights={out / 'weights' / TRAIN}", "--size", SIZE)
+    given = ("--policy-option", f"weights={weights(out, task, TRAIN)}", "--size", SIZE)
     what = ("--task", task, "--protocol", TEST, "--instances", SHIPPED, "--episodes", count)
     where = ("--out", folder / "results", "--record", folder / "record", "--sense", "states")
     run(*RTPHYS, "evaluate", "--policy", POLICY, *given, *what, *where)

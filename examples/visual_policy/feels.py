@@ -37,7 +37,8 @@ def demonstrations(out: Path, task: str, episodes: int, workers: int) -> Path:
 
 def solved(out: Path, task: str, sees: str, instances: int, workers: int) -> str:
     """A digit a certified instance, in the order of the list."""
-    folder, weights = out / "eval" / sees / task, f"weights={out / 'weights' / sees}"
+    folder = out / "eval" / sees / task
+    weights = f"weights={out / 'weights' / sees / task}.pt"
     where = ("--episodes", instances, "--workers", workers, "--out", folder)
     policy = ("--policy", POLICY, "--policy-option", weights)
     run(RTPHYS, "evaluate", task, *CLEAN, *policy, *DRAWN, *where)

@@ -1,8 +1,8 @@
 """The trained network as a policy: --policy python:examples/visual_policy/visual_policy.py:load
 
-`--policy-option weights=FOLDER` names the folder of the checkpoints, `<task>.pt`. `execute` (8) is
-how many of a chunk's actions are carried out, `device` where the network computes, `patience` (2)
-after how many times the longest demonstration the policy gives up.
+`--policy-option weights=PATH` names the checkpoint, or the folder of checkpoints `<task>.pt`.
+`execute` (8) is how many of a chunk's actions are carried out, `device` where the network computes,
+`patience` (2) after how many times the longest demonstration the policy gives up.
 """
 
 from pathlib import Path
@@ -70,5 +70,6 @@ class VisualPolicy:
 
 def load(setup: PolicySetup) -> VisualPolicy:
     """Load the network of the setup's task."""
-    checkpoint = Path(setup.options["weights"]) / f"{setup.task}.pt"
+    weights = Path(setup.options["weights"])
+    checkpoint = weights / f"{setup.task}.pt" if weights.is_dir() else weights
     return VisualPolicy(checkpoint, dict(setup.options))

@@ -15,6 +15,10 @@ from math import pi
 LIMIT = 3.0  # [m]
 
 
+class Spec:
+    size: Annotated[float, at_least(0), Option("Its radius [m].", "radius")] = 1.0
+
+
 def area(radius: float, times: int = 1) -> float:
     """The area of some circles."""
     one = pi * radius**2  # of one
@@ -27,6 +31,8 @@ SAME = {
     "a local's name": ("one", "single"),
     "a loop's name": ("for _ in", "for turn in"),
     "an annotation": ("radius: float", "radius: int"),
+    "an option's help": ("Its radius [m].", "How large it is."),
+    "no option": (', Option("Its radius [m].", "radius")', ""),
     "formatting": ("pi * radius**2", "(pi*radius ** 2)"),
 }
 OTHER = {
@@ -36,6 +42,7 @@ OTHER = {
     "a parameter's name": ("radius", "r"),
     "a global's name": ("LIMIT", "MOST"),
     "an import": ("from math import pi", "from cmath import pi"),
+    "a check of a field": ("at_least(0)", "at_least(1)"),
     "a statement more": ("    return", "    one += 1\n    return"),
 }
 

@@ -1,5 +1,6 @@
 """The libraries of tasks and domains: what is found, in which order, and what is refused."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -24,6 +25,12 @@ def test_a_users_library_adds_to_the_fifty_tasks_and_hides_drafts(own: Path) -> 
     assert tasks["click_bell"] == library.bundled() / "tasks" / "click_bell.py"
     assert tasks["zebra"] == own / "tasks" / "zebra.py"
     assert "_draft" not in tasks and len(tasks) == 51 and list(tasks) == sorted(tasks)
+
+
+def test_a_library_that_is_named_twice_is_one(own: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (own / "tasks" / "zebra.py").touch()
+    monkeypatch.setenv("RTPHYS_LIBRARY", f"{own}{os.pathsep}{own / 'tasks' / '..'}")
+    assert library.names("tasks")["zebra"] == own / "tasks" / "zebra.py"
 
 
 def test_a_name_in_two_libraries_is_refused(own: Path) -> None:

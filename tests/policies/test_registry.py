@@ -206,7 +206,10 @@ def test_the_digest_follows_the_files_that_a_specification_names(tmp_path: Path)
         weights.write_text(text)
         options = {"low": "0.9", "weights": str(weights)}
         digests.append(files_digest(f"python:{file}:make", options))
-    assert len({*digests, files_digest(f"python:{file}:make", {"low": "x" * 10_000})}) == 3
+    for text in ("one", "two"):  # a folder of weights
+        (folder / "click_bell.pt").write_text(text)
+        digests.append(files_digest(f"python:{file}:make", {"weights": str(folder)}))
+    assert len({*digests, files_digest(f"python:{file}:make", {"low": "x" * 10_000})}) == 5
     assert files_digest(f"python:{file}:make", {"low": "0.9"}) == files_digest(
         f"python:{file}:make"
     )

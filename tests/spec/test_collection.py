@@ -70,22 +70,26 @@ def test_what_cannot_be_collected(given: dict[str, object], text: str) -> None:
 @pytest.mark.parametrize(
     ("entry", "text"),
     [
-        ({"task": "click_bell", "episods": 3}, "did you mean 'episodes'"),
-        ({"task": "click_bell", "split": "sen"}, "did you mean 'seen'"),
-        ({"task": "click_bell", "set": 3}, r"episode\.overrides"),
-        ({"task": "click_bell", "episodes": "many"}, "episodes: input should be a valid integer"),
+        ({"episods": 3}, "did you mean 'episodes'"),
+        ({"made_by": "merge"}, "unknown key 'made_by'"),
+        ({"policy": "pi0"}, "unknown key 'policy'"),
+        ({"task": "lift_pot"}, "unknown key 'task'"),
+        ({"senses": ["depth"]}, "did you mean 'sense'"),
+        ({"split": "sen"}, "did you mean 'seen'"),
+        ({"set": 3}, r"episode\.overrides"),
+        ({"episodes": "many"}, "episodes: input should be a valid integer"),
     ],
 )
 def test_an_entry_in_users_words_that_is_wrong(entry: dict[str, object], text: str) -> None:
     with pytest.raises(RtphysError, match=text) as caught:
-        from_words(CollectionSpec, entry, "key of collect.0", "mine.yaml")
+        from_words(CollectionSpec, entry, "key", "mine.yaml")
     assert "mine.yaml" in str(caught.value)
 
 
 def test_an_entry_in_users_words() -> None:
-    words = {"task": "click_bell", "set": {"friction": 0.2}, "cameras": ["head"], "episodes": 3}
+    words = {"set": {"friction": 0.2}, "cameras": ["head"], "episodes": 3}
     made = from_words(CollectionSpec, words, "key", "mine.yaml")
-    episode = EpisodeSpec("click_bell", overrides={"friction": 0.2})
+    episode = EpisodeSpec(overrides={"friction": 0.2})
     assert made == CollectionSpec(episode, RecordingSpec(("head",)), episodes=3)
 
 

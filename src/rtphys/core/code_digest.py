@@ -1,7 +1,8 @@
 """Digests of Python code by what it does.
 
-Comments, docstrings, formatting, annotations of functions and the names of local variables are left
-out, so that tidying up changes no digest. It is the same for every version of Python.
+Comments, docstrings, formatting, annotations of functions, the names of local variables and the
+options of a command line (`Option`) are left out, so that tidying up changes no digest. It is the
+same for every version of Python.
 
 What was found in a file is remembered in the user's cache, by the file's inode, size and times, as
 reading 130 files anew takes longer than an episode.
@@ -137,12 +138,17 @@ def _plain(node: object) -> object:
         values = [(name, _plain(value)) for name, value in fields]
         return type(node).__name__, *(pair for pair in values if pair[1] not in (None, ()))
     if isinstance(node, list):
-        return tuple(_plain(item) for item in node if not _is_docstring(item))
+        return tuple(_plain(item) for item in node if not _for_readers(item))
     return node
 
 
-def _is_docstring(node: object) -> bool:
-    """A string that stands alone does nothing, wherever it stands."""
+def _for_readers(node: object) -> bool:
+    """A docstring, or another string that stands alone; or how a field is an option, and its help.
+
+    The spec of an episode is code that shapes it, a word of its help is not.
+    """
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Name) and node.func.id == "Option"
     value = node.value if isinstance(node, ast.Expr) else None
     return isinstance(value, ast.Constant) and isinstance(value.value, str)
 

@@ -59,7 +59,7 @@ def roots() -> tuple[Path, ...]:
     for path in own:
         if not path.is_dir():
             raise BadFile(path, "the library folder does not exist")
-    return (bundled(), *[p.resolve() for p in own])
+    return tuple(dict.fromkeys((bundled(), *[p.resolve() for p in own])))  # one may be named twice
 
 
 def names(kind: str, suite: str | None = "") -> dict[str, Path]:

@@ -6,7 +6,11 @@ from rtphys.physics.attribute import Part, attribute
 from rtphys.physics.reach import keys_of, reach, split
 from rtphys.physics.values import Value
 
-NEEDED = {"bodies": "object that can move", "joints": "object with joints"}
+NEEDED = {
+    "bodies": "object that can move",
+    "joints": "object with joints",
+    "surfaces": "object that can be touched",
+}
 
 
 def why_idle(

@@ -56,7 +56,7 @@ def _load(path: Path, children: tuple[Path, ...]) -> Domain:
     raw = content.get("physics")
     if raw is not None and not isinstance(raw, dict):
         raise BadFile(path, "physics must be a mapping of attributes to rules")
-    for key, text in _of_each_prop(cast(dict[object, object], raw or {}), path).items():
+    for key, text in _rules_by_prop(cast(dict[object, object], raw or {}), path).items():
         if key not in AUXILIARY:
             check_key(key, path)
         if text is None:  # nominal
@@ -72,7 +72,7 @@ def _load(path: Path, children: tuple[Path, ...]) -> Domain:
     return Domain(path.stem, dict(sorted(rules.items())), sources, str(content.get("why", "")))
 
 
-def _of_each_prop(raw: Mapping[object, object], path: Path) -> dict[str, object]:
+def _rules_by_prop(raw: Mapping[object, object], path: Path) -> dict[str, object]:
     """Rules by key; one for several props (`friction@left,right`) becomes a rule of each.
 
     Raises `BadFile`: there are two rules for one prop.

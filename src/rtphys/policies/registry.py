@@ -45,6 +45,7 @@ BUILTIN: dict[str, str] = {
 """Name of a policy -> "module:name" of its `Opener`, or of its class if it takes no argument."""
 
 CHECKPOINTS = ("", "pretrained_model", "checkpoints/last/pretrained_model")
+WEIGHTS = ("*.safetensors", "*.pt", "*.pth", "*.ckpt", "*.bin", "*.npz")
 """Where in a folder that `lerobot-train` has written a checkpoint may lie."""
 
 WITHOUT_OPTIONS = ("idle", "random", "jitter", "expert", "feels", "replay")
@@ -115,11 +116,11 @@ def check_task(spec: str, task: Task, protocols: Iterable[str]) -> None:
 def files_digest(spec: str, options: Mapping[str, str] = MappingProxyType({})) -> str:
     """SHA-256 over the local files that a specification and options name; empty if they name none.
 
-    A file stands for itself, a folder for its JSON and weights (`*.safetensors`): so a dataset, or
-    a LeRobot checkpoint, or what `lerobot-train` wrote around it. A RoboTwin plug-in stands for
+    A file stands for itself, a folder for its JSON and weights (`WEIGHTS`): so a dataset, or a
+    LeRobot checkpoint, or what `lerobot-train` wrote around it. A RoboTwin plug-in stands for
     itself and the YAML beside it. A dotted module stands for its file, a package for all its Python
-    files. What a Python file imports is not followed. An option whose value is a file's path names
-    it.
+    files. What a Python file imports is not followed. An option whose value is a path names what is
+    there.
 
     Raises `UnknownName`: no such policy; `BadValue`: an option without a value; `OSError`: a file
     cannot be read.
@@ -134,12 +135,20 @@ def files_digest(spec: str, options: Mapping[str, str] = MappingProxyType({})) -
     if name == "python" and path.suffix != ".py":  # a package may lie in this folder
         found = _files_of_module(argument.rpartition(":")[0])
     elif path.is_dir() and path != Path():
-        kinds = product(CHECKPOINTS, ("*.json", "*.safetensors"))
-        found = sorted(file for inner, kind in kinds for file in (path / inner).glob(kind))
-    values = [value for _, value in sorted(options.items())]
-    found += [Path(text) for text in values if os.path.isfile(text)]  # noqa: PTH113 - of any length
+        found += _files_of_folder(path)
+    for _, text in sorted(options.items()):
+        if os.path.isfile(text):  # noqa: PTH113 - a text of any length
+            found.append(Path(text))
+        elif os.path.isdir(text):  # noqa: PTH112
+            found += _files_of_folder(Path(text))
     digests = [f"{file.name} {facts_of(file.resolve()).sha256}" for file in found]
     return hashlib.sha256("\n".join(digests).encode()).hexdigest() if digests else ""
+
+
+def _files_of_folder(path: Path) -> list[Path]:
+    """JSON and weights in a folder of a policy, or of a dataset."""
+    places = product(CHECKPOINTS, ("*.json", *WEIGHTS))
+    return sorted(file for inner, kind in places for file in (path / inner).glob(kind))
 
 
 def edited(before: str, now: str) -> list[str]:

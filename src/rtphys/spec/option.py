@@ -116,18 +116,22 @@ Workers = Annotated[  # processes of 0.5 GB; more than the most is a slip of the
 def words(kind: type) -> dict[str, tuple[str, ...]]:
     """What users call each field of a spec, those of its parts included -> path of the field.
 
-    A field is called by its name, and by that of its option.
+    A field has the name of its option. In a class without options it has its own; in one with
+    options, a field without is set by the program alone and has no name here.
     """
     found: dict[str, tuple[str, ...]] = {}
     hints = get_type_hints(kind, include_extras=True)
+    called = {
+        one.name: note.name or one.name
+        for one in fields(kind)
+        for note in getattr(hints[one.name], "__metadata__", ())
+        if isinstance(note, Option)
+    }
     for one in fields(kind):
-        hint = hints[one.name]
-        if is_dataclass(hint):
+        if is_dataclass(hint := hints[one.name]):
             found |= {word: (one.name, *path) for word, path in words(cast(type, hint)).items()}
-            continue
-        notes = getattr(hint, "__metadata__", ())
-        names = {note.name for note in notes if isinstance(note, Option) and note.name}
-        found |= dict.fromkeys((one.name, *names), (one.name,))
+        elif not called or one.name in called:
+            found[called.get(one.name, one.name)] = (one.name,)
     return found
 
 

@@ -252,7 +252,7 @@ class EvaluationRun:
     accept_changes: Annotated[
         bool, Option("Also run lists whose certification fingerprint differs.")
     ] = False
-    timeout: Annotated[float, at_least(1), Option("Longest time of an episode [s].")] = 1800.0
+    timeout: Annotated[float, at_least(1), Option("Seconds that an episode may take.")] = 1800.0
     workers: Workers = None
 
     def __post_init__(self) -> None:
@@ -309,7 +309,7 @@ class SensitivityPlan:
     tasks: Tasks
     search: SearchSpec = SearchSpec()
     out: Annotated[Path, Option("Folder of the results, one file a task.")] = Path("sensitivity")
-    timeout: Annotated[float, at_least(1), Option("Longest time of an episode [s].")] = 1800.0
+    timeout: Annotated[float, at_least(1), Option("Seconds that an episode may take.")] = 1800.0
     workers: Workers = None
 
     def __post_init__(self) -> None:
@@ -424,7 +424,7 @@ def read_specs(path: Path) -> tuple[CollectionSpec, ...]:
         for key in cast(Mapping[str, object], held) if isinstance(held, Mapping) else ():
             if key not in AUXILIARY:
                 check_key(str(key), place)
-        template = from_words(CollectionSpec, given, f"key of {at}", place)
+        template = from_words(CollectionSpec, given, "key", place)
         tasks = library.matching("tasks", [str(name) for name in cast(list[object], named)], place)
         found += specs_for(template, tasks, sweep)
     return tuple(found)

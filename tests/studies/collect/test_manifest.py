@@ -87,7 +87,11 @@ WRONG = {
     "collect: [{tasks: [lift_pot]}]": (BadFile, "collect.0.episodes"),
     "collect: [{tasks: [lift_pt], episodes: 1}]": (UnknownName, "did you mean 'lift_pot'"),
     "collect: [{tasks: [], episodes: 1}]": (BadFile, "collect.0.tasks"),
-    RUN % ", episods: 2": (UnknownName, r"own.yaml: .*collect.0 .*did you mean 'episodes'"),
+    RUN % ", episods: 2": (
+        UnknownName,
+        r"own.yaml: collect.0: unknown key 'episods'; did you mean 'episodes'",
+    ),
+    RUN % ", made_by: merge": (UnknownName, "unknown key 'made_by'"),
     RUN % ", first_seed: -1": (BadFile, r"collect.0: first_seed"),
     "collect: [{tasks: [lift_pot], episodes: many}]": (BadFile, "collect.0: episodes"),
     RUN % ", episodes: 2": (BadFile, "line 1, column 44: key 'episodes' occurs twice"),
