@@ -20,7 +20,7 @@ README.md
     test_draws::test_one_attribute_alone_draws_what_it_draws_in_company
     test_holding_moves_nothing_else::test_holding_an_attribute_moves_no_other
     test_attribute::test_a_fourteenth_moves_no_draw
-  with the same bits in either case
+  the physics runs on the CPU either way, with the same bits
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
     test_drawing_workers::test_a_dataset_is_the_same_with_drawing_workers
   written into the simulator and read back
@@ -355,7 +355,7 @@ docs/scale.md
     test_local::test_a_job_that_computes_for_ever_is_ended_twice_and_then_given_up
     test_local::test_a_job_that_always_kills_its_worker_is_given_up_and_the_others_are_done
     test_local::test_a_job_that_needs_too_much_memory_is_ended_twice_and_then_given_up
-  or it neither computes nor ends for 6000 s, that is no result
+  or it makes no progress for 6000 s, the attempt has no result
     test_local::test_a_job_that_others_keep_from_its_end_is_no_result
     test_local::test_a_job_that_was_killed_from_outside_has_fewer_beside_it
   After six such losses the command stops with exit code 4
@@ -396,7 +396,7 @@ docs/sensitivity.md
   other options, another policy or an edited policy file are refused
     test_sensitivity::test_what_an_edited_policy_did_is_not_continued
 docs/training_set.md
-  State digests are the same on every machine, with any number of workers
+  State digests are the same on every x86-64 processor with AVX2, with any number of workers
     test_state_digests::test_pictures_the_layout_and_the_machine_do_not_count
     test_certified_lists::test_the_expert_solves_the_first_instance_bit_for_bit
     test_commands_with_many_workers::test_many_workers_give_what_one_gives
