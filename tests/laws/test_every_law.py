@@ -9,7 +9,7 @@ from global_domain import GLOBAL, ends_of
 
 from rtphys.assets.pack import builtin_pack
 from rtphys.laws.lab import Lab
-from rtphys.laws.law import COMPANY, Trial, Values, by_prop, law_test, run_trials, trials_of
+from rtphys.laws.law import ALL_VARIED, Trial, Values, by_prop, law_test, run_trials, trials_of
 from rtphys.physics import attributes, gaze
 from rtphys.physics.values import Value
 
@@ -29,13 +29,13 @@ def assert_passed(trials: list[Trial]) -> None:
         assert t.passed, f"{t.setting}: {t.what}: {numbers}, error {t.error:.2%}"
 
 
-@pytest.mark.parametrize("company", ["alone", "in company"])
+@pytest.mark.parametrize("others", ["nominal", "varied"])
 @pytest.mark.parametrize(
     ("key", "value"), [(law.key, value) for law in LAWS for value in law.settings], ids=str
 )
-def test_law(lab: Lab, key: str, value: Value, company: str) -> None:
+def test_law(lab: Lab, key: str, value: Value, others: str) -> None:
     law = law_test(key)
-    assert_passed(run_trials(lab, law, value, law.company if company == "in company" else {}))
+    assert_passed(run_trials(lab, law, value, law.all_others if others == "varied" else {}))
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_law_of_each_object_while_all_else_has_another_value(
 ) -> None:
     """Also between two objects, whose pair has the sum of their labels less the smallest."""
     law = law_test(key)
-    assert_passed(run_trials(by_prop(lab, law), law, value, law.company))
+    assert_passed(run_trials(by_prop(lab, law), law, value, law.all_others))
 
 
 def test_every_attribute_of_an_object_can_be_of_one() -> None:
@@ -73,7 +73,7 @@ OF_THE_ROBOT = ("arm_joint_damping", "friction", "gripper_joint_damping")
 @pytest.mark.parametrize("key", OF_THE_ROBOT)
 def test_law_on_every_robot(key: str, robot: str) -> None:
     lab, law = Lab(builtin_pack(), embodiment=robot), law_test(key)
-    assert_passed(run_trials(lab, law, law.settings[1], law.company))
+    assert_passed(run_trials(lab, law, law.settings[1], law.all_others))
 
 
 @pytest.mark.slow
@@ -85,10 +85,10 @@ def test_all_trials_on_every_robot(key: str, robot: str) -> None:
 
 def test_company_varies_every_attribute() -> None:
     nominal = {key: attribute.nominal for key, attribute in attributes().items()}
-    assert nominal.keys() <= COMPANY.keys()
-    assert not [key for key, value in nominal.items() if COMPANY[key] == value]
+    assert nominal.keys() <= ALL_VARIED.keys()
+    assert not [key for key, value in nominal.items() if ALL_VARIED[key] == value]
     for law in LAWS:  # only what the law itself excludes is left out
-        missing = nominal.keys() - law.company.keys() - {law.key}
+        missing = nominal.keys() - law.all_others.keys() - {law.key}
         assert missing <= {"camera_angle", "camera_distance"}, law.key
 
 

@@ -18,7 +18,7 @@ def test_one_attribute_alone_draws_what_it_draws_in_company(key):
     for seed in range(20):
         alone, all_together = GLOBAL.sample(seed, only=[key]), GLOBAL.sample(seed)
         if alone["camera_mode"] not in (None, all_together["camera_mode"]):
-            continue  # alone a camera always moves, in company only in its own modes
+            continue  # alone a camera always moves, beside others only in its own modes
         assert alone[key] == all_together[key]
         assert alone.varied == {key}
 

@@ -184,7 +184,7 @@ def _in_hand(world: World, body: SimBody) -> Array:
 # ---- the table -----------------------------------------------------------------------------------
 
 RUNWAY = 0.25  # [m] stopping distance for which the plate is launched
-ROUGH = 0.1  # ten times the slope of the table in COMPANY
+ROUGH = 0.1  # ten times the slope of the table in ALL_VARIED
 HELD = 0.05  # of 2 mu N: the hand yields while the load grows
 CREPT = 0.05  # [mm/s] of a centred block
 HALF_LOAD, QUARTER = 0.5, 0.25  # of 2 mu N: what a centred block bears without creep; what all do

@@ -17,8 +17,8 @@ from rtphys.physics.values import Value
 Values = Mapping[str, Value]  # attribute or auxiliary key -> value
 
 
-# Every attribute varied at once; each law must hold in this company too.
-COMPANY: Values = {
+# Every attribute varied at once; each law must hold among them too.
+ALL_VARIED: Values = {
     "arm_joint_damping": 2.0,
     "camera_angle": 6.0,
     "camera_distance": 0.05,
@@ -73,7 +73,7 @@ class LawTest:
             so far from nominal that an attribute without effect must fail.
         run: the experiments at one setting: (lab, setting, values of other attributes) -> trials.
         others: values of other attributes under which the law must hold too.
-        except_for: changes of COMPANY for this law; None leaves an attribute nominal.
+        except_for: changes of ALL_VARIED for this law; None leaves an attribute nominal.
     """
 
     key: str
@@ -84,9 +84,9 @@ class LawTest:
     except_for: Values = field(default_factory=dict)
 
     @property
-    def company(self) -> Values:
+    def all_others(self) -> Values:
         """Values of all other attributes, all varied at once."""
-        values = {**COMPANY, **self.except_for}
+        values = {**ALL_VARIED, **self.except_for}
         return {key: v for key, v in values.items() if key != self.key and v is not None}
 
 
@@ -139,9 +139,9 @@ def law_tests_of(keys: Sequence[str] | None) -> tuple[list[LawTest], list[str]]:
 
 def run_trials(lab: Lab, law: LawTest, value: Value, others: Values) -> list[Trial]:
     """All trials of one law at one setting, each with the setting filled in."""
-    if others == law.company:
+    if others == law.all_others:
         own = " of each object, another value elsewhere" if lab.elsewhere else ""
-        setting = f"{law.key} = {_text(value)}{own}, in company with all"
+        setting = f"{law.key} = {_text(value)}{own}, while all others vary"
     else:
         setting = ", ".join(f"{k} = {_text(v)}" for k, v in {law.key: value, **others}.items())
     return [replace(trial, setting=setting) for trial in law.run(lab, value, others)]
@@ -150,13 +150,13 @@ def run_trials(lab: Lab, law: LawTest, value: Value, others: Values) -> list[Tri
 def trials_of(lab: Lab, law: LawTest) -> Iterator[Trial]:
     """All trials of one attribute: each setting alone and with all others varied, then the last
     one beside extreme values of a few, and as the own value of each object."""
-    for others in ({}, law.company):
+    for others in ({}, law.all_others):
         for value in law.settings:
             yield from run_trials(lab, law, value, others)
     for others in law.others:
         yield from run_trials(lab, law, law.settings[-1], others)
     if attribute(law.key).by_prop:
-        yield from run_trials(by_prop(lab, law), law, law.settings[-1], law.company)
+        yield from run_trials(by_prop(lab, law), law, law.settings[-1], law.all_others)
 
 
 def by_prop(lab: Lab, law: LawTest) -> Lab:
