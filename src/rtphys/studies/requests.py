@@ -70,6 +70,10 @@ class CertificationSpec:
         ),
     ] = REPLAYS
 
+    def __post_init__(self) -> None:
+        if "none" in self.replays and len({*self.replays}) > 1:
+            raise BadValue("replays", ",".join(self.replays), "none stands alone")
+
 
 @checked_dataclass(frozen=True)
 class CertificationRun:
