@@ -8,6 +8,8 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from rtphys.core.poses import Array
+from rtphys.core.untrusted import hidden
+from rtphys.data import files
 from rtphys.data.dataset import Episode
 from rtphys.data.episode import ARMS, Frames
 from rtphys.episode.solids import Solid3D
@@ -24,16 +26,24 @@ JPEG = 90
 
 
 def record(episode: Episode, scene: Sequence[Solid3D], path: Path | None = None) -> None:
-    """Writes an `.rrd` file, or opens the viewer. Raises `BadFile`: the episode is damaged."""
+    """Writes a whole `.rrd` file, or opens the viewer.
+
+    Raises `BadFile`: the episode is damaged; `CannotWrite`: the file system refuses.
+    """
     stream = rr.RecordingStream(APPLICATION, recording_id=episode.name)
     if path is None:
         stream.spawn(default_blueprint=blueprint(episode))
-    else:
-        stream.save(path, default_blueprint=blueprint(episode))
-    log_episode(stream, episode, scene)
-    stream.flush()
-    if path is not None:
+        log_episode(stream, episode, scene)
+        stream.flush()
+        return
+    temporary = hidden(path, files.TEMPORARY)
+    with files.all_or_nothing(temporary):
+        temporary.open("wb").close()  # says why not, where Rerun raises an error of its own
+        stream.save(temporary, default_blueprint=blueprint(episode))
+        log_episode(stream, episode, scene)
+        stream.flush()
         stream.disconnect()
+        files.move(temporary, path)
 
 
 def blueprint(episode: Episode) -> rrb.Blueprint:

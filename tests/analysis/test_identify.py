@@ -25,7 +25,7 @@ from rtphys.analysis.scoring import STATISTICS, Beyond, Sample, Score, Table, sc
 from rtphys.assets.pack import default_pack
 from rtphys.campaign import local
 from rtphys.campaign.pool import WorkerFailure
-from rtphys.campaign.series import Listener
+from rtphys.campaign.series import FRUITLESS, Listener
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.seeds import stream
@@ -246,6 +246,24 @@ def work(made: TaskEpisodes) -> None:
     while made.wants(4):
         seed = made.begin()
         made.take(seed, sensed(made.job(seed)))
+
+
+def test_an_estimator_may_be_named_by_a_link(tmp_path: Path) -> None:
+    wanted = plan(tmp_path / "out")
+    first = made(wanted)
+    (tmp_path / "link.py").symlink_to("estimators.py")
+    linked = identify.judge(replace(wanted, estimator=f"python:{tmp_path / 'link.py'}:Line"))
+    assert linked.tasks == first.tasks
+
+
+def test_a_task_that_was_given_up_stays_so(tmp_path: Path) -> None:
+    made = opened(tmp_path / "a")
+    while made.wants(1):
+        seed = made.begin()
+        made.take(seed, Sample(seed, reason="slipped"))
+    assert made.progress.stopped and made.progress.attempts == FRUITLESS
+    again = opened(tmp_path / "a")
+    assert not again.wants(1) and again.progress.stopped == made.progress.stopped
 
 
 def test_more_episodes_continue_and_fewer_are_a_part(tmp_path: Path) -> None:

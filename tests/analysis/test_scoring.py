@@ -1,5 +1,7 @@
 """Scores: 1 where the features tell all, about 0 where they tell nothing, whoever estimates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -81,8 +83,22 @@ def test_few_episodes_on_one_side_give_no_score_beyond() -> None:
     assert len(few) > MIN_BEYOND
 
 
+def test_a_rare_value_leaves_all_numbers_finite() -> None:
+    """Some draws of the bootstrap lack it: without variance there is no R2."""
+    rare = [replace(s, labels={"friction": float(s.seed == 7)}) for s in samples(24)]
+    assert np.isfinite(score(table_of(rare), "friction", UNIT, Line).interval).all()
+    half = [replace(s, labels={"friction": 0.5 * (s.seed % 2)}) for s in samples(24)]
+    assert score(table_of(half), "friction", UNIT, Line).beyond is None, "all outside are equal"
+
+
 @pytest.mark.parametrize(
-    ("said", "problem"), [([np.nan], "not finite"), ([np.inf], "not finite"), ([0, 0], "shape")]
+    ("said", "problem"),
+    [
+        ([np.nan], "not finite"),
+        ([np.inf], "not finite"),
+        ([1e200], "has no R2"),
+        ([0, 0], "shape"),
+    ],
 )
 def test_what_is_no_finite_number_an_episode_is_named(
     said: list[float], problem: str, monkeypatch: pytest.MonkeyPatch

@@ -30,6 +30,7 @@ from rtphys.assets.pack import default_pack
 from rtphys.campaign.local import limits_for_user_code
 from rtphys.campaign.pool import Limits
 from rtphys.campaign.series import Listener
+from rtphys.cli.authoring import TEMPLATE
 from rtphys.cli.main import app
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
@@ -38,9 +39,12 @@ from rtphys.data.ledger import Ledger
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.physics.attribute import attributes
 from rtphys.physics.distribution import Fixed, SameAs
-from rtphys.physics.load import load_domain
+from rtphys.physics.load import domain_for_task, load_domain
+from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.stored import stored
+from rtphys.studies.collect import without_effect
+from rtphys.studies.requests import CertificationRun
 from rtphys.task.spec import load_task
 
 PACK = default_pack()
@@ -292,6 +296,29 @@ def test_both_sides_of_nominal() -> None:
     assert low.value(0.5) == pytest.approx(0.255) and high.value(1.0) == 1.25
     (up,) = axes(load_domain("global"), "restitution")
     assert (up.nominal, up.end) == (0.0, 0.5)
+
+
+def test_a_range_on_one_side_of_nominal_has_one_axis_to_its_farther_end() -> None:
+    """The way from 0.5 to 0.13 is a part of that to 0.04, and counted twice it is 89 % of all."""
+    (down,) = axes(domain_for_task("slide_to_mark"), "friction@puck")
+    assert (down.nominal, down.end) == (0.5, 0.04)
+    (held,) = axes(domain_for_task("carry_the_loaded"), "friction@beam")
+    assert (held.nominal, held.end) == (0.5, 0.25)
+
+
+def test_a_seed_without_a_layout_hides_no_attribute(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "tasks").mkdir()
+    text = TEMPLATE.replace("where=free", "where=lambda s: draw.seed not in (0, 100_000)")
+    (tmp_path / "tasks" / "late.py").write_text(text)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    plan = SensitivityPlan(("late",), SearchSpec(("object_mass",)), tmp_path / "out", 1)
+    task = TaskSensitivity(plan, TaskSpec("late", plan.search, {}))
+    assert not task.idle and len(task.bisections) == 2
+    run = CertificationRun(("late",), ("only_object_mass",), tmp_path)
+    assert not run.left_out()
+    assert without_effect([CollectionSpec(EpisodeSpec("late", "only_object_mass"))]) == []
 
 
 AXIS = Axis("friction", 0.5, 0.1)

@@ -316,9 +316,15 @@ def test_a_task_that_raises_is_named_and_hides_no_other(
         ("stir_soup", spot, "try"),
         ("stir_soup", spot, "collect", "--episodes", "1", "--out", out),
         ("stir_tea", lift, "try"),
+        ("stir_soup", spot, "physics", "sample"),
+        ("stir_soup", spot, "bench", "--protocol", "clean", "--no-pictures"),
+        ("stir_tea", lift, "bench", "--protocol", "clean", "--no-pictures"),
+        ("stir_soup", spot, "sensitivity", "--out", out),
+        ("stir_soup", spot, "certify", "--protocol", "only_friction", "--out", out),
     ):
-        result = RUN.invoke(app, [command[0], task, *command[1:]])
-        assert result.exit_code == 2, result.output
+        words = 1 + (command[0] == "physics")
+        result = RUN.invoke(app, [*command[:words], task, *command[words:]])
+        assert result.exit_code == 2, (command, result.output)
         assert f"{task}.py: raises AttributeError: " in result.stderr
         assert result.stderr.rstrip().endswith(f"(line {line})")
 

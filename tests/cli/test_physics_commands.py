@@ -46,6 +46,12 @@ def test_sample_of_a_part_and_of_a_held_value(monkeypatch, tmp_path):
     assert row["values"]["restitution"] == 0.1
 
 
+@pytest.mark.parametrize("nothing", ["", ","])
+def test_only_of_nothing_is_refused_rather_than_to_mean_all(nothing):
+    result = RUN.invoke(physics, ["sample", "global", "--only", nothing])
+    assert isinstance(result.exception, UnknownName)
+
+
 def test_sample_as_a_table_shows_nominal_values_in_brackets():
     text = output_of(physics, "sample", "--task", "global", "--only", "friction")
     assert "(1)" in text and "friction" in text

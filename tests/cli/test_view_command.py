@@ -1,12 +1,48 @@
-"""`rtphys view`: the viewer is of the version that wrote the recording."""
+"""`rtphys view`: whole recordings, and a viewer of the version that wrote them."""
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
+from rtphys.cli.main import app
 from rtphys.cli.show import check_viewer
-from rtphys.core.errors import RtphysError
+from rtphys.core.errors import BadFile, RtphysError
+from rtphys.data.faults import CannotWrite
+
+
+def test_a_recording_is_whole_or_what_was_there_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rerun, view = pytest.importorskip("rerun"), pytest.importorskip("rtphys.view")
+    monkeypatch.setattr(view, "blueprint", lambda _: None)
+    episode = SimpleNamespace(name="episode")
+
+    def fails(stream: Any, *_: object) -> None:
+        stream.log("label", rerun.TextDocument("half"))
+        raise BadFile("a.hdf5", "is damaged")
+
+    (there := tmp_path / "there.rrd").write_text("a recording")
+    monkeypatch.setattr(view, "log_episode", fails)
+    with pytest.raises(BadFile):
+        view.record(episode, [], there)
+    assert there.read_text() == "a recording"
+    monkeypatch.setattr(view, "log_episode", lambda *_: None)
+    (tmp_path / "folder.rrd").mkdir()
+    for path in (tmp_path / "folder.rrd", there / "a.rrd"):
+        with pytest.raises(CannotWrite):
+            view.record(episode, [], path)
+    view.record(episode, [], there)
+    assert there.read_bytes()[:3] == b"RRF"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.rrd", "there.rrd"]
+
+
+def test_a_name_that_is_not_utf_8_is_refused(tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["view", str(tmp_path), "--out", "b\udcff.rrd"])
+    assert done.exit_code == 2 and "it is not UTF-8" in done.stderr
 
 
 def test_a_viewer_of_another_version_is_refused(

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from rtphys.cli.physics import physics as command
 from rtphys.core.errors import BadValue
 from rtphys.data.dataset import Dataset
+from rtphys.data.faults import CannotWrite
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.laws.audit.selection import Selection, selections, selections_by_task_dataset
@@ -114,6 +115,14 @@ def test_the_command_prints_and_draws_it(slippery_rejected, tmp_path):
     assert figure.stat().st_size > 20_000
     result = CliRunner().invoke(command, [*arguments, "--repeat", "1"])
     assert isinstance(result.exception, BadValue), "it would be ignored"
+
+
+def test_where_no_figure_can_go_is_told_before_any_work(slippery_rejected, tmp_path, monkeypatch):
+    monkeypatch.setattr("rtphys.cli.physics._labels", lambda *_: pytest.fail("it worked"))
+    (tmp_path / "file").touch()
+    arguments = ["audit", str(slippery_rejected), "--out", str(tmp_path / "file")]
+    result = CliRunner().invoke(command, arguments)
+    assert isinstance(result.exception, CannotWrite), result.exception
 
 
 @pytest.mark.sim

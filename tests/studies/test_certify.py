@@ -1,5 +1,6 @@
 """Certified lists: the same whatever the workers, the wishes and the kills; reproving them."""
 
+import json
 import os
 import signal
 import subprocess
@@ -487,8 +488,25 @@ def test_a_list_that_differs_stays_stale_and_is_named(benchmark: Path) -> None:
     assert "0 of 1 list hold (2 instances solved again); 0 have a new header, 1 stay stale" in (
         " ".join(done.stdout.split())
     )
+    as_json = CliRunner().invoke(app, [*words, "--reprove", "2", "--workers", "1", "--json"])
+    assert as_json.exit_code == 1, as_json.output
+    (row,) = json.loads(as_json.stdout)
+    assert (row["task"], row["protocol"], row["solved"], row["stale"]) == (TASK, "clean", 2, True)
+    assert len(row["differences"]) == 1 and not row["renewed"]
     assert path.read_bytes() == damaged
     path.write_bytes(before)
+
+
+@pytest.mark.parametrize("option", ["--first-seed=3", "--feasible=3", "--replays=none"])
+def test_an_option_that_reproving_would_ignore_is_refused(option: str, tmp_path: Path) -> None:
+    words = ["certify", TASK, "--protocol", "clean", "--out", str(tmp_path), "--reprove", "1"]
+    done = CliRunner().invoke(app, [*words, option])
+    assert done.exit_code == 2 and "with --reprove the lists say that" in done.stderr
+
+
+def test_no_replay_beside_one_is_refused() -> None:
+    with pytest.raises(BadValue, match="none stands alone"):
+        CertificationSpec(replays=("none", "replay"))
 
 
 def test_a_folder_without_lists_is_refused(tmp_path: Path, pack: Pack) -> None:

@@ -2,13 +2,14 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import default_pack
 from rtphys.campaign.series import Listener
-from rtphys.cli.authoring import complaints
+from rtphys.cli.authoring import TEMPLATE, complaints
 from rtphys.cli.main import app
 from rtphys.core.library import bundled
 from rtphys.spec.episode import EpisodeSpec
@@ -94,8 +95,13 @@ WON = CheckResult(success=True)
         ([("expert", 0, GOOD), ("again", 0, GOOD)], []),
         (
             [("expert", 0, GOOD), ("again", 0, CheckResult(hash="b"))],
-            ["click_bell, clean: a seed that was tried twice went through different states"],
+            ["click_bell, clean: a seed that was tried twice had two outcomes"],
         ),
+        (
+            [("expert", 0, GOOD), ("again", 0, CheckResult("slipped"))],
+            ["click_bell, clean: a seed that was tried twice had two outcomes"],
+        ),
+        ([("expert", 0, GOOD), ("again", 0, LOST)], []),
     ],
 )
 def test_what_no_task_may_do_is_complained_about(
@@ -231,3 +237,17 @@ def test_a_script_that_sticks_is_told_with_its_line_and_the_tilt(own_task) -> No
     bell = EpisodeSpec("click_bell", "clean").at(0)
     again = watch(bell, load_task("click_bell"), default_pack())
     assert again.attempt.accepted and (again.line, again.placed) == ("", None)
+
+
+@pytest.mark.render
+def test_where_nothing_can_be_drawn_the_verdict_stays(own_task, tmp_path: Path) -> None:
+    own_task("too_full", TEMPLATE.replace("where=free", "where=lambda spot: False"))
+    shown = {"sheet": ["check", "too_full", "--seeds", "1", "--workers", "1", "--sheet"]}
+    shown |= {name: ["try", "too_full", f"--{name}"] for name in ("picture", "video")}
+    for name, words in shown.items():
+        done = CliRunner().invoke(app, [*words, str(tmp_path / "a.png")])
+        assert done.exit_code == 1, (name, done.output)
+        assert "a.png: not drawn, " in done.stderr
+        if name == "sheet":
+            assert "the expert solves none of 1 seed" in done.stderr
+    assert not [*tmp_path.glob("*.png")]

@@ -273,6 +273,7 @@ class TaskEpisodes(Series[Recipe, Sample]):
         self._ledger = Ledger(self.path, spec, Sample, lambda row: accepted.append(not row.reason))
         done = min(sum(accepted), plan.episodes)
         progress = Progress(self.spec.task, plan.episodes, done, len(accepted))
+        progress.fruitless = [True, *accepted][::-1].index(True)  # given up where it was before
         seeds = range(plan.first_seed, plan.first_seed + plan.max_attempts)[len(accepted) :]
         super().__init__(progress, seeds)
 

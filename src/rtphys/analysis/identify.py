@@ -234,7 +234,7 @@ class TaskScores(Series[ScoringTask, AttributeScore]):
         file = plan.estimator.partition(":")[2].rpartition(":")[0]
         header = ScoresSpec(
             plan.estimator,
-            file=files.facts_of(Path(file)).sha256 if file else "",
+            file=files.facts_of(Path(file).resolve()).sha256 if file else "",
             code=code_digest(Path(str(part.__file__)) for part in (estimators, scoring)),
             library=metadata.version("scikit-learn") if plan.estimator == BASELINE else "",
             features=check,

@@ -18,6 +18,7 @@ FOLDS = 5  # of the cross-validation; an episode's fold is its place among the s
 MIN_EPISODES = 20  # below which nothing is scored
 MIN_BEYOND = 8  # episodes on either side of the split by range
 BOOTSTRAPS = 1000
+LARGEST = 1e100  # prediction
 LEVELS = (2.5, 97.5)  # [%] of the interval
 SHUFFLES = 2  # fits with labels in another order, whose mean is reported
 
@@ -105,7 +106,8 @@ def table_of(samples: Sequence[Sample]) -> Table:
 
 
 class NotFinite(ValueError):
-    """An estimator returned something else than one finite number an episode."""
+    """An estimator returned something else than one finite number an episode, of a size that has a
+    square."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ class Score:
     shuffled: float  # r2 with labels in another order; about zero or less
     importance: dict[str, float]  # group of signals -> what r2 loses where its columns are mixed up
     n: int  # episodes
-    beyond: Beyond | None  # None where too few episodes are on one side
+    beyond: Beyond | None  # None where too few episodes are on one side, or those outside are equal
 
 
 def score(table: Table, key: str, bounds: tuple[float, float], make: Make) -> Score:
@@ -178,6 +180,8 @@ def _predicted(estimator: Estimator, X: Array) -> Array:
         raise NotFinite(f"predict returned shape {values.shape}, not ({len(X)},)")
     if wrong := np.count_nonzero(~np.isfinite(values)):
         raise NotFinite(f"predict returned {wrong} numbers that are not finite")
+    if (largest := float(np.abs(values).max(initial=0))) > LARGEST:
+        raise NotFinite(f"predict returned {largest:g}, and more than {LARGEST:g} has no R2")
     return values
 
 
@@ -187,7 +191,7 @@ def _beyond(X: Array, Y: Array, bounds: tuple[float, float], make: Make) -> Beyo
     scores, intervals, counts = [], [], []
     for y in Y.T:
         inside = (y >= bounds[0] + quarter) & (y <= bounds[1] - quarter)
-        if min(inside.sum(), (~inside).sum()) < MIN_BEYOND:
+        if min(inside.sum(), (~inside).sum()) < MIN_BEYOND or np.ptp(y[~inside]) == 0:
             return None
         (estimator := make()).fit(X[inside], y[inside])
         predicted = _predicted(estimator, X[~inside])
@@ -206,6 +210,8 @@ def _r2(Y: Array, predicted: Array) -> float:
 
 
 def _interval(Y: Array, predicted: Array) -> tuple[float, float]:
+    """Draws in which all values of a component are equal have no R2, and count nothing."""
     draws = stream(0, "identify bootstrap").integers(len(Y), size=(BOOTSTRAPS, len(Y)))
-    low, high = np.percentile([_r2(Y[i], predicted[i]) for i in draws], LEVELS)
+    varied = [i for i in draws if np.ptp(Y[i], axis=0).all()]
+    low, high = np.percentile([_r2(Y[i], predicted[i]) for i in varied], LEVELS)
     return float(low), float(high)

@@ -42,6 +42,7 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import checked_dataclass
 from rtphys.spec.stored import stored
 from rtphys.studies.requests import DEMONSTRATION, SearchSpec, SensitivityPlan
+from rtphys.studies.resources import first_props
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.props import parts
 from rtphys.task.spec import load_task
@@ -83,7 +84,10 @@ class Axis:
 
 
 def axes(domain: Domain, key: str) -> list[Axis]:
-    """Both sides of an attribute's range in a domain, or the one that there is; empty if fixed."""
+    """Both sides of an attribute's range in a domain, or the one that there is; empty if nominal.
+
+    Where the whole range lies on one side, it is the farther end: the other one is on the way.
+    """
     varied, rule, needs = attribute(key), domain.rules[key], dict[str, Value]()
     if isinstance(rule, SameAs):
         rule = domain.rules[rule.source]
@@ -95,6 +99,8 @@ def axes(domain: Domain, key: str) -> list[Axis]:
     if varied.size > 1:
         return [Axis(key, 0.0, max(abs(low), abs(high)), needs, vector=True)] if low < high else []
     nominal = float(varied.nominal) if isinstance(varied.nominal, int | float) else low
+    if not low <= nominal <= high:
+        return [Axis(key, nominal, max((low, high), key=lambda end: abs(end - nominal)), needs)]
     return [Axis(key, nominal, end, needs) for end in (low, high) if end != nominal]
 
 
@@ -290,7 +296,7 @@ class TaskSensitivity:
         self.unread = list[frozenset[str]]()  # options, after each episode of this run
         self.path = plan.out / f"{spec.task}.json"
         self._ledger = self._open_ledger()
-        domain, has = domain_for_task(spec.task), parts(load_task(spec.task).props(0))
+        domain, has = domain_for_task(spec.task), parts(first_props(load_task(spec.task)))
         why = {key: why_idle(key, domain.keys, has) for key in self.search.only or domain.keys}
         self.idle = {key: clause for key, clause in why.items() if clause}  # with the reason
         self.bisections = [

@@ -25,7 +25,7 @@ from rtphys.cli.screen import (
 )
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
-from rtphys.core.errors import BadValue, RtphysError, UnknownName, counted
+from rtphys.core.errors import BadValue, Infeasible, RtphysError, UnknownName, counted
 from rtphys.core.untrusted import dump_yaml
 from rtphys.data.files import make_folder, replace_file
 from rtphys.data.jpeg import encode_png
@@ -340,7 +340,11 @@ def check(plan: CheckPlan, output: Output) -> None:
         make_folder(sheet.parent if single else sheet)
         for score in scores:
             path = sheet if single else sheet / f"{score.spec.task}_{score.spec.protocol}.png"
-            seed, stages, pictures = ends(pack, score)
+            try:
+                seed, stages, pictures = ends(pack, score)
+            except Infeasible as problem:
+                say(f"{path}: not drawn, {problem}", err=True)
+                continue
             replace_file(path, encode_png(captioned(pictures, stages)))
             say(f"{path}: seed {seed}", err=output.as_json)
     if wrong := complaints(scores):
@@ -393,12 +397,18 @@ def try_(plan: TryPlan) -> None:
         )
     if plan.picture is not None:
         make_folder(plan.picture.parent)
-        stages, pictures = stage_ends(tried, task, pack)
-        replace_file(plan.picture, encode_png(captioned(pictures, stages)))
-        say(str(plan.picture))
-    if plan.video is not None and tried.instance is not None and tried.recording is not None:
-        write_video(tried.instance, tried.recording, pack, plan.video)
-        say(str(plan.video))
+        try:
+            stages, pictures = stage_ends(tried, task, pack)
+            replace_file(plan.picture, encode_png(captioned(pictures, stages)))
+            say(str(plan.picture))
+        except Infeasible as problem:
+            say(f"{plan.picture}: not drawn, {problem}", err=True)
+    if plan.video is not None:
+        if tried.instance is not None and tried.recording is not None:
+            write_video(tried.instance, tried.recording, pack, plan.video)
+            say(str(plan.video))
+        else:
+            say(f"{plan.video}: not drawn, nobody moved", err=True)
     if tried.reason:
         raise typer.Exit(1)
 
@@ -417,7 +427,7 @@ def complaints(scores: "Sequence[Score]") -> list[str]:
                 seeds = counted(len(score.tried(name)), "seeds")
                 found.append(f"{at}: the baseline {name} solves {solved} of {seeds}")
         if not score.deterministic:
-            found.append(f"{at}: a seed that was tried twice went through different states")
+            found.append(f"{at}: a seed that was tried twice had two outcomes")
     return found
 
 

@@ -2,14 +2,14 @@
 
 import time
 from collections import Counter
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Annotated
 
 import typer
 
 from rtphys.cli.datasets import say_digest
-from rtphys.cli.derived import AsJson, takes
+from rtphys.cli.derived import AsJson, refuse_others, takes
 from rtphys.cli.screen import (
     campaign_progress,
     fitting_table,
@@ -83,13 +83,13 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
 
     if request.repair:
         allowed = "the dataset says that; beside `repair` stand only `out` and `workers`"
-        _refuse_others(context, {"repair", "out", "workers"}, allowed)
+        refuse_others(context, {"repair", "out", "workers"}, allowed)
         _repair(run)
         return
     if request.manifest:
         beside = {"manifest", "dry_run", "as_json", *(field.name for field in fields(Run))}
         allowed = "the manifest says that; edit a copy of it, or leave `manifest` out"
-        _refuse_others(context, beside, allowed)
+        refuse_others(context, beside, allowed)
         specs = read_specs(find_collection(request.manifest))
     elif request.tasks:
         specs = specs_for(template, request.tasks, request.sweep)
@@ -124,14 +124,6 @@ def collect(request: Request, template: CollectionSpec, run: Run, context: typer
             why = f"`{command_line('report', run.out)}` shows failures that were kept"
         raise Incomplete("; ".join([*given_up, why]))
     say("to check every file: " + command_line("verify", run.out), err=request.as_json)
-
-
-def _refuse_others(context: typer.Context, beside: Set[str], allowed: str) -> None:
-    """Raises `BadValue`: an option was given that is not among `beside`."""
-    for name in sorted(context.params.keys() - beside):
-        source = context.get_parameter_source(name)
-        if source is not None and source.name == "COMMANDLINE":
-            raise BadValue(name, context.params[name], allowed)
 
 
 def _repair(run: Run) -> None:

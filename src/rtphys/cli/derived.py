@@ -6,7 +6,7 @@ nothing here. Tasks may also be words of their own: `check click_bell`, `check -
 """
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from functools import wraps
 from pathlib import Path
@@ -21,7 +21,7 @@ from rtphys.spec.option import Offers, Option
 JSON_HELP = "Plain JSON on standard output instead of a table."
 Json = Annotated[bool, typer.Option("--json", help=JSON_HELP)]
 
-_NAMED = "task_names"  # the words of a command that are its tasks
+NAMED = "task_names"  # the words of a command that are its tasks
 # What typer reads by itself -> how the help calls a value; all else is text.
 _METAVARS = {bool: None, int: "N", float: "X", str: "TEXT", Path: "PATH"}
 PANELS = {
@@ -67,7 +67,7 @@ def takes(
     def command(function: Callable[..., None]) -> Callable[..., None]:
         @wraps(function)
         def call(**given: object) -> None:  # typer calls with keywords alone
-            if named := given.get(_NAMED):
+            if named := given.get(NAMED):
                 given["tasks"] = [*cast(list[str], given["tasks"] or []), *cast(list[str], named)]
             made = [
                 given["context"] if k is typer.Context else _build(_Part(k), given) for k in kinds
@@ -75,7 +75,7 @@ def takes(
             function(*made)
 
         parameters = [p for kind in kinds for p in _parameters(_Part(kind), common)]
-        order = (_NAMED, *common)
+        order = (NAMED, *common)
         parameters.sort(key=lambda p: order.index(p.name) if p.name in order else len(order))
         call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         return call
@@ -161,7 +161,7 @@ def _parameters(part: _Part, common: Sequence[str]) -> Iterator[inspect.Paramete
             text = "Tasks or patterns such as 'stack_*'; as an option: --task NAME,NAME."
             words = typer.Argument(help=text, metavar="TASKS", show_default=False)
             named = Annotated[list[str] | None, words]
-            yield inspect.Parameter(_NAMED, keyword, default=None, annotation=named)
+            yield inspect.Parameter(NAMED, keyword, default=None, annotation=named)
         if tasks or (several and optional):
             default = None
         elif default is MISSING:
@@ -189,6 +189,14 @@ def _kind(hint: Any) -> tuple[Any, bool]:
         return hint, False
     kinds = [part for part in get_args(hint) if part is not NoneType]
     return _kind(kinds[0])[0] if len(kinds) == 1 else None, len(kinds) < len(get_args(hint))
+
+
+def refuse_others(context: typer.Context, beside: Set[str], allowed: str) -> None:
+    """Raises `BadValue`: an option was given that is not among `beside`."""
+    for name in sorted(context.params.keys() - beside):
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            raise BadValue(name, context.params[name], allowed)
 
 
 def names_in(words: Sequence[str]) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """Commands for policies: certified lists, evaluations, and comparisons of them."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +13,7 @@ from rtphys.analysis.compare import Column, Comparison, PairedComparison, RankAg
 from rtphys.analysis.estimators import short_name
 from rtphys.analysis.identify import Result, read_result
 from rtphys.assets.pack import default_pack
-from rtphys.cli.derived import AsJson, Json, check_figure, takes
+from rtphys.cli.derived import NAMED, AsJson, Json, check_figure, refuse_others, takes
 from rtphys.cli.screen import campaign, fitting_table, print_parts, print_rows, print_table, reasons
 from rtphys.cli.terminal import Incomplete, say, say_json
 from rtphys.core.errors import BadValue, counted, shortened
@@ -27,10 +28,12 @@ SHOWN = 5  # attributes per protocol, those with the smallest p-values
 
 
 @takes(
-    *(CertificationSpec, CertificationRun, AsJson),
+    *(CertificationSpec, CertificationRun, AsJson, typer.Context),
     common=("protocols", "feasible", "out", "workers"),
 )
-def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> None:
+def certify(
+    spec: CertificationSpec, run: CertificationRun, output: AsJson, context: typer.Context
+) -> None:
     """Find the seeds on which policies are evaluated: those that the expert solves.
 
     It writes one list for each task and protocol, with every seed that was tried, and draws no
@@ -48,7 +51,9 @@ def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> N
     from rtphys.studies.certify import certify as run_certification
 
     if run.reprove:
-        _reprove(spec, run)
+        names = {field.name for kind in (CertificationRun, AsJson) for field in fields(kind)}
+        refuse_others(context, {*names, NAMED, "embodiment"}, "with `reprove` the lists say that")
+        _reprove(spec, run, output.as_json)
         return
     if left_out := run.left_out():
         text = f"left out, since the attribute could not act there: {'; '.join(left_out)}"
@@ -85,12 +90,25 @@ def certify(spec: CertificationSpec, run: CertificationRun, output: AsJson) -> N
         raise Incomplete("; ".join(given_up))
 
 
-def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
+def _reprove(spec: CertificationSpec, run: CertificationRun, as_json: bool) -> None:
     from rtphys.studies.certify import reprove
 
     with campaign("instances") as (pack, listener):
         studies = reprove(spec, run, pack, listener)
-    for line in (line for study in studies for line in study.differences):
+    if as_json:
+        rows = [
+            {
+                "task": study.listed.task,
+                "protocol": study.listed.protocol,
+                "solved": study.solved,
+                "renewed": study.renewed,
+                "stale": study.stale and not study.renewed,
+                "differences": study.differences,
+            }
+            for study in studies
+        ]
+        say_json(rows)
+    for line in (line for study in studies for line in study.differences if not as_json):
         say(line)
     renewed = sum(study.renewed for study in studies)
     stale = sum(study.stale and not study.renewed for study in studies)
@@ -99,7 +117,8 @@ def _reprove(spec: CertificationSpec, run: CertificationRun) -> None:
     say(
         f"{held} of {counted(len(studies), 'lists')} hold "
         f"({counted(solved, 'instances')} solved again); {renewed} have a new header, "
-        f"{stale} stay stale"
+        f"{stale} stay stale",
+        err=as_json,
     )
     if held < len(studies):
         raise typer.Exit(1)

@@ -18,10 +18,12 @@ from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
 from rtphys.core.errors import BadValue, Infeasible, UnknownName, counted
 from rtphys.data.dataset import Dataset
+from rtphys.data.files import make_folder
 from rtphys.physics import Physics, Value, parse_overrides
 from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.physics.reach import keys_of
 from rtphys.spec.episode import EpisodeSpec, Recipe
+from rtphys.studies.resources import mistakes_named
 from rtphys.task.spec import load_task
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ def sample(
     task: Annotated[str, typer.Option(help="The same, as an option.")] = "",
     first_seed: Annotated[int, typer.Option(min=0, help="The first episode seed.")] = 0,
     episodes: Annotated[int, typer.Option(min=1, help="Number of seeds.")] = 1,
-    only: Annotated[str, typer.Option(help="Vary only these (comma-separated).")] = "",
+    only: Annotated[str | None, typer.Option(help="Vary only these (comma-separated).")] = None,
     assignments: Annotated[
         list[str] | None, typer.Option("--set", help="key=value, repeatable.")
     ] = None,
@@ -62,7 +64,7 @@ def sample(
     if bool(name) == bool(task):
         raise BadValue("task", task or None, "name one task, domain or domain file")
     domain = domain_named(task := name or task)
-    wanted = names_in([only]) if only.strip(" ,") else None
+    wanted = None if only is None else names_in([only])
     overrides = parse_overrides(assignments or [])
     drawn: dict[int, Physics] = {}
     for s in range(first_seed, first_seed + episodes):
@@ -92,15 +94,16 @@ def _inside_bodies(recipe: Recipe) -> Physics:
     """The draw with the centre of mass that fits; the first one where the episode has none."""
     from rtphys.task.props import check_props
 
-    first = recipe.spec.draw(recipe.seed)
-    with suppress(Infeasible):  # no layout: no episode either
-        check_props(first, load_task(recipe.task).props(recipe.seed))
+    first, task = recipe.spec.draw(recipe.seed), load_task(recipe.task)
+    with suppress(Infeasible), mistakes_named(task):  # no layout: no episode either
+        check_props(first, task.props(recipe.seed))
     if not keys_of("center_of_mass", first.varied):
         return first
     from rtphys.episode.generate import prepare
 
     try:
-        return prepare(recipe, load_task(recipe.task), default_pack()).physics
+        with mistakes_named(task):
+            return prepare(recipe, task, default_pack()).physics
     except Infeasible as problem:
         say(f"seed {recipe.seed} gives no episode: {problem}", err=True)
         return first
@@ -209,6 +212,8 @@ def audit(
     if repeat and not labels:
         raise BadValue("repeat", repeat, "it needs `labels`, which are left out")
     data, known = Dataset(dataset), library.names("tasks", None)
+    if out is not None:  # refused before work of hours
+        make_folder(out)
     for task in data.tasks if labels else ():
         if task not in known:
             raise UnknownName("task", task, known, dataset)
@@ -231,7 +236,6 @@ def audit(
         if out is not None:
             from rtphys.report.figures import draw_selections
 
-            out.mkdir(parents=True, exist_ok=True)
             draw_selections(selections, name, out / f"{name.replace('/', '_')}.png")
     if as_json:
         say_json({**report, "selection": selected})

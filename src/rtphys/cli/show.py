@@ -23,6 +23,7 @@ from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.files import make_folder, replace_file
 from rtphys.data.jpeg import encode_png
+from rtphys.data.json_text import check_spelled
 from rtphys.data.layout import MANIFEST, REPORT
 from rtphys.data.selection import One
 from rtphys.results import read_results
@@ -204,6 +205,8 @@ def view(shown: ShownInRerun, which: One) -> None:
     out = shown.out
     if out is not None and out.suffix != SUFFIX:
         raise BadValue("out", str(out), f"its name ends in {SUFFIX}")
+    if out is not None:  # Rerun takes no other name
+        check_spelled("out", str(out), "it is not UTF-8")
     episode = chosen(shown.path, which)
     from rtphys.episode.solids import solids
     from rtphys.view import VERSION, record

@@ -47,7 +47,7 @@ def make_folder(path: Path) -> None:
 
 def write_synced(path: Path, data: bytes) -> FileFacts:
     """Writes, syncs, reads back, compares. A failed write leaves no file. Raises `CannotWrite`."""
-    with _all_or_nothing(path):
+    with all_or_nothing(path):
         _write(path, (data,))
         if path.read_bytes() != data:  # a digest would take five times as long
             raise OSError("the disk returned other bytes than were written")
@@ -58,20 +58,20 @@ def replace_file(path: Path, data: bytes) -> None:
     """Atomic: temporary name in the same folder, sync, rename, sync the folder."""
     temporary = hidden(path, TEMPORARY)
     write_synced(temporary, data)
-    with _all_or_nothing(temporary):  # a name may be refused, as one too long
+    with all_or_nothing(temporary):  # a name may be refused, as one too long
         move(temporary, path)
 
 
 def replace_pieces(path: Path, pieces: Iterable[bytes]) -> None:
     """As `replace_file`, for a content that need not fit into memory. Raises `CannotWrite`."""
     temporary = hidden(path, TEMPORARY)
-    with _all_or_nothing(temporary):
+    with all_or_nothing(temporary):
         _write(temporary, pieces)
         move(temporary, path)
 
 
 @contextmanager
-def _all_or_nothing(path: Path) -> Iterator[None]:
+def all_or_nothing(path: Path) -> Iterator[None]:
     """Removes the file if the block fails. Raises `CannotWrite`."""
     try:
         with refusals(path):

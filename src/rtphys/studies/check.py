@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.local import run_here
+from rtphys.campaign.pool import LOSSES
 from rtphys.campaign.series import QUIET, Batch, Listener
 from rtphys.core.errors import Infeasible, counted
 from rtphys.core.poses import Pose
@@ -105,10 +106,11 @@ class Score:
 
     @property
     def deterministic(self) -> bool:
-        """Whether each seed that was tried twice went through the same states."""
+        """Whether each seed that was tried twice ended alike after the same states."""
         first, again = self.results["expert"], self.results["again"]
-        pairs = [{first[seed].hash, one.hash} - {""} for seed, one in again.items()]
-        return all(len(hashes) <= 1 for hashes in pairs)
+        pairs = [(first[seed], one) for seed, one in again.items()]
+        known = [pair for pair in pairs if not any(one.reason in LOSSES for one in pair)]
+        return all((a.reason, a.hash) == (b.reason, b.hash) for a, b in known)
 
     def to_json(self) -> dict[str, object]:
         """Rates are in [0, 1], or null where nothing was tried. So is the CPU time where no

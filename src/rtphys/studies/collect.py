@@ -49,6 +49,7 @@ from rtphys.studies.resources import (
     check_fits,
     check_space,
     drawn_at_once,
+    first_props,
     props_of,
 )
 from rtphys.task.instructions import check_templates
@@ -303,14 +304,14 @@ def without_effect(specs: Sequence[CollectionSpec]) -> list[str]:
     idle = defaultdict[tuple[str, str], dict[str, None]](dict[str, None])
     for spec in specs:
         task = spec.episode.task
-        has = parts(props_of(load_task(task), 1, spec.first_seed))
+        has = parts(first_props(load_task(task), spec.first_seed))
         for episode in (side.episode for side in spec.sides):
             swept = [spec.swept[0]] if spec.sweep else []
             asks = {key: value for key, value in _asked(episode).items() if key not in swept}
             keys = episode.draw(spec.first_seed).keys() if asks else ()
             for key, value in sorted(asks.items()):
                 asked[key].add(task)
-                if why := why_idle(key, keys, has, value):
+                if has and (why := why_idle(key, keys, has, value)):
                     idle[key, why][task] = None
     sentences: list[str] = []
     for (key, why), tasks in idle.items():

@@ -16,6 +16,7 @@ from rtphys.plan.kinematics import check_robot
 from rtphys.sim import renderer
 from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.requests import BenchPlan
+from rtphys.studies.resources import mistakes_named
 from rtphys.task.spec import load_task
 
 ATTEMPT = ("build", "settle", "plan", "simulate")
@@ -110,13 +111,14 @@ def bench(plan: BenchPlan, pack: Pack, measured: Callable[[Cost], None]) -> list
         for name, protocol in product(plan.tasks, plan.protocols):
             spec, task = replace(plan.episode, task=name, protocol=protocol), load_task(name)
             # Fills the caches that a process fills once.
-            warm = attempt(spec.at(seeds.stop), task, pack)
+            with mistakes_named(task):
+                warm = attempt(spec.at(seeds.stop), task, pack)
             if plan.pictures and warm.recording is not None:
                 states = StateTrajectory.of(warm.recording)
                 render_frames(warm.recipe, task, pack, states, RecordingSpec())
             cost = Cost(name, protocol)
             for seed in seeds:
-                with (timer := cost.attempts.timer).phase("other"):
+                with mistakes_named(task), (timer := cost.attempts.timer).phase("other"):
                     tried = attempt(spec.at(seed), task, pack, timer)
                 cost.attempts.count += 1
                 cost.accepted += tried.accepted

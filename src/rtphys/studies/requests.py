@@ -38,7 +38,7 @@ from rtphys.spec.recording import CAMERAS, HEAD, SHADERS, CameraType, RecordingS
 from rtphys.spec.stored import CLOSED, Extent
 from rtphys.spec.sweep import families, swept
 from rtphys.studies.rates import Cost, costs
-from rtphys.studies.resources import check_drawable, episode_bytes
+from rtphys.studies.resources import check_drawable, episode_bytes, first_props
 from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
 
@@ -69,6 +69,10 @@ class CertificationSpec:
             "A list that lacks one gains it, and keeps what it has."
         ),
     ] = REPLAYS
+
+    def __post_init__(self) -> None:
+        if "none" in self.replays and len({*self.replays}) > 1:
+            raise BadValue("replays", ",".join(self.replays), "none stands alone")
 
 
 @checked_dataclass(frozen=True)
@@ -115,8 +119,8 @@ def _acts(task: str, protocol: str) -> bool:
     alone = load_protocol(protocol).only
     if not alone:
         return True
-    has, keys = parts(load_task(task).props(FIRST_SEED)), domain_for_task(task).keys
-    return not all(why_idle(key, keys, has) for key in alone)
+    has, keys = parts(first_props(load_task(task), FIRST_SEED)), domain_for_task(task).keys
+    return not has or not all(why_idle(key, keys, has) for key in alone)
 
 
 @checked_dataclass(frozen=True)

@@ -54,6 +54,15 @@ def props_of(task: Task, layouts: int = LAYOUTS, first_seed: int = 0) -> list[Pr
     return found
 
 
+def first_props(task: Task, first_seed: int = 0) -> list[Prop]:
+    """The props of a task's first layout from a seed on; none where no seed soon has one.
+
+    Raises `BadFile`: its layout raises an error.
+    """
+    seeds = range(first_seed, first_seed + LAYOUTS)
+    return next(filter(None, (props_of(task, 1, seed) for seed in seeds)), [])
+
+
 def check_fits(recording: RecordingSpec) -> None:
     """Refuses senses that would make an episode too large for a worker. Raises `BadValue`."""
     if (size := MAX_FRAMES * recording.frame_bytes()) > LARGEST:
