@@ -1,13 +1,15 @@
 """How often the expert succeeds at each task, and what an episode costs; both as measured."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import cast
+from typing import Any, TypeVar
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile
 
-FILE = "rates"  # manifests/rates.yaml, written by scripts/rates.py
+T = TypeVar("T")
+
+RATES = "rates"  # manifests/rates.yaml, written by scripts/rates.py
 COSTS = "costs"  # manifests/costs.yaml, written by scripts/costs.py
 PROTOCOL = "phys_random_all"  # under which costs are measured
 # Of a protocol: CPU time and bytes of an episode as shares of those under `PROTOCOL`; one episode
@@ -39,22 +41,8 @@ class Rate:
 
 
 def rates() -> dict[str, dict[str, Rate]]:
-    """Task -> protocol -> rate; empty where nothing was measured.
-
-    Raises:
-        BadFile: the file is not what scripts/rates.py writes.
-    """
-    path = library.names("manifests").get(FILE)
-    if path is None:
-        return {}
-    try:
-        rows = cast(Mapping[str, Mapping[str, Sequence[int]]], library.read_yaml(path))
-        return {
-            task: {protocol: Rate(*map(int, counts)) for protocol, counts in of_task.items()}
-            for task, of_task in rows.items()
-        }
-    except (TypeError, ValueError, AttributeError) as problem:
-        raise BadFile(path, f"not a table of rates ({problem})") from problem
+    """Task -> protocol -> rate. Raises `BadFile`: the file is not what scripts/rates.py writes."""
+    return _table(RATES, lambda row: {name: Rate(*map(int, row[name])) for name in row})
 
 
 @dataclass(frozen=True)
@@ -66,19 +54,18 @@ class Cost:
 
 
 def costs() -> dict[str, Cost]:
-    """Task -> cost; tasks that were not measured are left out.
+    """Task -> cost. Raises `BadFile`: the file is not what scripts/costs.py writes."""
+    return _table(COSTS, lambda row: Cost(*map(float, row)))
 
-    Raises:
-        BadFile: the file is not what scripts/costs.py writes.
-    """
-    path = library.names("manifests").get(COSTS)
-    if path is None:
+
+def _table(name: str, read: Callable[[Any], T]) -> dict[str, T]:
+    """Task -> its row of a file of manifests; without tasks that were not measured."""
+    if (path := library.names("manifests").get(name)) is None:
         return {}
     try:
-        rows = cast(Mapping[str, Sequence[float]], library.read_yaml(path))
-        return {task: Cost(*map(float, row)) for task, row in rows.items()}
-    except (TypeError, ValueError) as problem:
-        raise BadFile(path, f"not a table of costs ({problem})") from problem
+        return {task: read(row) for task, row in library.read_yaml(path).items()}
+    except (TypeError, ValueError, AttributeError) as problem:
+        raise BadFile(path, f"not a table of {name} ({problem})") from problem
 
 
 def like(textured: bool, varied: bool) -> str:
