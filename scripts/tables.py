@@ -12,19 +12,21 @@ from functools import cache
 from pathlib import Path
 
 import coverage
+import numpy as np
 import policy_tables
 from com_inside import Bodies, narrowed, survival
 from masses import theirs as robotwin_mass
+from numpy.typing import NDArray
 
 import results
 from rtphys import task as vocabulary
 from rtphys.analysis.identify import read_result
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
+from rtphys.core.poses import Array
 from rtphys.data.schema import FailureMeta
 from rtphys.physics import attributes, load_domain
 from rtphys.physics.load import domain_for_task
-from rtphys.policies.experts import OTHER
 from rtphys.report import figures
 from rtphys.results import Rate
 from rtphys.results.instances import BENCHMARK, InstanceList, read_lists
@@ -45,7 +47,7 @@ EPISODES = 100  # of each task
 BEFORE = ("unsettled", "layout", "invalid_physics")  # reasons of a seed that does not begin
 SHUFFLED = "expert:shuffled"
 # Tasks whose hidden value is continuous: whether one value will do for another one.
-NEAR: dict[str, Callable[[float, float], bool]] = {
+NEAR: dict[str, Callable[[Array, Array], NDArray[np.bool_]]] = {
     "balance_the_bar": lambda true, taken: abs(taken - true) < 0.02,  # half of the support
     "carry_the_loaded": lambda true, taken: abs(taken - true) < 0.04,  # two thirds on a hand
     "slide_to_mark": lambda true, taken: abs(taken / true - 1) < 0.02 / 0.1375,  # half the mark
@@ -393,19 +395,17 @@ def _worth(first: str, second: str) -> str:
 
 @cache
 def _chance(task: str) -> float:
-    """How often another episode's hidden values lead to what these ask for, of 5,000 pairs."""
-    domain = domain_for_task(task).by_prop
+    """How often another seed's hidden values lead to what these ask for, of all pairs of 1,000."""
+    domain, seeds = domain_for_task(task).by_prop, range(1000)
     keys = [key for key in domain.keys if "@" in key]
-
-    def hidden(seed: int) -> list[float]:
-        drawn = domain.sample(seed, keys, task=task)
-        return [_first(drawn[key]) for key in keys]
-
-    pairs = [(hidden(seed), hidden(seed + OTHER)) for seed in range(5000)]
+    draws = (domain.sample(seed, keys, task=task) for seed in seeds)
+    hidden = np.array([[_first(drawn[key]) for key in keys] for drawn in draws])
     if task in NEAR:
-        return sum(NEAR[task](true[0], taken[0]) for true, taken in pairs) / len(pairs)
-    ranks = [[sorted(range(len(keys)), key=one.__getitem__) for one in pair] for pair in pairs]
-    return sum(true == taken for true, taken in ranks) / len(ranks)
+        right = NEAR[task](hidden[:, None, 0], hidden[:, 0])
+    else:
+        order = hidden.argsort()
+        right = (order[:, None] == order).all(axis=-1)
+    return (right.sum() - len(seeds)) / (len(seeds) * (len(seeds) - 1))  # none with itself
 
 
 def _first(value: object) -> float:

@@ -7,6 +7,7 @@ import robotless
 from collecting import PLAN, complete
 from quick_pool import QuickPool
 
+from rtphys.campaign.local import LocalPool
 from rtphys.studies import collect as collect_module
 from rtphys.studies.collect import collect
 from rtphys.studies.requests import Run
@@ -30,9 +31,10 @@ def without_robot(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def slow_disk(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The same in worker processes, where a write takes long."""
+    """The same in worker processes, where a write takes long; after `without_robot`, too."""
     _do_without_robot(monkeypatch)
     monkeypatch.setattr(collect_module, "CollectWorker", robotless.SlowCollector)
+    monkeypatch.setattr(collect_module, "LocalPool", LocalPool)
 
 
 def _do_without_robot(monkeypatch: pytest.MonkeyPatch) -> None:
