@@ -43,7 +43,7 @@ wheel: setup-test ## build the wheel into dist/ and try it in a clean environmen
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 	$(BIN)/python -m pytest -m slow tests/test_wheel.py
 
-release: setup-test ## wheel and sdist of a finished version in dist/, each tried in a clean environment
+release: setup-test ## wheel and sdist of a finished version in dist/, tried in a clean environment
 	$(BIN)/python scripts/release.py
 	$(BIN)/python -m pytest -m slow tests/test_wheel.py
 

@@ -1,4 +1,4 @@
-"""Build wheel and sdist into dist/: `make release`, which also tries both.
+"""Build wheel and sdist into dist/: `make release`, which also tries the wheel.
 
 Refuses before that if the files that name the version or its date disagree.
 """
