@@ -29,7 +29,9 @@ def examples(episode: Episode) -> tuple[Numbers, dict[str, Numbers], Numbers]:
     end = min(max(end, 2), len(episode))
     command = episode.state[:end]
     following = np.minimum(np.arange(end)[:, None] + np.arange(1, CHUNK + 1), end - 1)
-    poses = {name: episode.poses(name)[:end] for name in episode.frames.object_poses}
+    # Clutter differs from episode to episode, and the policy is not shown it.
+    names = [name for name in episode.frames.object_poses if not name.startswith("clutter")]
+    poses = {name: episode.poses(name)[:end] for name in names}
     return command, poses, command[following]
 
 

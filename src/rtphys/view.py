@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from uuid import uuid4
 
 import numpy as np
 import rerun as rr
@@ -30,7 +31,9 @@ def record(episode: Episode, scene: Sequence[Solid3D], path: Path | None = None)
 
     Raises `BadFile`: the episode is damaged; `CannotWrite`: the file system refuses.
     """
-    stream = rr.RecordingStream(APPLICATION, recording_id=episode.name)
+    # A viewer shows recordings of one id as one, and other datasets have episodes of this name.
+    stream = rr.RecordingStream(APPLICATION, recording_id=uuid4())
+    stream.send_recording_name(episode.name)
     if path is None:
         stream.spawn(default_blueprint=blueprint(episode))
         log_episode(stream, episode, scene)

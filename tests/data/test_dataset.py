@@ -10,6 +10,7 @@ import types
 from dataclasses import replace
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import synthetic
@@ -45,6 +46,27 @@ def test_lists_episodes_by_seed(dataset: Dataset) -> None:
     assert dataset.where(task="click_bell", protocol="phys_random")[2].number == 2
     with pytest.raises(UnknownName, match="did you mean 'click_bell'"):
         dataset.where(task="click_bel")
+
+
+def test_a_broken_picture_is_named(dataset: Dataset, tmp_path: Path) -> None:
+    """As one on a damaged disk: by its file, camera and frame, whoever looks at it."""
+    shutil.copytree(dataset.path, tmp_path / "data")
+    episode = Dataset(tmp_path / "data")[1]
+    native = episode.layout == "native"
+    key = "vision/cam_left_wrist/colors" if native else "observation/left_camera/rgb"
+    with h5py.File(episode.paths.hdf5, "r+") as file:
+        streams = file[key][()]
+        streams[2] = streams[2][:20]
+        file[key][...] = streams
+    named = f"{episode.paths.hdf5}: left_camera, frame 2: .* no JPEG picture"
+    for look in (
+        lambda: episode.image("left_camera", 2),
+        lambda: episode.images("left_camera"),
+        lambda: [*episode.each_image("left_camera")],
+    ):
+        with pytest.raises(BadFile, match=named):
+            look()
+    assert episode.image("left_camera", 1).any()
 
 
 def test_a_part_by_physics_and_by_seeds(dataset: Dataset) -> None:

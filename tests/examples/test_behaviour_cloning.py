@@ -2,15 +2,21 @@
 
 # pyright: reportMissingImports=false
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import synthetic
+import train
 from features import CHUNK, features
 from mlp import Adam, Mlp
 
 from rtphys.assets.pack import default_pack
 from rtphys.core.poses import axis_angle
+from rtphys.data.dataset import Dataset
+from rtphys.data.staging import stage_episode
+from rtphys.data.writer import DatasetWriter
 from rtphys.episode import begin
 from rtphys.policies import PolicySetup, open_policy
 from rtphys.spec.episode import EpisodeSpec
@@ -56,6 +62,18 @@ def test_features_do_not_know_a_quaternions_sign() -> None:
     plus, minus = (features(np.zeros((1, 14)), one) for one in poses)
     np.testing.assert_array_equal(plus, minus)
     np.testing.assert_allclose(plus[0, 17:20], [np.cos(0.5), np.sin(0.5), 0], atol=1e-6)
+
+
+def test_clutter_is_left_out(tmp_path: Path) -> None:
+    """Of `phys_random_all`, which `collect` takes by default: the policy is not shown it."""
+    frames = synthetic.frames_of(0)
+    poses = {**frames.object_poses, "clutter0": frames.object_poses["bell"]}
+    made = replace(synthetic.episode(0), frames=replace(frames, object_poses=poses))
+    with DatasetWriter(tmp_path) as data:
+        task = data.task(synthetic.header())
+        task.record(stage_episode(task.staging(0), made))
+    assert "clutter0" in Dataset(tmp_path)[0].frames.object_poses
+    assert [*train.examples(Dataset(tmp_path)[0])[1]] == ["bell"]
 
 
 @pytest.mark.sim

@@ -44,9 +44,14 @@ def test_card_counts(dataset: Dataset) -> None:
 
 
 def test_a_date_that_is_none_is_refused() -> None:
-    for text in ("soon", "2026-13-01", "21.11.2026"):
+    for text in ("soon", "2026-13-01", "21.11.2026", "20261121", "2026-W47-6"):
         with pytest.raises(BadValue, match=rf"published = '{text}'.*allowed: YYYY-MM-DD"):
             CardText(published=text)
+
+
+def test_a_name_that_is_not_utf8_is_refused() -> None:
+    with pytest.raises(BadValue, match=r"name = .*UTF-8"):
+        CardText(name="caf\udce9")
 
 
 def test_the_licence_is_spelled_as_each_reader_spells_it(dataset: Dataset) -> None:
@@ -129,6 +134,20 @@ def test_croissant_has_a_record_per_episode(dataset: Dataset) -> None:
     assert [set(row) for row in records["data"]] == [fields] * 3
     assert [row["episodes/seed"] for row in records["data"]] == [0, 1, 3]
     assert records["data"][1]["episodes/friction"] == dataset[1].physics["friction"]
+
+
+def test_croissant_has_every_field_in_each_record(tmp_path: Path) -> None:
+    """Mlcroissant refuses a record set in which a line lacks a column."""
+    collect(tmp_path, 1)
+    collect(tmp_path, 1, synthetic.header(overrides={"friction@bell": 0.1}))
+    data = Dataset(tmp_path)
+    labels = data[1].meta.attributes
+    labels["friction@bell"] = labels["friction"]  # type: ignore[index]
+    (records,) = croissant(data, TEXT)["recordSet"]  # type: ignore[misc]
+    fields = {field["@id"] for field in records["field"]}
+    assert "episodes/friction@bell" in fields
+    assert [set(row) for row in records["data"]] == [fields] * 2
+    assert records["data"][0]["episodes/friction@bell"] is None
 
 
 def test_the_card_identifies_the_dataset_and_each_episode(dataset: Dataset) -> None:

@@ -531,6 +531,17 @@ def test_an_export_that_could_not_be_moved_goes_on(
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
+def test_a_disk_that_is_full_where_files_are_joined_is_named(
+    dataset: Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(pa, "concat_tables", full)
+    with pytest.raises(CannotWrite, match=f"cannot write {tmp_path / 'out'}: the disk is full"):
+        export(dataset, tmp_path / "out")
+
+
 @pytest.mark.parametrize("version", ["v3.0", "v2.1"])
 @pytest.mark.parametrize("sentences", ["all", "task"])
 def test_sentences_are_chosen(

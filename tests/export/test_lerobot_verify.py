@@ -117,6 +117,16 @@ def test_a_picture_that_differs_is_named(
     assert re.search(told, problems[-1])
 
 
+def test_a_file_that_is_cut_short_is_named(exported: Path, dataset: Dataset) -> None:
+    assert verify_export(exported, dataset) == []
+    for path in (max((exported / "videos").rglob("*.mp4")), *(exported / "data").rglob("*.parq*")):
+        whole = path.read_bytes()
+        path.write_bytes(whole[: len(whole) // 2])
+        with pytest.raises(BadFile, match=re.escape(str(path))):
+            verify_export(exported, dataset)
+        path.write_bytes(whole)
+
+
 def test_what_was_made_of_another_dataset_is_refused(
     exported: Path, dataset: Dataset, tmp_path: Path
 ) -> None:

@@ -11,7 +11,7 @@ from websockets.sync.server import ServerConnection
 
 from rtphys.core.errors import BadFile
 from rtphys.episode import PolicyEpisode
-from rtphys.policies import PolicySetup, ServerFailed
+from rtphys.policies import PolicyGone, PolicySetup, ServerFailed
 from rtphys.policies.websocket import MSGPACK_NUMPY
 from rtphys.policies.xpolicylab import XPolicyLab, action_of, chunk_of, open_xpolicylab
 
@@ -137,6 +137,40 @@ def test_a_bad_answer_is_the_policys_failure_and_the_next_episode_goes_on(
         for _ in range(2):
             with pytest.raises(ServerFailed, match=r"^ws://127\.0\.0\.1:\d+: "):
                 policy.play(new_episode())
+
+
+@pytest.mark.parametrize("last", [None, b"\xc1", "Traceback"])
+def test_an_episode_is_decided_whatever_the_server_does_at_its_end(
+    last: bytes | str | None, new_episode: Callable[[], PolicyEpisode]
+) -> None:
+    """Where it closed the connection instead, no run could finish its last episode."""
+
+    def handle(socket: ServerConnection) -> None:
+        for raw in socket:
+            frame: Any = MSGPACK_NUMPY.unpack(raw)  # type: ignore[arg-type]
+            kind, answer = frame["message_type"], {}
+            if kind == "trial_end":
+                if last is None:
+                    return
+                socket.send(last)
+                continue
+            if kind == "infer":
+                state = frame["payload"]["observation"]["state"]
+                answer = {"actions": {key: state[key] for key in state if "joint_state" in key}}
+            socket.send(
+                MSGPACK_NUMPY.pack({**frame, "message_type": ANSWER[kind], "payload": answer})
+            )
+
+    with serving(handle) as where:
+        policy = open_xpolicylab(where, PolicySetup())
+        episode = new_episode()
+        episode.step_limit = 2
+        policy.play(episode)
+        assert episode.taken == 2
+        if last is None:
+            with pytest.raises(PolicyGone):
+                policy.play(new_episode())
+        policy.close()
 
 
 def test_wrong_options_are_named() -> None:

@@ -14,7 +14,7 @@ from functools import cached_property, partial
 from itertools import chain
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple, SupportsIndex, cast, overload
+from typing import TYPE_CHECKING, Literal, NamedTuple, SupportsIndex, TypeVar, cast, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,7 @@ from rtphys.spec.sweep import families
 if TYPE_CHECKING:
     from pandas import DataFrame  # type: ignore[import-untyped]
 
+Read = TypeVar("Read")
 
 FACTS = ("task", "config", "embodiment", "seed", "number", "frames", "outcome")
 """First columns of a table of episodes; those of the attributes follow."""
@@ -136,23 +137,36 @@ class Episode:
         return len(self.frames)
 
     def image(self, camera: str, frame: int) -> NDArray[np.uint8]:
-        """One picture (H, W, 3), RGB. Raises `UnknownName`, `IndexError`."""
-        return jpeg.decode(self._file.stream(camera, frame))
+        """One picture (H, W, 3), RGB. Raises `UnknownName`, `IndexError`, `BadFile`."""
+        return self._picture(jpeg.decode, camera, frame, self._file.stream(camera, frame))
 
     def images(self, camera: str) -> NDArray[np.uint8]:
         """All pictures of a camera (T, H, W, 3), RGB. Raises `UnknownName`, `BadFile`."""
         streams = self._file.streams(camera)
-        shapes = {jpeg.shape_of(stream) for stream in streams}
+        shapes = {self._picture(jpeg.shape_of, camera, t, one) for t, one in enumerate(streams)}
         if len(shapes) > 1:
             raise BadFile(self.paths.hdf5, f"pictures of {camera} differ in size")
         if (size := len(streams) * max(map(math.prod, shapes), default=0)) > MAX_PICTURES:
             problem = f"{size} bytes of pictures of {camera}; take them with each_image"
             raise BadFile(self.paths.hdf5, problem)
-        return np.stack([*map(jpeg.decode, streams)])
+        return np.stack([self._picture(jpeg.decode, camera, *one) for one in enumerate(streams)])
 
     def each_image(self, camera: str) -> Iterator[NDArray[np.uint8]]:
-        """The pictures of a camera one after the other, (H, W, 3) RGB. Raises `UnknownName`."""
-        return map(jpeg.decode, self._file.streams(camera))
+        """The pictures of a camera one after the other, (H, W, 3) RGB.
+
+        Raises `UnknownName`, `BadFile`.
+        """
+        streams = enumerate(self._file.streams(camera))
+        return (self._picture(jpeg.decode, camera, t, stream) for t, stream in streams)
+
+    def _picture(
+        self, read: Callable[[bytes], Read], camera: str, frame: int, stream: bytes
+    ) -> Read:
+        """What is read of a picture's stream. Raises `BadFile`: it is broken."""
+        try:
+            return read(stream)
+        except jpeg.BadImage as error:
+            raise BadFile(self.paths.hdf5, f"{camera}, frame {frame}: {error}") from error
 
     def poses(self, name: str, order: Literal["wxyz", "xyzw"] = "wxyz") -> NDArray[np.float64]:
         """(T, 7) xyz [m] + quaternion in the order asked for, world frame.

@@ -108,8 +108,8 @@ def export_lerobot(
                 parts.add(replace(episode))  # a copy, which takes what was read of it with it
             if progress:
                 progress(done, len(dataset))
-        whole = _v21(parts) if spec.version == "v2.1" else _v30(parts, part / "whole")
         with files.refusals(out):
+            whole = _v21(parts) if spec.version == "v2.1" else _v30(parts, part / "whole")
             if out.exists():
                 out.rmdir()
             whole.rename(out)
@@ -242,7 +242,7 @@ def _v21(parts: _Parts) -> Path:
         "tasks.jsonl": tasks,
     }
     for name, rows in lines.items():
-        with files.refusals(meta / name), (meta / name).open("wb") as file:
+        with (meta / name).open("wb") as file:
             file.writelines(compact(plain(row)) + b"\n" for row in rows)
     # GR00T's slices of the vectors.
     slices: dict[str, object] = {}
@@ -347,14 +347,13 @@ def _join_videos(parts: _Parts, root: Path, key: str, records: list[dict[str, ob
         record |= {**place, f"videos/{key}/to_timestamp": (first + rows) / rate}
         first += rows
         path = root / VIDEO_V30.format(video_key=key, **_at(number))
-        with files.refusals(path):
-            if joined is None:
-                path.parent.mkdir(parents=True, exist_ok=True)
-                joined = VideoJoiner(path, parts.plan.rate)
-            joined.add(files.read(parts.path(VIDEO_V21, n, key)))
-            if joined.size > VIDEO_MB * 1_000_000 or n + 1 == len(records):
-                joined.finish()
-                number, first, joined = number + 1, 0, None
+        if joined is None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            joined = VideoJoiner(path, parts.plan.rate)
+        joined.add(files.read(parts.path(VIDEO_V21, n, key)))
+        if joined.size > VIDEO_MB * 1_000_000 or n + 1 == len(records):
+            joined.finish()
+            number, first, joined = number + 1, 0, None
 
 
 def _write_episodes(parts: _Parts, path: Path, records: list[dict[str, object]]) -> None:
@@ -371,8 +370,7 @@ def _write_episodes(parts: _Parts, path: Path, records: list[dict[str, object]])
                     values = [stats[feature][name].tolist() for stats in found]
                     table = table.append_column(f"stats/{feature}/{name}", pa.array(values))
             if writer is None:
-                with files.refusals(path):
-                    writer = open_file.enter_context(pq.ParquetWriter(path, table.schema))
+                writer = open_file.enter_context(pq.ParquetWriter(path, table.schema))
             writer.write_table(table)
 
 

@@ -77,7 +77,7 @@ class _Export:
     """An export's files, found by its own metadata. Raises `BadFile`: other episodes are there."""
 
     def __init__(self, out: Path, version: str, episodes: int) -> None:
-        self._out = out
+        self._out, self._table = out, lru_cache(maxsize=2)(_table)
         self._info = parse_mapping(files.read(path := out / "meta/info.json"), path)
         if (total := self._info.get("total_episodes")) != episodes:
             raise BadFile(path, f"holds {total} episodes, not {episodes}")
@@ -91,7 +91,7 @@ class _Export:
     def _listed(self, v30: str, v21: str) -> Sequence[Mapping[str, object]]:
         """The rows of a table in `meta/`, each version's own. Raises `BadFile`."""
         if self._v30:
-            return _table(self._out / v30).to_pylist()
+            return self._table(self._out / v30).to_pylist()
         path = self._out / v21
         return [parse_mapping(line, path) for line in files.read(path).splitlines()]
 
@@ -113,8 +113,8 @@ class _Export:
         wanted = columns_of(episode, at, plan)
         rows = len(wanted["index"])
         path = self._path("data", at.episode)
-        first = at.first - int(_table(path)["index"][0].as_py())
-        found = table_columns(_table(path).slice(first, rows))
+        first = at.first - int(self._table(path)["index"][0].as_py())
+        found = table_columns(self._table(path).slice(first, rows))
         for name in dict.fromkeys([*wanted, *found]):
             same = name in found and name in wanted and np.array_equal(found[name], wanted[name])
             if not same:
@@ -142,7 +142,7 @@ class _Export:
             start = round(begins * float(str(self._info["fps"])))
         before, position, reel = self._reels.get(key, (None, 0, iter(())))
         if (before, position) != (path, start):
-            reel = islice(video.decode(files.read(path)), start, None)
+            reel = islice(_decoded(path), start, None)
         self._reels[key] = (path, start + rows, reel)
         return islice(reel, rows)
 
@@ -168,7 +168,14 @@ def _distance(one: Picture, other: Picture) -> float:
     return float(np.abs(one.astype(np.int32) - other).mean()) if one.shape == other.shape else 255.0
 
 
-@lru_cache(maxsize=2)
+def _decoded(path: Path) -> Iterator[Picture]:
+    """The pictures of a video. Raises `BadFile`."""
+    try:
+        yield from video.decode(files.read(path))
+    except video.BadVideo as error:
+        raise BadFile(path, str(error)) from error
+
+
 def _table(path: Path) -> pa.Table:
     """A Parquet file. Raises `BadFile`."""
     try:

@@ -100,7 +100,7 @@ class XPolicyLab:
                 if episode.act(action, kind) or episode.over:
                     break
                 now = episode.observe()
-        with suppress(ServerFailed):  # the episode is decided, whatever the server answers
+        with suppress(RtphysError):  # the episode is decided, whatever the server does now
             self._request("trial_end", {"trial_id": trial, **what, "success": episode.success})
 
     def _request(
