@@ -3,11 +3,9 @@
 # pyright: reportIndexIssue=false, reportArgumentType=false
 # pyright: reportCallIssue=false, reportAttributeAccessIssue=false
 
-import pickle
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 
 import gymnasium
@@ -19,7 +17,7 @@ from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 
 from rtphys.assets.pack import default_pack
 from rtphys.core import library
-from rtphys.core.errors import BadFile, BadValue, Infeasible, RtphysError, UnknownName
+from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.episode.control import actions_of
 from rtphys.episode.generate import attempt
 from rtphys.episode.policy_episode import PolicyEpisode, begin
@@ -278,47 +276,6 @@ def test_what_is_wrong_with_an_argument_is_said(of: dict, problem: str) -> None:
 
 def make() -> TaskEnv:
     return TaskEnv("click_bell", "phys_random")
-
-
-@pytest.mark.parametrize(
-    ("act", "kind"),
-    [
-        (lambda env: env.step(np.full(14, np.nan, np.float32)), BadValue),
-        (lambda env: env.reset(options={"protocoll": "clean"}), UnknownName),
-        (lambda env: env.reset(options={"index": 0, "protocol": "mine"}), BadFile),
-    ],
-)
-def test_an_error_can_be_raised_again_in_another_process(
-    act: Callable[[TaskEnv], object],
-    kind: type[RtphysError],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """AsyncVectorEnv calls `type(error)(error)`: a TypeError hid what was wrong."""
-    (tmp_path / "protocols").mkdir()
-    (tmp_path / "protocols" / "mine.yaml").write_text("{}")
-    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
-    env = make()
-    env.reset(seed=0)
-    with pytest.raises(kind) as caught:
-        act(env)
-    sent, value = pickle.loads(pickle.dumps((caught.type, caught.value)))
-    again = sent(value)
-    assert isinstance(again, kind) and str(again) == str(caught.value)
-    assert vars(again).keys() == vars(caught.value).keys()
-
-
-@pytest.mark.slow
-def test_a_vector_environment_says_what_is_wrong() -> None:
-    many = AsyncVectorEnv([make], context="spawn")
-    try:
-        many.reset(seed=[7])
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with pytest.raises(BadValue, match="it is 14 finite numbers"):
-                many.step(np.full((1, 14), np.nan, np.float32))
-    finally:
-        many.close(terminate=True)
 
 
 @pytest.mark.slow

@@ -14,7 +14,6 @@ from rtphys.episode import PolicyEpisode, begin
 from rtphys.episode.control import ActionKind
 from rtphys.episode.policy_episode import joint_positions, object_poses
 from rtphys.gym import shapes
-from rtphys.gym.errors import raised_again
 from rtphys.physics.attribute import is_attribute
 from rtphys.physics.domain import check_overrides
 from rtphys.physics.idle import why_idle
@@ -132,7 +131,6 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         load_protocol(spec.protocol)
         return spec
 
-    @raised_again()
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, object] | None = None
     ) -> tuple[Obs, Info]:
@@ -181,7 +179,6 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             if why := why_idle(key, instance.physics, parts(instance.props), value):
                 gymnasium.logger.warn(f"{key} could not act in {spec.task}: {why}")
 
-    @raised_again()
     def step(self, action: NDArray[np.float32]) -> tuple[Obs, float, bool, bool, Info]:
         """Carry out one action, clipped to the limits.
 
