@@ -2,7 +2,9 @@
 
 import ast
 import importlib
+import os
 import re
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -48,6 +50,20 @@ def test_the_certified_versions_are_above_the_floors() -> None:
 
 def numbers(version: str) -> list[int]:
     return [int(part) for part in version.split(".")]
+
+
+def test_the_set_up_takes_a_python_whose_path_has_a_space(tmp_path: Path) -> None:
+    text = (ROOT / "scripts" / "setup.sh").read_text()
+    found = re.search(r"^find_python\(\) \{.*?^\}", text, re.DOTALL | re.MULTILINE)
+    assert found is not None
+    (tmp_path / "my python").mkdir()
+    (python := tmp_path / "my python" / "python").symlink_to(sys.executable)
+    words, place = (
+        ["bash", "-euc", f"{found[0]}\nfind_python"],
+        {**os.environ, "PYTHON": str(python)},
+    )
+    done = subprocess.run(words, env=place, check=False, capture_output=True, text=True)
+    assert (done.stdout.strip(), done.returncode) == (str(python), 0)
 
 
 @pytest.mark.parametrize("name", ["CITATION.cff", ".pre-commit-config.yaml"])
