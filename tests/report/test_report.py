@@ -159,7 +159,7 @@ def shown(page: Path) -> str:
 
 
 def test_a_page_of_very_many_attempts(page: Path, tmp_path: Path) -> None:
-    """A function of JavaScript takes about 100,000 arguments, of Safari 65,536."""
+    """A function of node takes about 125,000 arguments."""
     facts = data(page)
     facts["attempts"] *= 40_000
     text = json.dumps(facts).replace("<", "\\u003c")
@@ -172,7 +172,7 @@ def test_a_page_of_very_many_attempts(page: Path, tmp_path: Path) -> None:
 def test_pictures_beyond_what_a_page_holds_are_those_of_the_videos(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Browsers read no page of half a gigabyte: 100,000 thumbnails would be more."""
+    """V8 holds no text of half a gigabyte: 100,000 thumbnails would be more."""
     collect(tmp_path / "kept", 9, synthetic.header(keep_failures="all"), attempts=7)
     monkeypatch.setattr(module, "EMBEDDED", -1)
     out = write_report(Dataset(tmp_path / "kept"), tmp_path / "report.html")
