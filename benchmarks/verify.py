@@ -15,6 +15,8 @@ import tempfile
 import time
 from pathlib import Path
 
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
+
 from typical import collect_typical
 
 from rtphys.data.check_episode import Effort

@@ -8,6 +8,7 @@ that the file has with so many seeds and this code are not tried again.
 from collections import Counter
 from typing import Annotated
 
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 import typer
 
 import results

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Annotated
 
+import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 import typer
 
 import results

@@ -29,8 +29,9 @@ driver_key() { hash_of /etc/os-release /usr/share/vulkan/icd.d/* /etc/vulkan/icd
 stamped() { [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]; }
 
 find_python() {
-    local name
-    for name in ${PYTHON:-python3 python3.13 python3.12 python3.11}; do
+    local name names=(python3 python3.13 python3.12 python3.11)
+    [ -z "${PYTHON:-}" ] || names=("$PYTHON")
+    for name in "${names[@]}"; do
         if "$name" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null; then
             command -v "$name"
             return

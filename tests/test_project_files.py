@@ -2,7 +2,10 @@
 
 import ast
 import importlib
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -49,6 +52,20 @@ def numbers(version: str) -> list[int]:
     return [int(part) for part in version.split(".")]
 
 
+def test_the_set_up_takes_a_python_whose_path_has_a_space(tmp_path: Path) -> None:
+    text = (ROOT / "scripts" / "setup.sh").read_text()
+    found = re.search(r"^find_python\(\) \{.*?^\}", text, re.DOTALL | re.MULTILINE)
+    assert found is not None
+    (tmp_path / "my python").mkdir()
+    (python := tmp_path / "my python" / "python").symlink_to(sys.executable)
+    words, place = (
+        ["bash", "-euc", f"{found[0]}\nfind_python"],
+        {**os.environ, "PYTHON": str(python)},
+    )
+    done = subprocess.run(words, env=place, check=False, capture_output=True, text=True)
+    assert (done.stdout.strip(), done.returncode) == (str(python), 0)
+
+
 @pytest.mark.parametrize("name", ["CITATION.cff", ".pre-commit-config.yaml"])
 def test_it_is_yaml(name: str) -> None:
     content = yaml.safe_load((ROOT / name).read_text())
@@ -71,3 +88,25 @@ def test_what_scripts_import_of_rtphys_is_there(path: Path) -> None:
             for name in (alias.name for alias in node.names):
                 if not hasattr(module, name):
                     importlib.import_module(f"{node.module}.{name}")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "benchmarks/gpu.py",
+        "benchmarks/verify.py",
+        "scripts/feasibility.py",
+        "scripts/pictures.py",
+        "scripts/robots.py",
+    ],
+)
+def test_what_simulates_or_verifies_in_its_own_process_asks_for_the_same_bits(name: str) -> None:
+    """Numpy's code for AVX-512 gives others: to `verify`, every dataset was damaged there."""
+    found = [
+        alias.name if isinstance(node, ast.Import) else str(node.module)
+        for node in ast.parse((ROOT / name).read_text()).body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for alias in node.names
+    ]
+    before = found[: found.index("rtphys.core.pinned")]
+    assert {one.partition(".")[0] for one in before} <= sys.stdlib_module_names

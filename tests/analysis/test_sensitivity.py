@@ -120,6 +120,26 @@ def test_what_could_not_act_is_said_and_has_no_answer(
     assert asked == {"friction"}
 
 
+def test_the_attribute_of_one_prop_can_be_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As `--set` and `collect --only` take it; a line says where a domain has no rule for it."""
+    monkeypatch.setattr(module, "run_all", lambda *_: None)
+    monkeypatch.setattr(TaskSensitivity, "rounds", lambda self: iter(()))
+    search, heard = SearchSpec(("friction@puck", "table_tilt"), seeds=1, steps=1), Silent()
+    plan = SensitivityPlan(("slide_to_mark", "turn_switch"), search, tmp_path, 1)
+    sensitivity(plan, PACK, heard)
+    assert heard.read == [
+        "table_tilt could not act in slide_to_mark: domain slide_to_mark does not vary it",
+        "friction@puck could not act in turn_switch: domain turn_switch does not vary it",
+    ]
+    ground = fingerprint_of(load_task("slide_to_mark"), "phys_random", PACK).to_json()
+    found = TaskSensitivity(plan, TaskSpec("slide_to_mark", search, ground)).bisections
+    assert [one.axis.key for one in found] == ["friction@puck"]
+    with pytest.raises(UnknownName, match=r"unknown attribute 'fraction'; did you mean 'friction'"):
+        SearchSpec(("fraction@puck",))
+
+
 @pytest.mark.sim
 def test_a_camera_cannot_matter_open_loop_and_a_lower_table_must(tmp_path: Path) -> None:
     (result,) = sensitivity(plan(tmp_path / "one"), PACK)

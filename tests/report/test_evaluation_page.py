@@ -41,6 +41,16 @@ def test_a_page_has_every_failure_and_its_video(tmp_path: Path) -> None:
     assert "0.05" in first and "table_tilt" not in first, "what could not act is left out"
 
 
+def test_the_failure_of_a_single_episode_has_its_physics(tmp_path: Path) -> None:
+    """Nothing varies there; what is nominal in all episodes is left out."""
+    physics = {"friction": 0.05, "table_tilt": 0.0, "center_of_mass": [0.0, 0.0, 0.0]}
+    listed, records = instances("click_bell", "clean", 1), [record(1, False, physics=physics)]
+    write_results(tmp_path, EvaluationSpec("idle"), listed, records)
+    assert CliRunner().invoke(app, ["report", str(tmp_path)]).exit_code == 0
+    (physics,) = re.findall(r"<dl>(.*?)</dl>", (tmp_path / "report.html").read_text())
+    assert physics == "<dt>friction</dt><dd>0.05</dd>"
+
+
 def test_an_unfinished_evaluation_is_called_so_and_nothing_is_ignored(tmp_path: Path) -> None:
     listed = instances("click_bell", "clean", 1, 2, 3)
     write_results(tmp_path, EvaluationSpec("idle"), listed, [record(1), record(2)])

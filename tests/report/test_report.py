@@ -4,6 +4,7 @@ import copy
 import json
 import re
 import shutil
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from collected import collect, outcome
 from rtphys.data.dataset import Dataset
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter
+from rtphys.report import page as module
 from rtphys.report.page import axes, write_report
 
 
@@ -129,6 +131,56 @@ def test_part_of_a_dataset(dataset: Dataset, tmp_path: Path) -> None:
     path = write_report(dataset.where(task="click_bell"), tmp_path / "part.html")
     assert [leaf["task"] for leaf in data(path)["leaves"]] == ["click_bell"]
     assert len(data(path)["attempts"]) == 4
+
+
+# A document that takes everything, and prints what the page's script has made.
+DOCUMENT = r"""
+const page = require("fs").readFileSync(process.argv[1], "utf8");
+const data = page.match(/id="data">([^]*?)<[/]script>/)[1];
+const made = tag => ({tag, style: {}, value: "", children: [], setAttribute() {},
+  append(...all) { this.children.push(...all); }, replaceChildren(...all) { this.children = all; },
+  get firstChild() { return this.children[0]; }, addEventListener() {}});
+const known = {data: {textContent: data}};
+const createElement = made, createElementNS = (_, tag) => made(tag);
+globalThis.document = {getElementById: id => known[id] ||= made(), createElement, createElementNS};
+new Function(page.match(/<script>([^]*)<[/]script>/)[1])();
+const [card] = known.episodes.children;
+console.log([known.counts.textContent, card.children[0].tag, card.children[0].autoplay].join("; "));
+"""
+
+
+def shown(page: Path) -> str:
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("needs node")
+    done = subprocess.run([node, "-e", DOCUMENT, page], check=False, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_a_page_of_very_many_attempts(page: Path, tmp_path: Path) -> None:
+    """A function of node takes about 125,000 arguments."""
+    facts = data(page)
+    facts["attempts"] *= 40_000
+    text = json.dumps(facts).replace("<", "\\u003c")
+    many = tmp_path / "many.html"
+    many.write_text(re.sub(r'(id="data">).*?(</script>)', lambda m: m[1] + text + m[2],
+                           page.read_text()))  # fmt: skip
+    assert shown(many).startswith("5 episodes, 240000 attempts (83 % accepted), 2 of 2")
+
+
+def test_pictures_beyond_what_a_page_holds_are_those_of_the_videos(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """V8 holds no text of half a gigabyte: 100,000 thumbnails would be more."""
+    collect(tmp_path / "kept", 9, synthetic.header(keep_failures="all"), attempts=7)
+    monkeypatch.setattr(module, "EMBEDDED", -1)
+    out = write_report(Dataset(tmp_path / "kept"), tmp_path / "report.html")
+    facts = data(out)
+    assert {one["thumb"] for one in facts["episodes"]} == {""}
+    assert [one["around"] for one in facts["failures"]] == [[], []]
+    assert facts["episodes"][0]["video"].endswith(".mp4") and out.stat().st_size < 100_000
+    assert shown(out).endswith("; video; false")
 
 
 def test_in_a_browser(page: Path) -> None:

@@ -111,6 +111,23 @@ def test_plot_draws_target_and_measured_of_every_joint(dataset: Dataset) -> None
     assert joint_plot(dataset[0]) == joint_plot(dataset[0])
 
 
+@pytest.mark.parametrize("joints", [(7, 6), (6, 7)])
+def test_arms_of_a_pair_may_have_different_numbers_of_joints(
+    tmp_path: Path, joints: tuple[int, int]
+) -> None:
+    """Grippers share the last row."""
+    with DatasetWriter(tmp_path) as writer:
+        task = writer.task(header := synthetic.header(embodiment="franka-panda,piper,0.8"))
+        frames = synthetic.frames_of(0, joints=joints)
+        episode = replace(synthetic.episode(0, spec=header.spec.episode), frames=frames)
+        task.record(stage_episode(task.staging(0), episode, "native"))
+    episode = Dataset(tmp_path)[0]
+    root = ElementTree.fromstring(joint_plot(episode))
+    drawn = {group.attrib.get("id", "") for group in root.iter(f"{SVG}g")}
+    assert {f"commanded {panel.title}" for panel in panels(episode.frames)} <= drawn
+    assert len(panels(episode.frames)) == sum(joints) + 2
+
+
 def test_a_panel_pairs_command_and_joint_by_name(dataset: Dataset) -> None:
     frames = dataset[0].frames
     right = panels(frames)[7 + 3]

@@ -37,7 +37,7 @@ def test_pairs_are_counted() -> None:
     pairs = [(True, True)] * 5 + [(True, False)] * 3 + [(False, True)] + [(False, False)]
     assert paired(pairs) == Paired(5, 3, 1, 1)
     assert paired(pairs).difference == pytest.approx(-0.2)
-    assert paired([]).difference is None
+    assert paired([]).difference is None and paired([]).to_json()["p"] is None
 
 
 def test_p_values_are_adjusted_for_how_many_there_are() -> None:

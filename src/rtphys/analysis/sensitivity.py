@@ -297,13 +297,20 @@ class TaskSensitivity:
         self.path = plan.out / f"{spec.task}.json"
         self._ledger = self._open_ledger()
         domain, has = domain_for_task(spec.task), parts(first_props(load_task(spec.task)))
-        why = {key: why_idle(key, domain.keys, has) for key in self.search.only or domain.keys}
+        sides = {
+            key: axes(domain, key) if key in domain.rules else []
+            for key in self.search.only or domain.keys
+        }
+        fixed = f"domain {domain.name} does not vary it"
+        why = {
+            key: why_idle(key, domain.keys, has) if found else fixed for key, found in sides.items()
+        }
         self.idle = {key: clause for key, clause in why.items() if clause}  # with the reason
         self.bisections = [
             Bisection(axis, self.search.steps)
-            for key in why
-            if key in domain.keys and key not in self.idle
-            for axis in axes(domain, key)
+            for key, found in sides.items()
+            if key not in self.idle
+            for axis in found
         ]
 
     def _open_ledger(self) -> Ledger[TaskSpec, SensitivityRow]:

@@ -244,7 +244,7 @@ def pairs_table(summary: Summary) -> Table:
     for row in summary.pairs:
         outcome = row.outcome
         counts = (outcome.trials, outcome.both, outcome.only_first, outcome.only_second)
-        p = f"{outcome.p:.2g}" if outcome.trials else "-"
+        p = "-" if outcome.p is None else f"{outcome.p:.2g}"
         table.add_row(row.first, row.second, *map(str, counts), p)
     return table
 
@@ -400,7 +400,7 @@ def _show_pairs(comparison: Comparison) -> None:
             outcome = pair.outcome
             gap = "-" if outcome.difference is None else f"{100 * outcome.difference:+.1f} points"
             counts = map(str, (outcome.trials, outcome.only_first, outcome.only_second))
-            p = f"{outcome.p:.2g}" if outcome.trials else "-"
+            p = "-" if outcome.p is None else f"{outcome.p:.2g}"
             table.add_row(*numbers(pair), pair.protocol, *counts, gap, p)
         print_table(table)
     for pair in comparison.pairs:

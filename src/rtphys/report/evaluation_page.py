@@ -102,12 +102,17 @@ def _failures(results: Results, key: tuple[str, str], effects: Sequence[Break]) 
 
 
 def _varied(records: Sequence[EpisodeRecord], effects: Sequence[Break]) -> list[str]:
-    """The attributes that vary: first those with an effect, by increasing p, the others by name."""
-    names = sorted({name for one in records for name in one.physics if is_attribute(name)})
-    values = {name: {_number(one.physics.get(name)) for one in records} for name in names}
+    """What is not always nominal: first those with an effect, by increasing p, others by name."""
+    names = {
+        name
+        for one in records
+        for name, value in one.physics.items()
+        if is_attribute(name)
+        and (tuple(value) if isinstance(value, list) else value) != attribute(name).nominal
+    }
     first = [name for effect in effects for name in (effect.key, *effect.same)]
-    varied = [name for name in names if len(values[name]) > 1]
-    return sorted(varied, key=lambda name: first.index(name) if name in first else len(first))
+    order = [*first, *sorted(names.difference(first))]
+    return [name for name in order if name in names]
 
 
 def _number(value: object) -> str:

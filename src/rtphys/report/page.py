@@ -26,7 +26,7 @@ from rtphys.spec.rules import Rules
 
 THUMBNAIL = 200  # [px]
 AROUND = (-8, 0, 8)  # frames about the instant at which a failure went wrong, about half a second
-EMBEDDED = 64_000_000  # bytes of video inside the page; further videos are linked
+EMBEDDED = 64_000_000  # bytes inside the page, of videos and of pictures; further videos are linked
 
 
 def write_report(
@@ -42,7 +42,7 @@ def write_report(
     """
     total = 2 * len(dataset)
     facts = gather(dataset, lambda done: progress(done, total) if progress else None)
-    embedded, rows = 0, facts["episodes"] + facts["failures"]
+    embedded, drawn, rows = 0, 0, facts["episodes"] + facts["failures"]
     episodes = (*dataset, *dataset.failures())
     for number, (row, episode) in enumerate(zip(rows, episodes, strict=True), start=1):
         open_binary(video := episode.paths.video).close()  # an ordinary file, no link
@@ -51,11 +51,15 @@ def write_report(
             row["video"] = _inline("video/mp4", read(video))
         else:
             row["video"] = quote(Path(os.path.relpath(video, out.parent)).as_posix())
-        if episode.failure is not None:
-            frames = (episode.failure.frame + step for step in AROUND)
-            row["around"] = [_thumbnail(episode, frame) for frame in frames]
+        failure, frames = episode.failure, [len(episode) // 2]
+        if failure is not None:
+            frames = [failure.frame + step for step in AROUND]
+        pictures = [_thumbnail(episode, frame) for frame in frames] if drawn <= EMBEDDED else []
+        drawn += sum(map(len, pictures))
+        if failure is not None:
+            row["around"] = pictures
             continue
-        row["thumb"] = _thumbnail(episode, len(episode) // 2)
+        row["thumb"] = "".join(pictures)
         if progress:
             progress(len(dataset) + number, total)
     # "</script>" inside a JSON string would end the script early.

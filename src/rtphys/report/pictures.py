@@ -118,13 +118,16 @@ def joint_plot(episode: Episode) -> str:
         figure = Figure(figsize=SIZE, layout="constrained")
         title = f"{episode.task} {episode.number}, seed {episode.seed}, {episode.protocol}"
         figure.suptitle(title, x=0.01, ha="left", fontweight="bold")
-        shown = panels(frames)
-        columns = figure.subplots(len(shown) // 2, 2, sharex=True).T
-        for axes, panel in zip(columns.flat, shown, strict=True):
-            for n, (first, last) in enumerate(stages):
-                axes.axvspan(frames.time[first], frames.time[last], color=BANDS[n % 2], lw=0)
-            _draw_panel(axes, panel, frames)
-        for column in columns:
+        arms = [[p for p in panels(frames) if p.title.startswith(side)] for side in SIDES]
+        columns = figure.subplots(max(map(len, arms)), 2, sharex=True).T
+        for column, (*joints, gripper) in zip(columns, arms, strict=True):
+            for axes in column[len(joints) : -1]:  # the other arm has more joints
+                axes.set_axis_off()
+            used = [*column[: len(joints)], column[-1]]
+            for axes, panel in zip(used, [*joints, gripper], strict=True):
+                for n, (first, last) in enumerate(stages):
+                    axes.axvspan(frames.time[first], frames.time[last], color=BANDS[n % 2], lw=0)
+                _draw_panel(axes, panel, frames)
             for number, (first, last) in enumerate(stages, start=1):
                 middle = float(frames.time[first] + frames.time[last]) / 2
                 above = column[0].get_xaxis_transform()

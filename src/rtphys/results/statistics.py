@@ -71,9 +71,9 @@ class Paired:
         return (self.only_second - self.only_first) / self.trials if self.trials else None
 
     @property
-    def p(self) -> float:
-        """p-value of McNemar's exact test that both rates are equal."""
-        return mcnemar(self.only_first, self.only_second)
+    def p(self) -> float | None:
+        """p-value of McNemar's exact test that both rates are equal; None without a trial."""
+        return mcnemar(self.only_first, self.only_second) if self.trials else None
 
     def to_json(self) -> dict[str, float | int | None]:
         known = asdict(self)

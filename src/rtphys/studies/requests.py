@@ -12,7 +12,7 @@ from rtphys.core import library
 from rtphys.core.bounds import SHARDS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.selection import DataFolder, Selection
-from rtphys.physics.attribute import attributes
+from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY, check_key
 from rtphys.physics.idle import why_idle
 from rtphys.physics.load import domain_for_task
@@ -294,7 +294,6 @@ class SearchSpec:
 
     only: Annotated[
         tuple[str, ...] | None,
-        one_of("attribute", attributes),
         Option("These attributes alone (comma-separated); default: all that could act."),
     ] = None
     policy: Annotated[
@@ -304,6 +303,10 @@ class SearchSpec:
     steps: Annotated[int, at_least(0, most=10), Option("Number of bisections of the range.")] = 4
     first_seed: FirstSeed = 0
     options: PolicyOptions = field(default_factory=dict[str, str])
+
+    def __post_init__(self) -> None:
+        for key in self.only or ():
+            attribute(key)
 
 
 @checked_dataclass(frozen=True)
