@@ -22,7 +22,9 @@ def test_a_viewer_tells_recordings_apart(tmp_path: Path) -> None:
     found = set[str]()
     for name in ("one", "other"):
         record(Dataset(tmp_path / "data")[0], [], out := tmp_path / f"{name}.rrd")
-        told = subprocess.run([RERUN, "rrd", "print", out], capture_output=True, text=True).stdout
-        found |= set(re.findall(r'Recording,\s+"rtphys",\s+"([^"]+)"', told))
-        assert "RecordingInfo:name" in told
+        printed = subprocess.run(
+            [RERUN, "rrd", "print", out], capture_output=True, text=True
+        ).stdout
+        found |= set(re.findall(r'Recording,\s+"rtphys",\s+"([^"]+)"', printed))
+        assert "RecordingInfo:name" in printed
     assert len(found) == 2
