@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -77,6 +78,13 @@ SCRIPTS = sorted(
     for folder in ("benchmarks", "examples", "scripts")
     for path in (ROOT / folder).rglob("*.py")
 )
+
+
+def test_no_two_modules_of_tests_have_one_name() -> None:
+    """pytest puts their folders on one path, and a whole run would stop at the second."""
+    names = Counter(path.name for path in (ROOT / "tests").rglob("*.py"))
+    del names["conftest.py"]  # which pytest tells apart
+    assert not [name for name, count in names.items() if count > 1]
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.relative_to(ROOT).as_posix())
