@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rtphys.core.errors import BadFile
 from rtphys.data.dataset import Episode
-from rtphys.data.files import make_folder, refusals
+from rtphys.data.files import make_folder, write_synced
 from rtphys.data.schema import informs
 from rtphys.data.video import VideoWriter
 from rtphys.export.lerobot_plan import DEPTH_MOST, EXPORTED, PHYSICS, Plan, Video, physics_of
@@ -219,5 +219,5 @@ def record_table(rows: Sequence[Mapping[str, object]]) -> pa.Table:
 def write_table(table: pa.Table, path: Path) -> None:
     """Write a table as Parquet. Raises `CannotWrite`."""
     make_folder(path.parent)
-    with refusals(path):
-        pq.write_table(table, path, compression="snappy")
+    pq.write_table(table, sink := pa.BufferOutputStream(), compression="snappy")
+    write_synced(path, sink.getvalue().to_pybytes())
