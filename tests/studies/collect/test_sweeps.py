@@ -117,6 +117,17 @@ def test_values_are_in_the_order_of_the_sweep_and_twins_beside_theirs() -> None:
     assert paired(kept) == []
 
 
+def test_twins_of_the_values_of_a_sweep_are_a_sweep_too() -> None:
+    mains = swept(replace(plans(1)[0], twin="phys_random"), "friction=0.2,1")
+    first, second = families([side for one in mains for side in one.sides])
+    assert (first, second) == ([*mains], [one.sides[1] for one in mains])
+
+
+def test_a_twin_that_cannot_hold_the_value_is_refused_as_such() -> None:
+    with pytest.raises(BadValue, match=r"twin = 'clean' .* beside a sweep it must vary physics"):
+        swept(replace(plans(1)[0], twin="clean"), "friction=0.2,1")
+
+
 def test_a_sweep_holds_its_own_attribute() -> None:
     with pytest.raises(BadValue, match=r"sweep = 'friction=0\.1,0\.2'"):
         replace(plans(1)[0], sweep="friction=0.1,0.2")
