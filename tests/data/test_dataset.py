@@ -331,6 +331,16 @@ def test_found_by_any_of_its_files(dataset: Dataset) -> None:
         find_episode(Path("/nowhere/episode.hdf5"))
 
 
+def test_finding_a_file_resolves_the_paths_of_its_number_alone(
+    dataset: Dataset, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 100,000 episodes on a network disk, all paths took minutes."""
+    resolved, really = list[Path](), Path.resolve
+    monkeypatch.setattr(Path, "resolve", lambda path: resolved.append(path) or really(path))
+    assert find_episode(dataset[2].paths.instruction) == dataset[2]
+    assert len(resolved) <= 5
+
+
 def test_needs_no_simulator(dataset: Dataset) -> None:
     code = (
         "import sys; sys.modules['sapien'] = sys.modules['pinocchio'] = None\n"
@@ -382,6 +392,7 @@ def test_selectors(data: Path) -> None:
         ({"seed": "9"}, BadFile, "no such episode"),
         ({"seed": "x"}, BadValue, "such as 3,7"),
         ({"seed": "7:3"}, BadValue, "7:3 holds no number"),
+        ({"seed": "7:99999999999"}, BadValue, "or more than 10000000"),
         ({"config": "phys_randm"}, UnknownName, "did you mean 'phys_random'"),
     ],
 )

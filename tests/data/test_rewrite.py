@@ -1,5 +1,6 @@
 """Datasets made of datasets: the other layout and back, shards joined, a part taken."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -7,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic
-from collected import FOLDER, collect, content, content_but_pictures, outcome
+from collected import FOLDER, collect, content, content_but_pictures, keep, outcome
+from forger import forge
 from typer.testing import CliRunner
 
 from pages import ROOT, blocks
@@ -142,6 +144,35 @@ def test_a_part_may_be_of_one_robot(tmp_path: Path) -> None:
     assert Dataset(tmp_path / "part").embodiments == ("franka-panda",)
     done = CliRunner().invoke(app, [*words, "franka-pnda"])
     assert done.exit_code == 2 and "did you mean 'franka_panda'" in done.stderr
+
+
+def test_robots_whose_legacy_folders_have_one_name_are_not_mixed(tmp_path: Path) -> None:
+    """The second one's episodes were left out without a word, their seeds being there."""
+    collect(tmp_path / "data", 1)
+    collect(tmp_path / "data", 1, synthetic.header(embodiment="franka-panda"))
+    said = "two robots would share click_bell/phys_random: convert a `rtphys subset` of each"
+    with pytest.raises(BadValue, match=said):
+        convert(tmp_path / "data", tmp_path / "old", "legacy")
+    assert not (tmp_path / "old").exists()
+
+
+def test_a_label_that_breaks_its_schema_is_refused(tmp_path: Path) -> None:
+    """Of a failure, `failure` was not looked for before the ledger needed it."""
+
+    keep(tmp_path / "data", attempts=3)
+    (failure,) = Dataset(tmp_path / "data").failures()
+    label = json.loads(failure.paths.phys_meta.read_bytes())
+    del label["failure"]
+    failure.paths.phys_meta.write_text(json.dumps(label))
+    forge(tmp_path / "data", lambda _: None)
+    with pytest.raises(BadFile, match="failure: field required"):
+        merge([tmp_path / "data"], tmp_path / "all")
+
+
+def test_only_what_was_written_is_counted(three: Path, tmp_path: Path) -> None:
+    collect(tmp_path / "out", 2, synthetic.header(config="another"))
+    done = CliRunner().invoke(app, ["subset", str(three), "--out", str(tmp_path / "out")])
+    assert "3 episodes in 1 task dataset, in" in done.stdout
 
 
 def test_refusals(three: Path, tmp_path: Path) -> None:

@@ -24,7 +24,9 @@ from rtphys.campaign.pool import WorkerError, WorkerFailure
 from rtphys.campaign.series import Listener, Progress
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
+from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
+from rtphys.data.rewrite import subset
 from rtphys.data.video import probe
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode.fingerprint import fingerprint_of
@@ -42,6 +44,7 @@ from rtphys.results.instances import (
     BenchmarkInstance,
     InstanceList,
     list_file,
+    read_list,
     write_lists,
 )
 from rtphys.results.statistics import Rate
@@ -540,6 +543,34 @@ def test_the_rejects_of_a_dataset_are_those_of_its_protocol_alone(tmp_path: Path
     said = "with the robot franka_panda, only with aloha-agilex; set `embodiment`"
     with pytest.raises(BadValue, match=said):
         module.certified(wish, "clean", TASK, panda)
+
+
+def test_the_seeds_of_a_part_of_a_dataset_have_gaps(tmp_path: Path, pack: Pack) -> None:
+    """A recording kept the first of them alone, and the list that was written was not read."""
+    collect(tmp_path / "data", 3)  # seeds 0, 1, 3 of four
+    subset(tmp_path / "data", tmp_path / "part", lambda _: True, lambda row: row.seed in (0, 3))
+    wish = EvaluationRun((TASK,), ("clean",), instances=tmp_path / "part")
+    listed = module.certified(wish, "clean", TASK, FINGERPRINT)
+    write_lists(tmp_path / "clean.jsonl", [listed])
+    assert read_list(tmp_path / "clean.jsonl", TASK) == listed
+    cell = EvaluationHeader(EvaluationSpec("idle").of("clean", TASK), FINGERPRINT)
+    header = recording_header(cell.spec, listed, load_task(TASK), pack)
+    with DatasetWriter(tmp_path / "kept") as dataset:
+        made = EvaluationSeries(tmp_path / "out", cell, listed, writer=dataset.task(header))
+        for seed in (made.begin(), made.begin()):
+            failed = Rejection(seed, "gave_up")
+            made.take(seed, EvaluationResult(record(seed, reason="gave_up"), failed))
+    (entry,) = Dataset(tmp_path / "kept").task_datasets
+    assert [row.seed for row in entry.rows(tmp_path / "kept")] == [0, 3]
+
+
+def test_seeds_of_a_plain_task_dataset_stand_in_for_those_of_a_held_one(tmp_path: Path) -> None:
+    """One whose protocol fits, but which holds an attribute, was chosen and then refused."""
+    clean = {"protocol": "clean"}
+    collect(tmp_path, 1, synthetic.header(**clean))
+    collect(tmp_path, 1, synthetic.header(overrides={"friction": 0.2}))
+    wish = EvaluationRun((TASK,), ("phys_random",), instances=tmp_path)
+    assert module.certified(wish, "phys_random", TASK, FINGERPRINT).tried_under == "clean"
 
 
 def test_a_recorded_dataset_is_of_the_robot_that_acts(tmp_path: Path, pack: Pack) -> None:

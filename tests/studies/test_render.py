@@ -5,6 +5,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import synthetic
 
 from rtphys.assets.pack import default_pack
 from rtphys.campaign.series import Listener, Progress
@@ -13,6 +14,7 @@ from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.selection import Selection
+from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.spec.collection import CollectionSpec
@@ -152,10 +154,6 @@ def _pack_and_packs(source: Path):
 
 def synthetic_dataset(folder: Path, more: int = 0) -> Path:
     """One episode, and so many attempts `more` that failed."""
-    import synthetic
-
-    from rtphys.data.staging import stage_episode
-
     with DatasetWriter(folder) as opened:
         task = opened.task(synthetic.header())
         task.record(stage_episode(task.staging(0), synthetic.episode(0)))
@@ -168,6 +166,16 @@ def test_missing_assets_are_named_with_their_digest(tmp_path: Path) -> None:
     data = synthetic_dataset(tmp_path / "data")
     with pytest.raises(MissingPack, match="a" * 64):
         render(RenderSpec(data=data, out=tmp_path / "out"))
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_a_policy_did_is_drawn_from_states_alone(tmp_path: Path) -> None:
+    """It was said that rtphys had changed: the expert's states were compared with the policy's."""
+    with DatasetWriter(tmp_path / "data") as dataset:
+        task = dataset.task(synthetic.header(policy="random"))
+        task.record(stage_episode(task.staging(0), synthetic.episode(0)))
+    with pytest.raises(LostStates, match="without `states` of the policy random"):
+        render(RenderSpec(data=tmp_path / "data", out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
 

@@ -19,10 +19,10 @@ from rtphys.data.attempts import Rejected, read_attempts
 from rtphys.data.check_episode import Effort, Problem
 from rtphys.data.dataset import Dataset
 from rtphys.data.manifest import read_manifest
-from rtphys.data.rewrite import convert
+from rtphys.data.rewrite import convert, subset
 from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
-from rtphys.data.writer import DatasetWriter
+from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode import reproduce as reproducing
 from rtphys.episode.generate import Attempt
 from rtphys.physics import load_domain
@@ -169,6 +169,28 @@ def test_what_a_policy_did_is_left_out(tmp_path: Path) -> None:
     found = Reproduction()
     assert not [*recorded_attempts(tmp_path, read_manifest(tmp_path), found)]
     assert not found.problems and "what random did cannot be made again" in found.notes[0]
+
+
+@pytest.mark.parametrize("part", ["all", "one side", "some seeds"])
+def test_an_unpaired_seed_is_tried_again_with_its_twin_alone(part: str, tmp_path: Path) -> None:
+    """Without it the seed succeeds, which was called a problem of a sound part of a dataset."""
+    main = synthetic.header(twin="phys_random_all")
+    with DatasetWriter(tmp_path / "data") as dataset:
+        for side in main.spec.sides:
+            task = dataset.task(replace(main, spec=side))
+            task.record(Rejection(0, "unpaired"))
+            task.record(stage_episode(task.staging(1), synthetic.episode(1)))
+    subset(
+        tmp_path / "data",
+        tmp_path / "part",
+        lambda entry: part != "one side" or entry.spec.twin is not None,
+        (lambda row: row.seed < 2) if part == "some seeds" else None,
+    )
+    found = Reproduction()
+    tried = [*recorded_attempts(tmp_path / "part", read_manifest(tmp_path / "part"), found)]
+    seeds = [one.row.seed for one in tried]
+    assert seeds == {"all": [0, 1, 0, 1], "one side": [1], "some seeds": [1, 1]}[part]
+    assert len(found.notes) == {"all": 0, "one side": 1, "some seeds": 2}[part]
 
 
 def test_another_renderer_is_told_from_a_change(once: None, forged: Forge) -> None:

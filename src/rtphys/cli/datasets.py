@@ -137,7 +137,8 @@ def subset(
 
 
 def _say_result(out: Path, names: list[str]) -> None:
-    episodes = sum(entry.episodes for entry in read_manifest(out).task_datasets.values())
+    entries = read_manifest(out).task_datasets  # of earlier commands, too
+    episodes = sum(entries[name].episodes for name in names)
     say(f"{counted(episodes, 'episodes')} in {counted(len(names), 'task datasets')}, in {out}")
     say_digest(out)
     say("to check every file: " + command_line("verify", out))

@@ -27,7 +27,13 @@ from rtphys.data.episode import Frames
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.hdf5_senses import SenseFile
-from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset, embodiment_folder
+from rtphys.data.layout import (
+    MANIFEST,
+    EpisodePaths,
+    TaskDataset,
+    embodiment_folder,
+    episode_number,
+)
 from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
 from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
 from rtphys.physics import Physics, attributes
@@ -528,11 +534,12 @@ class Dataset(Sequence[Episode]):
 def find_episode(path: Path) -> Episode:
     """The episode that any of its four files belongs to. Raises `BadFile`: no dataset lists it."""
     wanted = path.resolve()
+    number = episode_number(wanted)  # to resolve four paths, not those of a million episodes
     for folder in wanted.parents:
         if (folder / MANIFEST).is_file():
             dataset = Dataset(folder)
             for episode in (*dataset, *dataset.failures()):
-                if wanted in [p.resolve() for p in episode.paths.all()]:
+                if episode.number == number and wanted in map(Path.resolve, episode.paths.all()):
                     return episode
             raise BadFile(path, f"is no episode of the dataset {folder}")
     raise BadFile(path, f"there is no {MANIFEST} in any folder above it")

@@ -90,7 +90,7 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
     Raises:
         UnknownName: no such layout.
         BadFile: the source is damaged; names the file.
-        BadValue: `out` is the source itself.
+        BadValue: `out` is the source itself; folders of two robots have one name in the layout.
         DatasetMismatch: `out` holds something else.
     """
     if layout not in LAYOUTS:
@@ -100,6 +100,10 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
         recording = replace(entry.spec.recording, layout=layout)
         header = replace(entry.header, spec=replace(entry.spec, recording=recording))
         parts.append(_Part(header, [(source, entry)], partial(_encoded_again, layout)))
+    names = Counter(TaskDataset.of(out, part.header.spec).name for part in parts)
+    if several := next((name for name, count in names.items() if count > 1), None):
+        allowed = f"two robots would share {several}: convert a `rtphys subset` of each"
+        raise BadValue("layout", layout, allowed)
     return _write(parts, [source], out, progress)
 
 
@@ -244,12 +248,8 @@ def _copied(place: TaskDataset, held: OnDisk, seed: int, folder: Path) -> Staged
         return data
 
     meta = parse_mapping(sound(paths.phys_meta), paths.phys_meta)
-    # What the ledger will say of it must be there.
-    attributes = meta.get("attributes")
-    labels = attributes.values() if isinstance(attributes, Mapping) else [None]
-    complete = [isinstance(one, Mapping) and {"value", "could_act"} <= one.keys() for one in labels]
-    if not ("episode" in meta and isinstance(meta.get("verdict"), Mapping) and all(complete)):
-        raise BadFile(paths.phys_meta, "episode, verdict or attributes are missing")
+    with problems_of(paths.phys_meta):  # the ledger will hold some of it
+        (FailureMeta if isinstance(held, KeptFailure) else PhysMeta).model_validate(meta)
     del meta["episode"]  # its number changes
     shutil.rmtree(folder, ignore_errors=True)
     files.make_folder(folder)

@@ -4,6 +4,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated
 
+from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import BadFile, BadValue, counted
 from rtphys.data.attempts import Accepted, Row
 from rtphys.data.dataset import Dataset, Episode, find_episode
@@ -96,8 +97,8 @@ def seed_set(option: str, text: str) -> frozenset[int]:
         first, colon, end = part.partition(":")
         if not (first.isdecimal() and (end.isdecimal() or not colon)):
             raise BadValue(option, text, "write numbers such as 3,7 or a range such as 0:50")
-        numbers = range(int(first), int(end)) if colon else (int(first),)
-        if not numbers:
-            raise BadValue(option, text, f"{part} holds no number")
-        found.update(numbers)
+        start, stop = int(first), int(end) if colon else int(first) + 1
+        if not 0 < stop - start <= EPISODES:  # each takes 90 bytes
+            raise BadValue(option, text, f"{part} holds no number, or more than {EPISODES}")
+        found.update(range(start, stop))
     return frozenset(found)

@@ -92,9 +92,9 @@ class CollectionSpec:
             return self
         key, overrides = self.sweep.partition("=")[0], dict(self.episode.overrides)
         del overrides[key]
-        config = self.config and self.config.partition(f".{key}=")[0]
+        own, main = (name and name.partition(f".{key}=")[0] for name in (self.config, self.twin_of))
         episode = replace(self.episode, overrides=overrides)
-        return replace(self, episode=episode, config=config, sweep=None)
+        return replace(self, episode=episode, config=own, twin_of=main, sweep=None)
 
     @property
     def swept(self) -> tuple[str, Value]:

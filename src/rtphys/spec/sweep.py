@@ -10,6 +10,7 @@ from rtphys.core.errors import BadValue
 from rtphys.physics.load import parse_overrides
 from rtphys.physics.values import Value
 from rtphys.spec.collection import CollectionSpec
+from rtphys.spec.protocol import load_protocol
 
 
 def values_of(text: str) -> tuple[str, Mapping[str, Value]]:
@@ -34,12 +35,15 @@ def _mark(text: str) -> str:
 def swept(spec: CollectionSpec, text: str) -> tuple[CollectionSpec, ...]:
     """The same again with one attribute held at each value, in folders of their own; same seeds.
 
-    Raises `UnknownName`, `BadValue`: as `values_of`; an attribute that is held already.
+    Raises `UnknownName`, `BadValue`: as `values_of`; an attribute that is held already; a twin that
+    holds none.
     """
     key, values = values_of(text)
     episode, sweep = spec.episode, f"{key}={_mark(text).join(values)}"
     if key in episode.overrides:
         raise BadValue("sweep", key, "it is held at a value already")
+    if spec.twin and not load_protocol(spec.twin).physics:
+        raise BadValue("twin", spec.twin, "beside a sweep it must vary physics; this holds nothing")
     only = None if episode.only is None else tuple(dict.fromkeys((*episode.only, key)))
     found: list[CollectionSpec] = []
     for part, value in values.items():
@@ -63,7 +67,9 @@ def families(specs: Sequence[CollectionSpec]) -> list[list[CollectionSpec]]:
 
 
 def _alike(one: CollectionSpec, other: CollectionSpec) -> bool:
-    return one.sweep == other.sweep and one.unswept == other.unswept
+    # The task first: to make what is unswept takes a hundred times as long.
+    same = one.sweep == other.sweep and one.episode.task == other.episode.task
+    return same and one.unswept == other.unswept
 
 
 def _place(spec: CollectionSpec) -> int:

@@ -273,13 +273,16 @@ def check_machine(specs: Sequence[CollectionSpec], run: Run) -> int:
 
 
 def missing(specs: Sequence[CollectionSpec], out: Path) -> list[CollectionSpec]:
-    """Each side with the episodes that it still lacks. Raises `BadFile`."""
+    """Each side with the episodes, and the failures, that it still lacks. Raises `BadFile`."""
     there, left = entries_there(out), list[CollectionSpec]()
     for side in (side for spec in specs for side in spec.sides):
         entry = there.get(TaskDataset.of(out, side).name)
         episodes = side.episodes - (entry.episodes if entry else 0)
+        failures, keep = side.max_failures - (entry.failures if entry else 0), side.keep_failures
+        if keep != "all":
+            keep = str(failures) if failures > 0 else None
         if episodes > 0:
-            left.append(replace(side, twin=None, episodes=episodes))
+            left.append(replace(side, twin=None, episodes=episodes, keep_failures=keep))
     return left
 
 

@@ -1,9 +1,11 @@
 """`evaluate`: every certified instance once, records in their order, a summary at the end."""
 
 import traceback
+from bisect import bisect_left
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -254,10 +256,11 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
 
     def commit(self, seed: int, result: EvaluationResult) -> str:
         if self.writer is not None and result.outcome is not None:
-            for one in self.instances.instances:  # first the seeds that certification left out
-                if self.writer.next_seed <= one.seed < seed:
-                    self.writer.record(Rejection(one.seed, "not_certified", one.reason))
-            if seed == self.writer.next_seed:
+            rows, of_row = self.instances.instances, attrgetter("seed")
+            start, end = (bisect_left(rows, at, key=of_row) for at in (self.writer.next_seed, seed))
+            for one in rows[start:end]:  # first the seeds that certification left out
+                self.writer.record(Rejection(one.seed, "not_certified", one.reason))
+            if seed >= self.writer.next_seed:
                 self.writer.record(result.outcome)
             else:  # it is there: a kill came before the ledger had it, or somebody deleted that
                 self.writer.discard(seed)
@@ -299,6 +302,7 @@ def recording_header(
         first_seed=instances.first_seed,
         keep_failures="all",
         policy=acts,
+        made_by="collect" if instances.certified else "subset",  # seeds of a dataset have gaps
     )
     return header_of(kept, task, pack)
 
@@ -499,7 +503,7 @@ def other_versions(fingerprint: Fingerprint) -> list[str]:
 
 def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint) -> InstanceList:
     """Every seed that was tried for a dataset; its manifest has vouched for the ground."""
-    robot, problem = embodiment_folder(fingerprint.embodiment), ""
+    robot = embodiment_folder(fingerprint.embodiment)
     every = [entry for entry in Dataset(folder).task_datasets if entry.spec.episode.task == task]
     entries = [e for e in every if embodiment_folder(e.spec.episode.embodiment) == robot]
     if not entries:
@@ -508,22 +512,14 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
         problem = f"the dataset has no episodes of {task}{apart if every else ''}"
         raise BadValue("instances", str(folder), problem)
 
-    def fit(entry: TaskEntry) -> tuple[bool, bool, bool]:
+    def fit(entry: TaskEntry) -> tuple[bool, ...]:
         name, recorded = entry.spec.name, entry.spec.episode.protocol
-        return name == protocol, recorded == protocol, name == recorded
+        return not _unfit(entry.spec), name == protocol, recorded == protocol, name == recorded
 
     # Another protocol's seeds will do: the layout of a seed is the same under every one.
     entry = max(entries, key=fit)
     own = protocol in (entry.spec.name, entry.spec.episode.protocol)
-    if entry.spec.episode.only is not None or entry.spec.episode.overrides:
-        problem = "attributes were picked or held in it, which an evaluation does not know"
-    elif entry.spec.policy is not None:
-        problem = (
-            f"its episodes are those of {entry.spec.policy}, which says nothing of feasibility"
-        )
-    elif entry.spec.episode.pair_tasks:
-        problem = "its tasks share one draw, and an evaluation draws for each task by itself"
-    if problem:
+    if problem := _unfit(entry.spec):
         raise BadValue("instances", str(folder), problem)
     instances = tuple(
         BenchmarkInstance(row.seed, row.reason if isinstance(row, Rejected) else "")
@@ -531,3 +527,14 @@ def _of_dataset(folder: Path, task: str, protocol: str, fingerprint: Fingerprint
     )
     under = "" if own else entry.spec.name
     return InstanceList(task, protocol, fingerprint, instances, tried_under=under)
+
+
+def _unfit(spec: CollectionSpec) -> str:
+    """Why the seeds of a task dataset are no instances; empty: they are."""
+    if spec.episode.only is not None or spec.episode.overrides:
+        return "attributes were picked or held in it, which an evaluation does not know"
+    if spec.policy is not None:
+        return f"its episodes are those of {spec.policy}, which says nothing of feasibility"
+    if spec.episode.pair_tasks:
+        return "its tasks share one draw, and an evaluation draws for each task by itself"
+    return ""

@@ -108,7 +108,10 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
     there = entries_there(wanted.out)
     for entry in part.task_datasets:
         digest = entry.resolved.assets.get("digest", "")
-        recording, of = wanted.recording(entry), entry.spec.episode
+        recording, of, policy = wanted.recording(entry), entry.spec.episode, entry.spec.policy
+        if policy is not None and "states" not in entry.spec.recording.senses:
+            why = f"{wanted.data}: {of.task} was recorded without `states` of the policy {policy}"
+            raise LostStates(f"{why}, and what it did cannot be simulated again")
         shaders.add(recording.shader)
         check_fits(recording)
         if drawn(recording.senses):

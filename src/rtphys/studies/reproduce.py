@@ -15,7 +15,7 @@ from typing import NamedTuple
 from rtphys.campaign.local import run_here
 from rtphys.campaign.pool import LOSSES, WorkerFailure
 from rtphys.campaign.series import QUIET, Batch, Listener
-from rtphys.core.errors import BadFile, NoRenderer, RtphysError
+from rtphys.core.errors import BadFile, NoRenderer, RtphysError, counted
 from rtphys.core.seeds import stream
 from rtphys.data import files
 from rtphys.data.attempts import Accepted, Rejected, ledgers_below, read_attempts
@@ -30,7 +30,7 @@ from rtphys.data.writer import DatasetWriter, write_side_files
 from rtphys.episode.reproduce import RecordedAttempt, changed_since, remade, reproduce, scene_of
 from rtphys.sim import renderer
 from rtphys.spec.collection import TaskHeader
-from rtphys.spec.sweep import paired
+from rtphys.spec.sweep import paired, values_of
 from rtphys.studies.resources import check_drawable
 
 # ---- a sample is compared ------------------------------------------------------------------------
@@ -106,12 +106,21 @@ def recorded_attempts(
         if (policy := entry.spec.policy) is not None:
             found.notes.append(f"{name}: what {policy} did cannot be made again without it")
             continue
+        beside, spec, left = tuple(others.get(name, ())), entry.spec, 0
+        values = len(values_of(spec.sweep)[1]) if spec.sweep else 1
+        whole = len(beside) + 1 == values * (2 if spec.twin or spec.twin_of else 1)
         try:
             for row in entry.rows(out):
-                yield RecordedAttempt(out, entry.header, row, tuple(others.get(name, ())))
+                if not whole and isinstance(row, Rejected) and row.reason == "unpaired":
+                    left += 1
+                    continue
+                yield RecordedAttempt(out, entry.header, row, beside)
         except BadFile as error:
             text = f"{name} cannot be made again: {error.problem}"
             found.problems.append(Problem(error.path, text))
+        if left:
+            text = f"{counted(left, 'seeds')} cannot be tried again without all twins and values"
+            found.notes.append(f"{name}: {text} that they had to succeed with too")
 
 
 def by_shader(attempts: Sequence[RecordedAttempt]) -> dict[str, list[int]]:

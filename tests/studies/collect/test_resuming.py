@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import synthetic
+from collected import keep
 from collecting import complete, content
 from robotless import plans
 
@@ -15,7 +17,7 @@ from rtphys.core.errors import RtphysError
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.layout import STAGING
 from rtphys.spec.recording import RecordingSpec
-from rtphys.studies.collect import collect
+from rtphys.studies.collect import collect, missing
 from rtphys.studies.requests import Run, room_needed
 
 pytestmark = pytest.mark.usefixtures("without_robot")
@@ -35,6 +37,16 @@ def test_space_is_needed_for_what_is_missing(
     with pytest.raises(RtphysError, match=said):
         collect(specs, Run(tmp_path / "new", workers=1))
     assert complete(collect(specs, Run(tmp_path / "begun", workers=1)))
+
+
+@pytest.mark.parametrize(("kept", "expected"), [("3", 1), ("2", 0), ("all", 1)])
+def test_failures_that_are_there_need_no_more_space(
+    kept: str, expected: int, tmp_path: Path
+) -> None:
+    keep(tmp_path, kept)  # five episodes, and two failures at most
+    spec = synthetic.header(keep_failures=kept, episodes=6).spec
+    (left,) = missing([spec], tmp_path)
+    assert (left.episodes, left.failures_expected) == (1, expected)
 
 
 class Disk(Listener):
