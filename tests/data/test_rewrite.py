@@ -156,16 +156,15 @@ def test_robots_whose_legacy_folders_have_one_name_are_not_mixed(tmp_path: Path)
     assert not (tmp_path / "old").exists()
 
 
-def test_a_label_that_breaks_its_schema_is_refused(tmp_path: Path) -> None:
-    """Of a failure, `failure` was not looked for before the ledger needed it."""
-
+def test_a_failure_whose_label_does_not_say_which_is_refused(tmp_path: Path) -> None:
+    """The ledger needs it."""
     keep(tmp_path / "data", attempts=3)
     (failure,) = Dataset(tmp_path / "data").failures()
     label = json.loads(failure.paths.phys_meta.read_bytes())
     del label["failure"]
     failure.paths.phys_meta.write_text(json.dumps(label))
     forge(tmp_path / "data", lambda _: None)
-    with pytest.raises(BadFile, match="failure: field required"):
+    with pytest.raises(BadFile, match="attributes or failure are missing"):
         merge([tmp_path / "data"], tmp_path / "all")
 
 

@@ -248,8 +248,13 @@ def _copied(place: TaskDataset, held: OnDisk, seed: int, folder: Path) -> Staged
         return data
 
     meta = parse_mapping(sound(paths.phys_meta), paths.phys_meta)
-    with problems_of(paths.phys_meta):  # the ledger will hold some of it
-        (FailureMeta if isinstance(held, KeptFailure) else PhysMeta).model_validate(meta)
+    # What the ledger will say of it must be there.
+    attributes = meta.get("attributes")
+    labels = attributes.values() if isinstance(attributes, Mapping) else [None]
+    complete = [isinstance(one, Mapping) and {"value", "could_act"} <= one.keys() for one in labels]
+    parts = [meta.get("verdict"), *([meta.get("failure")] if isinstance(held, KeptFailure) else [])]
+    if not ("episode" in meta and all(isinstance(p, Mapping) for p in parts) and all(complete)):
+        raise BadFile(paths.phys_meta, "episode, verdict, attributes or failure are missing")
     del meta["episode"]  # its number changes
     shutil.rmtree(folder, ignore_errors=True)
     files.make_folder(folder)
