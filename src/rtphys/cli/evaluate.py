@@ -321,7 +321,7 @@ def compare(
         return
     if figure is not None:
         check_figure(figure)
-    evaluations = [read_results(folder) for folder in folders or []]
+    evaluations = [read_results(folder) for folder in dict.fromkeys(folders or ())]
     comparison = analysis.compare(evaluations, protocol, paper)
     columns, tasks = comparison.columns, comparison.tasks
     if figure is not None:
@@ -442,7 +442,7 @@ def _show_identified(files: Mapping[Path, Result], as_json: bool) -> None:
         say_json({"tasks": tasks, "columns": columns})
         return
     heads = [f"{name}{where}" for where in ("", ", beyond") for name in names]
-    title = f"mean R2 over {counted(len(tasks), 'tasks')} of all"
+    title = f"mean R2 over {counted(len(tasks), 'tasks')} that all files have"
     table = fitting_table(["attribute"], heads, title=title, justify="right")
     for key in keys:
         means = [r.mean(key, tasks, beyond) for beyond in (False, True) for r in results]
