@@ -200,7 +200,8 @@ def unfinished(columns: Sequence[Column]) -> list[str]:
             for task, (done, planned) in begun.items()
         ]
         if empty := len(column.unfinished) - len(begun):
-            parts.append(f"none of {counted(empty, 'more tasks')}")
+            noun = "more tasks" if begun else "tasks"
+            parts.append(f"none of {counted(empty, noun)}")
         clauses += [f"{column.label}, {column.protocol}: {', '.join(parts)}"] if parts else []
     return clauses
 
