@@ -174,6 +174,12 @@ def test_an_unfinished_evaluation_is_named(tmp_path: Path) -> None:
     assert json.loads(said(folder, "--json"))["columns"][0]["unfinished"]["click_bell"] == [3, 4]
 
 
+def test_a_protocol_that_was_not_begun_is_named(tmp_path: Path) -> None:
+    folder = written(tmp_path, "idle", {BELL: {0: True}, ("phys_random", "click_bell"): {0: True}})
+    ledger_file(folder, "phys_random", "click_bell").unlink()
+    assert "* unfinished: idle, phys_random: none of 1 task\n" in said(folder)
+
+
 def said(*words: object) -> str:
     done = CliRunner().invoke(app, ["compare", *map(str, words)], env={"COLUMNS": "300"})
     assert done.exit_code == 0, done.output
@@ -190,6 +196,21 @@ def test_the_command(two: list[Path], tmp_path: Path) -> None:
     assert "-50.0 points" in told
     assert "91.88" in told  # Table 1
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_one_evaluation_has_no_next_table(tmp_path: Path) -> None:
+    outcomes: Outcomes = {BELL: {0: True, 1: True}, ("phys_random", "click_bell"): {0: True}}
+    one, other = (written(tmp_path / name, name, outcomes) for name in ("idle", "random"))
+    assert "the next table" not in said(one) and "instances" in said(one)
+    lines = said(one, other, "--paper").splitlines()
+    place = next(number for number, line in enumerate(lines) if "the next table" in line)
+    assert lines[place + 1].startswith("on the same instances")
+
+
+def test_a_folder_that_is_named_twice_counts_once(tmp_path: Path) -> None:
+    folder = written(tmp_path / "one", "idle", {BELL: {0: True}})
+    assert said(folder, folder) == said(folder)
+    assert "idle: 1 feasible seed of each task" in said(folder, "--paper")
 
 
 def test_a_figure_goes_where_it_was_asked_for_or_is_refused(

@@ -49,6 +49,14 @@ class Moody(Line):
             raise RuntimeError("no friction in caf\\udce9")
         super().fit(X, y)
         self.w = self.w * np.nan if y.max() <= 0 else self.w
+
+class Leaving(Moody):
+    "Ends as a script does."
+    def fit(self, X, y):
+        try:
+            super().fit(X, y)
+        except RuntimeError:
+            raise SystemExit("no licence")
 """
 
 
@@ -158,6 +166,9 @@ def test_an_estimator_that_raises_or_forgets_numbers_is_named_and_the_rest_goes_
         found = result.tasks[task]
         assert found.failed["friction"] == r"RuntimeError: no friction in caf\udce9"
         assert "not finite" in found.failed["table_height"]
+        assert found.scores["object_mass"].r2 > 0.99
+    for found in made(plan(tmp_path / "out", "Leaving")).tasks.values():
+        assert found.failed["friction"] == "SystemExit: no licence"
         assert found.scores["object_mass"].r2 > 0.99
 
 

@@ -53,7 +53,7 @@ def test_results_of_common_tasks_are_compared(tmp_path: Path) -> None:
         write_result(tmp_path / name, one)
         files.append(str(tmp_path / name))
     said = CliRunner().invoke(app, ["compare", *files]).output
-    assert "mean R2 over 1 task of all" in said
+    assert "mean R2 over 1 task that all files have" in said
     row = next(line for line in said.splitlines() if "friction" in line)
     for number in ("0.91", "0.95", "0.50"):
         assert number in row

@@ -53,6 +53,19 @@ def test_a_bar_writes_nothing_into_a_log(capsys: pytest.CaptureFixture[str]) -> 
     assert capsys.readouterr() == ("", "")
 
 
+def test_a_bar_of_work_that_is_done_already_is_not_shown(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pack that is there must not be called one that is being built."""
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as on a terminal
+    with progress_bar("building"):
+        pass
+    assert "building" not in capsys.readouterr().err
+    with progress_bar("building") as tell:
+        tell(1, 2, "one")
+    assert "building" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("width", [80, 100, 120])
 def test_names_give_way_before_words_break(width: int, capsys: pytest.CaptureFixture[str]) -> None:
     table = fitting_table(["protocol", "task"], ["rate", "others", "more", "reasons"])

@@ -28,3 +28,12 @@ def test_what_never_was_true_is_not_called_no_longer_true(
     shown = " ".join(done.stdout.split())
     assert ("success never" in shown) is (succeeded is None)
     assert ("still true no, 0.5 s after the end" in shown) is (succeeded is not None)
+
+
+def test_json_stands_alone_on_standard_output(tmp_path: Path) -> None:
+    collect(data := tmp_path / "data", 1)
+    words = ["show", str(data), "--json", "--out", str(tmp_path / "pictures")]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["frames"] > 0
+    assert len(done.stderr.splitlines()) == len([*(tmp_path / "pictures").iterdir()]) == 2

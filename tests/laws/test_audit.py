@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from rtphys.cli.authoring import TEMPLATE
 from rtphys.cli.physics import physics as command
-from rtphys.core.errors import BadValue
+from rtphys.core.errors import BadFile, BadValue
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import CannotWrite
 from rtphys.data.staging import stage_episode
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.laws.audit.selection import Selection, selections, selections_by_task_dataset
+from rtphys.task.spec import load_task
 
 N = 400
 MU = np.random.default_rng(1).uniform(0.01, 1.25, N)
@@ -148,3 +150,19 @@ def test_the_command_says_the_same_as_json(slippery_rejected):
     assert "nothing here has it" in idle["object_mass"]
     (selections,) = printed["selection"].values()
     assert "low values were cut" in {s["attribute"]: s for s in selections}["friction"]["sentence"]
+
+
+def test_what_the_code_of_a_task_raises_is_named(slippery_rejected, tmp_path, monkeypatch):
+    file = tmp_path / "tasks" / "broken.py"
+    file.parent.mkdir()
+    text = TEMPLATE.replace("    pad = draw", "    1 / 0\n    pad = draw", 1)
+    file.write_text(text)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    for module in ("rtphys.cli.physics", "rtphys.episode.audit"):
+        monkeypatch.setattr(f"{module}.load_task", lambda _, load=load_task: load("broken"))
+    result = CliRunner().invoke(command, ["audit", str(slippery_rejected)])
+    assert isinstance(result.exception, BadFile), result.exception
+    line = text.splitlines().index("    1 / 0") + 1
+    assert str(result.exception) == (
+        f"{file}: raises ZeroDivisionError: division by zero (line {line})"
+    )

@@ -303,6 +303,16 @@ def test_the_camera_is_no_factor_for_a_policy_without_pictures(pack: Pack) -> No
 
 
 @pytest.mark.sim
+def test_a_policy_without_pictures_plays_where_props_have_their_own_physics(pack: Pack) -> None:
+    setup = PolicySetup("heavy_below", "clean", "unseen", 0, {"actions": "0"})
+    recipe = EpisodeSpec("heavy_below", "clean", split="unseen").at(SEEDS[0])
+    worker = EvaluateWorker(pack, FEW)
+    record = worker.do(EvaluationTask(recipe, setup)).record
+    assert record.reason == "gave_up" and {"camera_angle", "camera_distance"} <= {*record.inert}
+    assert "object_mass@first" in record.physics
+
+
+@pytest.mark.sim
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_the_expert_solves_what_it_has_certified(pack: Pack, protocol: str) -> None:
     recipe = EpisodeSpec(TASK, protocol).at(FIRST_SEED)

@@ -200,7 +200,8 @@ def unfinished(columns: Sequence[Column]) -> list[str]:
             for task, (done, planned) in begun.items()
         ]
         if empty := len(column.unfinished) - len(begun):
-            parts.append(f"none of {counted(empty, 'more tasks')}")
+            noun = "more tasks" if begun else "tasks"
+            parts.append(f"none of {counted(empty, noun)}")
         clauses += [f"{column.label}, {column.protocol}: {', '.join(parts)}"] if parts else []
     return clauses
 
@@ -281,9 +282,9 @@ def limits_of_comparison(evaluations: Sequence[Results]) -> list[str]:
     ]
     for results in evaluations:
         packs = ", ".join(sorted({one.fingerprint.assets[:8] for one in results.lists.values()}))
-        trials = sorted({len(records) for records in results.records.values()})
-        counts = " to ".join(map(str, dict.fromkeys((trials[0], trials[-1]))))
-        seeds = f"{counts} feasible seeds of each task"
+        trials = [len(records) for records in results.records.values()]
+        least, most = min(trials), max(trials)
+        seeds = f"{least} to " * (least < most) + f"{counted(most, 'feasible seeds')} of each task"
         sentences.append(f"{short_name(results.policy)}: {seeds}, on the asset pack {packs}.")
     return [
         *sentences,

@@ -190,7 +190,7 @@ class ScoreWorker:
                 tables[source] = table_of(read_samples(*source)[0])
             try:
                 return AttributeScore(score(tables[source], job.key, job.bounds, make))
-            except Exception as error:  # an estimator's crash is its failure, not ours
+            except (Exception, SystemExit) as error:  # an estimator's crash is its failure alone
                 text = spelled(shortened(f"{type(error).__name__}: {error}"))
                 return AttributeScore(failed=text)
 

@@ -207,7 +207,7 @@ class Checks:
 def verify(checks: Checks) -> None:
     """Check every file of a dataset, and derive its physics again from the seeds.
 
-    Prints one line per problem. Exit code 0: correct, 1: not. docs/trust.md tells what each option
+    Prints one line per problem. Exit code 0: correct, 1: not. docs/trust.md says what each option
     proves.
 
     Examples:
@@ -276,7 +276,7 @@ export = typer.Typer(add_completion=False, no_args_is_help=True)
 
 @dataclass(frozen=True)
 class Exported:
-    """Which episodes are exported, and whereto."""
+    """Which episodes are exported, and where to."""
 
     dataset: DataFolder
     out: Annotated[Path, Option("New folder to write.")]

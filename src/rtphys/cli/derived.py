@@ -196,7 +196,9 @@ def refuse_others(context: typer.Context, beside: Set[str], allowed: str) -> Non
     for name in sorted(context.params.keys() - beside):
         source = context.get_parameter_source(name)
         if source is not None and source.name == "COMMANDLINE":
-            raise BadValue(name, context.params[name], allowed)
+            value = context.params[name]
+            text = ",".join(map(str, value)) if isinstance(value, list) else value
+            raise BadValue("tasks" if name == NAMED else name, text, allowed)
 
 
 def names_in(words: Sequence[str]) -> tuple[str, ...]:

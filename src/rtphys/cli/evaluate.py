@@ -321,7 +321,7 @@ def compare(
         return
     if figure is not None:
         check_figure(figure)
-    evaluations = [read_results(folder) for folder in folders or []]
+    evaluations = [read_results(folder) for folder in dict.fromkeys(folders or ())]
     comparison = analysis.compare(evaluations, protocol, paper)
     columns, tasks = comparison.columns, comparison.tasks
     if figure is not None:
@@ -333,7 +333,7 @@ def compare(
     if as_json:
         say_json(comparison.to_json())
         return
-    _show_rates(columns, tasks)
+    differ = _show_rates(columns, tasks)
     if paper:
         title = "the paper's Table 1: mean success [%] over 50 tasks"
         protocols = list(analysis.PAPER_PROTOCOLS.values())
@@ -344,10 +344,14 @@ def compare(
         say("By its Table 3 the means are 39.56 (Motus) and 31.50 (pi0.5), not as printed.")
         for sentence in analysis.limits_of_comparison(evaluations):
             say(sentence)
+    if differ and comparison.pairs:
+        say("Not all were run on the same instances; the next table compares those they share.")
     _show_pairs(comparison)
 
 
-def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
+def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> bool:
+    """Success by task and column; whether some were run on more instances than others."""
+
     def cell(rate: Rate | None, partial: bool) -> str:
         if rate is None or rate.value is None:
             return "-"
@@ -378,10 +382,9 @@ def _show_rates(columns: Sequence[Column], tasks: Sequence[str]) -> None:
     totals = [cell(column.total(tasks), bool(column.unfinished)) for column in columns]
     table.add_row("all their rollouts", *totals)
     print_parts(table)
-    if differ:
-        say("Not all were run on the same instances; the next table compares those they share.")
     for clause in unfinished(columns):
         say(f"* unfinished: {clause}")
+    return differ
 
 
 def _show_pairs(comparison: Comparison) -> None:
@@ -442,7 +445,7 @@ def _show_identified(files: Mapping[Path, Result], as_json: bool) -> None:
         say_json({"tasks": tasks, "columns": columns})
         return
     heads = [f"{name}{where}" for where in ("", ", beyond") for name in names]
-    title = f"mean R2 over {counted(len(tasks), 'tasks')} of all"
+    title = f"mean R2 over {counted(len(tasks), 'tasks')} that all files have"
     table = fitting_table(["attribute"], heads, title=title, justify="right")
     for key in keys:
         means = [r.mean(key, tasks, beyond) for beyond in (False, True) for r in results]

@@ -1,7 +1,7 @@
 """`rtphys physics`: draw values, test the laws, audit a dataset's labels."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from math import isfinite
 from pathlib import Path
@@ -16,7 +16,7 @@ from rtphys.cli.derived import Json, names_in
 from rtphys.cli.screen import fitting_table, print_table
 from rtphys.cli.terminal import say, say_json
 from rtphys.core import library
-from rtphys.core.errors import BadValue, Infeasible, UnknownName, counted
+from rtphys.core.errors import BadValue, Infeasible, RtphysError, UnknownName, counted
 from rtphys.data.dataset import Dataset
 from rtphys.data.files import make_folder
 from rtphys.physics import Physics, Value, parse_overrides
@@ -27,6 +27,7 @@ from rtphys.studies.resources import mistakes_named
 from rtphys.task.spec import load_task
 
 if TYPE_CHECKING:
+    from rtphys.episode.audit import Audit
     from rtphys.laws.audit.specimen import Measurement
     from rtphys.laws.law import Trial
 
@@ -248,7 +249,7 @@ def _labels(data: Dataset, repeat: int, tell: Callable[[str], None]) -> tuple[Fa
     from rtphys.episode.audit import Totals, audited
 
     totals, rows, shown = Totals(), list[Facts](), time.monotonic()
-    for one in audited(data, repeat):
+    for one in _mistakes_named(audited(data, repeat), data):
         totals.add(one)
         notes = {"problems": list(one.problems), "notes": list(one.notes)}
         wrong = [_measurement(m) for m in one.deviations]
@@ -283,6 +284,19 @@ def _labels(data: Dataset, repeat: int, tell: Callable[[str], None]) -> tuple[Fa
         "labels": rows,
     }
     return report, totals.sound == totals.episodes
+
+
+def _mistakes_named(audits: "Iterator[Audit]", data: Dataset) -> "Iterator[Audit]":
+    """The audits of a dataset's episodes; what the code of a task raises becomes a `BadFile`."""
+    for entry in data.task_datasets:
+        for _ in range(entry.episodes):
+            try:
+                yield next(audits)
+            except RtphysError:
+                raise
+            except Exception:
+                with mistakes_named(load_task(entry.spec.episode.task)):
+                    raise
 
 
 def _measurement(m: "Measurement") -> Facts:

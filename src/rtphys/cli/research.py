@@ -19,6 +19,7 @@ from rtphys.studies.requests import SensitivityPlan
 
 if TYPE_CHECKING:
     from rtphys.analysis.scoring import Score
+    from rtphys.report.figures import Cells, Scale
 
 MAX_ONE_BY_ONE = 6  # tasks; more are shown by attribute
 GOOD = 0.8  # R2 from which an attribute counts as inferred
@@ -34,6 +35,16 @@ class MapOutput(AsJson):
     def __post_init__(self) -> None:
         if self.figure is not None:  # before work of hours
             check_figure(self.figure)
+
+
+def draw_map(cells: "Cells", scale: "Scale", path: Path) -> None:
+    """Draws a map of task by attribute, unless it would be empty."""
+    from rtphys.report.figures import draw_task_map
+
+    if any(cells.values()):
+        draw_task_map(cells, scale, path)
+    else:
+        say(f"{path}: not drawn, since nothing was measured", err=True)
 
 
 @takes(IdentifyPlan, MapOutput)
@@ -60,9 +71,9 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
     with resumable(), campaign_progress("scores") as listener:
         result = judge(plan, listener)
     if output.figure is not None:
-        from rtphys.report.figures import IDENTIFIABILITY, draw_task_map
+        from rtphys.report.figures import IDENTIFIABILITY
 
-        draw_task_map(result.r2(), IDENTIFIABILITY, output.figure)
+        draw_map(result.r2(), IDENTIFIABILITY, output.figure)
     if output.as_json:
         say_json(asdict(result))
     else:
@@ -130,9 +141,9 @@ def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
     with campaign("tasks") as (pack, listener):
         results = measure(plan, pack, listener)
     if output.figure is not None:
-        from rtphys.report.figures import SENSITIVITY, draw_task_map, tolerated_shares
+        from rtphys.report.figures import SENSITIVITY, tolerated_shares
 
-        draw_task_map(tolerated_shares(results), SENSITIVITY, output.figure)
+        draw_map(tolerated_shares(results), SENSITIVITY, output.figure)
     if output.as_json or any(result["attributes"] for result in results):
         print_rows(tolerances_table(results), results, output.as_json)
     if without := [str(result["task"]) for result in results if not result["seeds"]]:

@@ -208,16 +208,17 @@ def _widest(column: Column, parts: Callable[[str], list[str]], head: bool = True
 
 @contextmanager
 def progress_bar(verb: str) -> Iterator[Callable[..., None]]:
-    """A bar on standard error. It is called with what is done, with all, and perhaps a name."""
+    """A bar on standard error, from the first call on; it is called with what is done, with all,
+    and perhaps a name."""
     columns = (TextColumn(verb), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     name_column, screen = TextColumn("{task.description}"), Screen(stderr=True)
     bars = ProgressBars(*columns, name_column, console=screen, transient=True)
     bars.disable = not screen.is_terminal  # rich would write an empty line into a log
     with bars as shown:
-        row = shown.add_task("", total=None)
+        row = shown.add_task("", total=None, visible=False)  # perhaps there is nothing to do
 
         def tell(done: int, total: int, name: str = "") -> None:
-            shown.update(row, completed=done, total=total, description=name)
+            shown.update(row, completed=done, total=total, description=name, visible=True)
 
         yield tell
 

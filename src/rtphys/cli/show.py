@@ -120,7 +120,7 @@ def show(shown: Shown, which: One, output: AsJson) -> None:
         sheet, plot = out / f"{stem}.png", out / f"{stem}_joints.svg"
         replace_file(sheet, encode_png(contact_sheet(episode)))
         replace_file(plot, joint_plot(episode).encode())
-        say(f"{sheet}\n{plot}")
+        say(f"{sheet}\n{plot}", err=output.as_json)
 
 
 def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Stage]") -> None:

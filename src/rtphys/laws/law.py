@@ -9,7 +9,7 @@ import numpy as np
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile, RtphysError, UnknownName
-from rtphys.core.library import load_file
+from rtphys.core.library import line_of, load_file
 from rtphys.laws.lab import Lab
 from rtphys.physics.attribute import attribute, attributes
 from rtphys.physics.values import Value
@@ -74,6 +74,7 @@ class LawTest:
         run: the experiments at one setting: (lab, setting, values of other attributes) -> trials.
         others: values of other attributes under which the law must hold too.
         except_for: changes of ALL_VARIED for this law; None leaves an attribute nominal.
+        source: the file, if it is of a user's library; `law_test` fills it in.
     """
 
     key: str
@@ -82,6 +83,7 @@ class LawTest:
     run: Callable[[Lab, Value, Values], list[Trial]]
     others: tuple[Values, ...] = field(default_factory=tuple)
     except_for: Values = field(default_factory=dict)
+    source: Path | None = None
 
     @property
     def all_others(self) -> Values:
@@ -121,7 +123,9 @@ def law_test(key: str) -> LawTest:
     law = getattr(module, "LAW", None)
     if not isinstance(law, LawTest) or law.key != key:
         raise BadFile(module.__file__ or key, f"must define LAW, a LawTest with key = {key!r}")
-    return law
+    if not law.settings:
+        raise BadFile(module.__file__ or key, "LAW: settings = () is not allowed; name a value")
+    return replace(law, source=own)
 
 
 def law_tests_of(keys: Sequence[str] | None) -> tuple[list[LawTest], list[str]]:
@@ -138,13 +142,27 @@ def law_tests_of(keys: Sequence[str] | None) -> tuple[list[LawTest], list[str]]:
 
 
 def run_trials(lab: Lab, law: LawTest, value: Value, others: Values) -> list[Trial]:
-    """All trials of one law at one setting, each with the setting filled in."""
+    """All trials of one law at one setting, each with the setting filled in.
+
+    Raises `BadFile`: the experiment of a user's library raises an error, or returns no trials.
+    """
     if others == law.all_others:
         own = " of each object, another value elsewhere" if lab.elsewhere else ""
         setting = f"{law.key} = {_text(value)}{own}, while all others vary"
     else:
         setting = ", ".join(f"{k} = {_text(v)}" for k, v in {law.key: value, **others}.items())
-    return [replace(trial, setting=setting) for trial in law.run(lab, value, others)]
+    try:
+        trials = list(law.run(lab, value, others))
+    except RtphysError:
+        raise
+    except Exception as error:
+        if law.source is None:
+            raise
+        where = line_of(error, law.source)
+        raise BadFile(law.source, f"raises {type(error).__name__}: {error}{where}") from error
+    if law.source and not (trials and all(isinstance(one, Trial) for one in trials)):
+        raise BadFile(law.source, "its run must return one or more Trial")
+    return [replace(trial, setting=setting) for trial in trials]
 
 
 def trials_of(lab: Lab, law: LawTest) -> Iterator[Trial]:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from keyword import iskeyword
 from pathlib import Path
 
 from rtphys.assets.embodiment import DEFAULT
@@ -117,8 +118,8 @@ def write_root(folder: Path, pack: Pack) -> list[Path]:
     there = {*folder.iterdir()} if folder.is_dir() else set[Path]()
     if not mark.is_file() and there - {hidden(mark, files.TEMPORARY)}:
         raise NotOurs(f"{folder}: is not empty and was not written by rtphys; choose a new folder")
-    # A launcher finds a task by the name of its class: one such as `my-task` has none.
-    classes = [name for name in task_names() if name.isidentifier()]
+    # A launcher finds a task by the name of its class: one such as `my-task` or `import` has none.
+    classes = [name for name in task_names() if name.isidentifier() and not iskeyword(name)]
     tasks = {f"envs/{name}.py": TASK.format(name=name) for name in classes}
     # The mark comes first: the next run completes what a killed one began.
     content = {MARK: "written by rtphys robotwin-root\n", **FILES, **tasks, **_configs(pack)}

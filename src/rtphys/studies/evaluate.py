@@ -33,6 +33,7 @@ from rtphys.episode.fingerprint import fingerprint_of, packages
 from rtphys.episode.generate import Attempt
 from rtphys.episode.render import write_video
 from rtphys.physics import attributes, could_act
+from rtphys.physics.attribute import attribute
 from rtphys.plan.kinematics import check_robot
 from rtphys.policies import PolicyBroken, PolicyGone, PolicySession, PolicySetup, files_digest
 from rtphys.policies.options import unread_options
@@ -379,7 +380,7 @@ def _judged(episode: PolicyEpisode, trace: str, sees: bool) -> EpisodeRecord:
     strain = episode.rollout.strain
     success, able = episode.success and not trace, could_act(physics, parts(episode.instance.props))
     if not sees:  # where the camera stands changes nothing for it
-        able = {key for key in able if "camera_mode" not in attributes()[key].auxiliary}
+        able = {key for key in able if "camera_mode" not in attribute(key).auxiliary}
     return EpisodeRecord(
         task=episode.task,
         protocol=episode.protocol,

@@ -37,7 +37,7 @@ from rtphys.spec.protocol import Protocols, load_look, load_protocol
 from rtphys.spec.recording import CAMERAS, HEAD, SHADERS, CameraType, RecordingSpec, Size
 from rtphys.spec.stored import CLOSED, Extent
 from rtphys.spec.sweep import families, swept
-from rtphys.studies.rates import Cost, costs
+from rtphys.studies.rates import COSTS, RATES, Cost, costs
 from rtphys.studies.resources import check_drawable, episode_bytes, first_props
 from rtphys.task.props import parts
 from rtphys.task.spec import Task, load_task
@@ -398,8 +398,12 @@ def specs_for(
 
 def find_collection(text: str) -> Path:
     """A file, or the name of one in a library. Raises `UnknownName`: neither."""
-    path = Path(text)
-    return path if path.is_file() else library.find("manifests", text)
+    path, known = Path(text), library.names("manifests")
+    for table in (RATES, COSTS):  # beside the manifests, and nothing to collect
+        known.pop(table, None)
+    if not path.is_file() and text not in known:
+        raise UnknownName("manifest", text, known)
+    return path if path.is_file() else known[text]
 
 
 def read_specs(path: Path) -> tuple[CollectionSpec, ...]:

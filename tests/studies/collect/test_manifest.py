@@ -43,6 +43,11 @@ def test_the_manifest_for_smoke_can_be_read() -> None:
     assert list(dict.fromkeys(protocols)) == ["phys_random_all", "clean"]
 
 
+def test_tables_of_measurements_are_no_manifests() -> None:
+    with pytest.raises(UnknownName, match=r"unknown manifest 'costs'.*Known: smoke, training_v1$"):
+        find_collection("costs")
+
+
 # ---- a user's own --------------------------------------------------------------------------------
 
 OWN = """
