@@ -120,8 +120,9 @@ def test_without_a_ledger_nothing_is_made(copied: Path, tmp_path: Path) -> None:
 
 
 def test_the_command_takes_no_wish(copied: Path) -> None:
-    refused = CliRunner().invoke(app, ["collect", "click_bell", "--repair", "--out", str(copied)])
-    assert refused.exit_code == 2
+    words = ["collect", "click_bell", "--task", "lift_pot", "--repair", "--out", str(copied)]
+    refused = CliRunner().invoke(app, words)
+    assert refused.exit_code == 2 and "--task = 'click_bell,lift_pot' is not" in refused.stderr
     assert "beside --repair stand only --out and --workers" in refused.stderr.replace("\n", " ")
     done = CliRunner().invoke(app, ["collect", "--repair", "--out", str(copied)])
     assert done.exit_code == 0

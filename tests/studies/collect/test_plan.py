@@ -52,7 +52,6 @@ WRONG = {
     "--manifest smok": "did you mean 'smoke'?",
     "--manifest smoke --episodes 3": "--episodes = 3 is not allowed; the manifest says that",
     "--manifest smoke lift_pot": "--task = 'lift_pot' is not allowed; the manifest says that",
-    "--repair --task a --task b": "--task = 'a,b' is not allowed; the dataset says that",
     "--manifest smoke --set friction=1": "--set",
     "--manifest smoke --shader rt": "--shader",
     "--manifest smoke --shard 3/2": "from 1/n to n/n",
