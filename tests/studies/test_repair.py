@@ -120,7 +120,7 @@ def test_without_a_ledger_nothing_is_made(copied: Path, tmp_path: Path) -> None:
 
 
 def test_the_command_takes_no_wish(copied: Path) -> None:
-    words = ["collect", "click_bell", "--task", "lift_pot", "--repair", "--out", str(copied)]
+    words = ["collect", "--task", "click_bell,lift_pot", "--repair", "--out", str(copied)]
     refused = CliRunner().invoke(app, words)
     assert refused.exit_code == 2 and "--task = 'click_bell,lift_pot' is not" in refused.stderr
     assert "beside --repair stand only --out and --workers" in refused.stderr.replace("\n", " ")
