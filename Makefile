@@ -24,10 +24,10 @@ collect: setup    ## EPISODES verified episodes of TASK in OUT
 	$(BIN)/rtphys collect --task $(TASK) --episodes $(EPISODES) --out $(OUT)
 
 test: setup-test  ## all tests but the slow ones: minutes
-	$(BIN)/python -m pytest -n 2 -m "not slow" $(PYTEST)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow" $(PYTEST)
 
 test-all: setup-test  ## all tests
-	$(BIN)/python -m pytest -n 2 $(PYTEST)
+	$(BIN)/python -m pytest -n 2 --dist worksteal $(PYTEST)
 
 # Without that variable pyright asks PyPI for a newer version of itself in every run.
 check: setup-dev  ## format, lint, types
@@ -67,9 +67,11 @@ remake: setup     ## make the first two episodes of a task of Training Set v1 ag
 	$(BIN)/rtphys collect "$$($(BIN)/python -c '$(OF_WEEK)')" --episodes 2 --out build/remade
 	$(BIN)/rtphys verify build/remade --expect training_v1
 
-# The tests run last, and also when an earlier part has failed: pytest's summary ends the output.
-ci:               ## what continuous integration runs: check, wheel, smoke, reprove, test
-	@$(MAKE) --no-print-directory --keep-going --jobs=1 check wheel smoke reprove test
+# pyright has one thread, so two parts run beside each other. The tests run last, and also when an
+# earlier part has failed: pytest's summary ends the output.
+ci: setup-dev     ## what continuous integration runs: check, wheel, smoke, reprove, test
+	@$(MAKE) --no-print-directory --keep-going --jobs=2 --output-sync check wheel smoke reprove; \
+	    parts=$$?; $(MAKE) --no-print-directory --jobs=1 test && exit $$parts
 
 bench: setup      ## CPU cost by phase of every task, and of an export, in build/bench.json
 	@mkdir -p build

@@ -108,7 +108,7 @@ DOCUMENTS = (
     DOCS / "reference" / "task.md",
 )
 SHOWN = ("block", "plate", "071_can", "001_bottle", "021_cup", "081_playingcards", "043_book")
-DRAWN = 200  # number of layouts per task for which centres of mass are drawn
+DRAWN = 100  # number of layouts per task for which centres of mass are drawn
 
 
 def tasks() -> str:

@@ -45,7 +45,7 @@ def test_ci_runs_every_part_and_the_tests_of_the_readme_last() -> None:
     assert done.returncode == 0, done.stderr
     for part in ("ruff format --check", "pyright", "tests/test_wheel.py", "verify"):
         assert part in done.stdout
-    assert '-m pytest -n 2 -m "not slow"' in done.stdout.splitlines()[-1]
+    assert '-m pytest -n 2 --dist worksteal -m "not slow"' in done.stdout.splitlines()[-1]
     assert "make --no-print-directory ci" in (ROOT / ".ci" / "run").read_text()
 
 

@@ -28,7 +28,7 @@ from rtphys.results.breaks import Break, Curve
 from rtphys.results.evaluation import EpisodeRecord, Results, ledger_file
 from rtphys.results.statistics import Paired
 from rtphys.results.summary import Counts, Loads, PairSummary, ProtocolSummary, Summary, TaskSummary
-from rtphys.studies.requests import CertificationRun, EvaluationRun
+from rtphys.studies.requests import BenchPlan, CertificationRun, CheckPlan, EvaluationRun
 
 COUNTS = Counts(feasible=500, infeasible=74, rollouts=500, successes=445, held=333)
 LOADS = Loads((0.0, 21.4, 1012.0), (0.3, 0.89, 1.0), 12)
@@ -231,7 +231,10 @@ def test_what_would_be_ignored_is_refused(words: str, said: str) -> None:
     assert done.exit_code == 2 and said in done.output
 
 
-def test_a_protocol_that_is_named_twice_is_refused_by_what_has_a_ledger_of_it() -> None:
+def test_a_protocol_that_is_named_twice_is_refused() -> None:
+    for kind in (CheckPlan, BenchPlan):
+        with pytest.raises(BadValue, match="each protocol once"):
+            kind((BELL,), ("clean", "clean"))
     for kind in (CertificationRun, EvaluationRun):
         with pytest.raises(BadValue, match="each protocol once"):
             kind((BELL,), ("clean", "phys_random", "clean"), out=Path("bench"))

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from rtphys.data import jpeg
-from rtphys.data.encode import EncodedImages, encode_images
 from rtphys.data.episode import Frames
 from rtphys.data.files import facts_of
 from rtphys.data.hdf5_episode import episode_bytes, read_episode
@@ -21,6 +20,7 @@ from rtphys.data.json_text import compact, pretty
 from rtphys.data.layout import EMBODIMENT, MANIFEST, TaskDataset
 from rtphys.data.ledger import START, chained, read_header
 from rtphys.data.manifest import manifest_bytes, read_entry
+from rtphys.data.video import EncodedImages, encode_images
 from rtphys.data.writer import write_side_files
 from rtphys.spec.collection import TaskHeader
 

@@ -10,10 +10,10 @@ import numpy as np
 from forger import HEAD, Entry, Forge, Forger, put
 
 from rtphys.data import jpeg
-from rtphys.data.encode import EncodedImages, encode_images
 from rtphys.data.episode import CameraFrames, Frames
 from rtphys.data.hdf5_episode import episode_bytes, read_episode
 from rtphys.data.json_text import pretty
+from rtphys.data.video import EncodedImages, encode_images
 from rtphys.physics.domain import Domain
 
 

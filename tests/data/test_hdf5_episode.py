@@ -17,7 +17,6 @@ import synthetic
 from PIL import Image
 
 from rtphys.data import jpeg
-from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_episode import (
     EpisodeFile,
     derived,
@@ -26,6 +25,7 @@ from rtphys.data.hdf5_episode import (
     read_pictures,
 )
 from rtphys.data.hdf5_file import content_digest
+from rtphys.data.video import encode_images
 
 T = 8
 R = T - 1

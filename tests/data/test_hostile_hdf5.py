@@ -14,8 +14,8 @@ from hostile_hdf5 import Forgery, forgeries, jpeg_bomb
 
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.check_episode import check_hdf5
-from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_episode import EpisodeFile, episode_bytes, read_episode
+from rtphys.data.video import encode_images
 
 SECONDS = 5.0  # [s] of CPU; the slowest takes a tenth of it
 MEMORY = 2**28  # [bytes] more than before

@@ -16,13 +16,13 @@ from PIL import ImageColor
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data.check_episode import check_hdf5
 from rtphys.data.dataset import Dataset
-from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_episode import episode_bytes, read_episode
 from rtphys.data.hdf5_file import packed, write_packed
 from rtphys.data.palette import PALETTE, coloured, row_of
 from rtphys.data.rewrite import convert
 from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
+from rtphys.data.video import encode_images
 from rtphys.data.writer import DatasetWriter
 from rtphys.senses.depth import DEPTH_STEPS
 

@@ -18,7 +18,6 @@ from rtphys.core.errors import BadFile
 from rtphys.core.seeds import stream
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
-from rtphys.data.encode import encode_images
 from rtphys.data.hdf5_file import open_read
 from rtphys.data.jpeg import MARK
 from rtphys.data.json_text import pretty
@@ -27,6 +26,7 @@ from rtphys.data.manifest import manifest_bytes
 from rtphys.data.rewrite import subset
 from rtphys.data.staging import stage_episode
 from rtphys.data.verify import Report, verify
+from rtphys.data.video import encode_images
 from rtphys.data.writer import DatasetWriter, Rejection
 
 LEDGER = f"{FOLDER}/ledger.jsonl"

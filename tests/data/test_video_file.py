@@ -15,8 +15,8 @@ import synthetic
 from rtphys.core import bounds
 from rtphys.data import video
 from rtphys.data.check_episode import check_video
-from rtphys.data.encode import encode_images
 from rtphys.data.faults import BadEpisode
+from rtphys.data.video import encode_images
 
 MB = 2**20
 

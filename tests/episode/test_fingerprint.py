@@ -19,7 +19,7 @@ DECIDING = (
     "visual/clutter.py",
     "task/success.py",
 )
-DRAWING = ("sim/renderer.py", "episode/render.py", "data/encode.py", "cli/main.py")
+DRAWING = ("sim/renderer.py", "episode/render.py", "data/video.py", "cli/main.py")
 
 
 def test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not() -> None:

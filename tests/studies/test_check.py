@@ -245,9 +245,16 @@ def test_where_nothing_can_be_drawn_the_verdict_stays(own_task, tmp_path: Path) 
     shown = {"sheet": ["check", "too_full", "--seeds", "1", "--workers", "1", "--sheet"]}
     shown |= {name: ["try", "too_full", f"--{name}"] for name in ("picture", "video")}
     for name, words in shown.items():
-        done = CliRunner().invoke(app, [*words, str(tmp_path / "a.png")])
+        file = "a.mp4" if name == "video" else "a.png"
+        done = CliRunner().invoke(app, [*words, str(tmp_path / file)])
         assert done.exit_code == 1, (name, done.output)
-        assert "a.png: not drawn, " in done.stderr
+        assert f"{file}: not drawn, " in done.stderr
         if name == "sheet":
             assert "the expert solves none of 1 seed" in done.stderr
-    assert not [*tmp_path.glob("*.png")]
+    assert not [*tmp_path.glob("a.*")]
+
+
+@pytest.mark.parametrize("name", ["picture", "video"])
+def test_a_file_of_another_kind_is_refused(name: str, tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["try", "click_bell", f"--{name}", str(tmp_path / "a.gif")])
+    assert done.exit_code == 2 and "a.gif' is not allowed; a name that ends in ." in done.stderr

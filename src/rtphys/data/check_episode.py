@@ -14,7 +14,6 @@ from rtphys.core.errors import BadFile, RtphysError
 from rtphys.core.poses import quat_to_matrix
 from rtphys.data import files, jpeg, schema, video
 from rtphys.data.attempts import Accepted, Rejected, Row
-from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.episode import FRAME_RATE, FRAME_STEPS, Frames
 from rtphys.data.hdf5_episode import (
     CLOUDS,
@@ -27,6 +26,7 @@ from rtphys.data.hdf5_file import array, holds, note, open_read, text, texts
 from rtphys.data.hdf5_senses import declared, read_names, sense_streams
 from rtphys.data.layout import EMBODIMENT, EpisodePaths, embodiment_folder
 from rtphys.data.schema import FailureMeta, Instructions, PhysMeta
+from rtphys.data.video import VIDEO_CAMERA
 from rtphys.senses import SENSES
 from rtphys.spec.collection import TaskHeader
 from rtphys.spec.stored import differences, stored

@@ -18,7 +18,6 @@ from h5py import h5t  # pyright: ignore[reportAttributeAccessIssue]
 
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.data import files, jpeg
-from rtphys.data.encode import EncodedImages
 from rtphys.data.episode import (
     ARMS,
     CAMERA_KEYS,
@@ -48,6 +47,7 @@ from rtphys.data.hdf5_file import (
     texts,
 )
 from rtphys.data.hdf5_senses import read_senses, write_senses
+from rtphys.data.video import EncodedImages
 from rtphys.senses.states import POSE
 
 FORMAT_VERSION = "v1.0"

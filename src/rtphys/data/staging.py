@@ -9,13 +9,13 @@ from typing import cast
 from rtphys.core.timing import PhaseTimer
 from rtphys.core.untrusted import JSON
 from rtphys.data import files, schema
-from rtphys.data.encode import EncodedImages, encode_images
 from rtphys.data.episode import Episode, Frames, Sensed
 from rtphys.data.faults import BadEpisode
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import EpisodeFile, episode_bytes
 from rtphys.data.json_text import pretty
 from rtphys.data.layout import EpisodePaths
+from rtphys.data.video import EncodedImages, encode_images
 
 HDF5, VIDEO, INSTRUCTION = "data.hdf5", "video.mp4", "instruction.json"
 PHYS_META = "phys_meta.json"  # written at commit, when the number is known

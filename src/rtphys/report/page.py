@@ -17,8 +17,8 @@ from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted
 from rtphys.data.dataset import Dataset, Episode
-from rtphys.data.encode import VIDEO_CAMERA
 from rtphys.data.files import make_folder, open_binary, read, replace_file
+from rtphys.data.video import VIDEO_CAMERA
 from rtphys.physics.attribute import attribute, attributes, is_attribute
 from rtphys.physics.distribution import SameAs, extremes
 from rtphys.physics.reach import split

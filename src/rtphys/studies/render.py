@@ -14,13 +14,13 @@ from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted
 from rtphys.data.dataset import Dataset
-from rtphys.data.encode import VIDEO_CAMERA, encode_images
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch
 from rtphys.data.json_text import plain
 from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.manifest import TaskEntry, entries_there
 from rtphys.data.rewrite import encoded_episode
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
+from rtphys.data.video import VIDEO_CAMERA, encode_images
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode.generate import attempt, under_look
 from rtphys.episode.render import StateTrajectory, render_frames

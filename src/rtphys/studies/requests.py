@@ -109,7 +109,7 @@ class CertificationRun:
 
 
 def check_once(protocols: Sequence[str]) -> None:
-    """Raises `BadValue`: two series of one protocol would append to the same ledger."""
+    """Raises `BadValue`: a protocol is named twice, whose two series would share a ledger."""
     if len({*protocols}) < len(protocols):
         raise BadValue("protocols", ",".join(protocols), "each protocol once")
 
@@ -143,6 +143,7 @@ class CheckPlan:
     workers: Workers = None
 
     def __post_init__(self) -> None:
+        check_once(self.protocols)
         for name in self.tasks:
             load_task(name)
         if self.episode.ranges is not None:
@@ -161,6 +162,11 @@ class TryPlan:
     picture: Annotated[Path | None, Option("Draw the end of each stage into this PNG.")] = None
     video: Annotated[Path | None, Option("Draw the attempt into this MP4.")] = None
 
+    def __post_init__(self) -> None:
+        for key, path, end in (("picture", self.picture, ".png"), ("video", self.video, ".mp4")):
+            if path is not None and path.suffix.lower() != end:
+                raise BadValue(key, str(path), f"a name that ends in {end}")
+
 
 @checked_dataclass(frozen=True)
 class BenchPlan:
@@ -172,6 +178,9 @@ class BenchPlan:
     first_seed: FirstSeed = 0
     pictures: Annotated[bool, Option("Draw and write what is accepted.")] = True
     episode: Annotated[EpisodeSpec, Offers("embodiment")] = EpisodeSpec()
+
+    def __post_init__(self) -> None:
+        check_once(self.protocols)
 
 
 @checked_dataclass(frozen=True)

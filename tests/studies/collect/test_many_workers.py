@@ -1,6 +1,7 @@
 """Any number of workers on a slow disk gives what one worker gives."""
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -18,15 +19,18 @@ PLANS = (
     replace(LAST),
 )
 
+QUICK = [("plain", 3), ("plain", 16), ("failures", 16), ("twin", 16)]
+REST = [each for each in product(variants(PLANS), (3, 16)) if each not in QUICK]
+CASES = [*QUICK, *(pytest.param(*each, marks=pytest.mark.slow) for each in REST)]
+
 
 @pytest.mark.usefixtures("without_robot")
-@pytest.mark.parametrize("variant", variants(PLANS))
+@pytest.mark.parametrize(("variant", "workers"), CASES)
 def test_many_workers_give_what_one_gives(
-    variant: str, tmp_path: Path, request: pytest.FixtureRequest
+    variant: str, workers: int, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     """A seed that was begun to be on the safe side ends long after its task has enough."""
-    assert complete(collect(variants(PLANS)[variant], Run(tmp_path / "1", workers=1)))
+    assert complete(collect(variants(PLANS)[variant], Run(tmp_path / "one", workers=1)))
     request.getfixturevalue("slow_disk")
-    for size in (3, 16):
-        assert complete(collect(variants(PLANS)[variant], Run(tmp_path / str(size), workers=size)))
-        assert content(tmp_path / str(size)) == content(tmp_path / "1")
+    assert complete(collect(variants(PLANS)[variant], Run(tmp_path / "many", workers=workers)))
+    assert content(tmp_path / "many") == content(tmp_path / "one")
