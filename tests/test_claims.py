@@ -54,6 +54,10 @@ docs/commands.md
     test_dry_run::test_it_names_every_folder_and_writes_nothing
   progress and notes go to standard error
     test_screen::test_json_is_all_that_stands_on_standard_output
+  refused: the line names the option, the file, the folder or the disk that does not fit
+    test_malformed_input::test_every_malformed_input_is_a_sentence
+  less was made than asked for; what is there is whole, and the same command goes on
+    test_plan::test_a_hopeless_task_is_given_up_and_its_rejections_are_kept
 docs/dataset.md
   This imports no simulator
     test_dataset::test_needs_no_simulator

@@ -9,8 +9,12 @@ from pathlib import Path
 from rtphys.campaign.series import Listener, Progress
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.recording import RecordingSpec
 
-PLAN = CollectionSpec(EpisodeSpec("click_bell", "phys_random"), episodes=2)
+# Small pictures: drawing them takes most of an episode's time.
+PLAN = CollectionSpec(
+    EpisodeSpec("click_bell", "phys_random"), RecordingSpec(size="160x120"), episodes=2
+)
 
 
 def complete(progresses: Sequence[Progress]) -> bool:

@@ -72,7 +72,7 @@ def test_an_episode_holds_what_happened(undisturbed: Path) -> None:
     assert frames.stages[-1] == "hold"
     assert frames.contacts["bell"].any(), "a finger touched the bell"
     head = episode.images("head_camera")
-    assert head.shape[1:] == (240, 320, 3)
+    assert head.shape[1:] == (120, 160, 3)
     assert head[0].std() > 10, "the picture shows something"
     assert set(episode.cameras) == {"head_camera", "left_camera", "right_camera"}
     assert np.abs(head[0].astype(int) - head[-1].astype(int)).max() > 50, "the arm has moved"
