@@ -36,7 +36,7 @@ class Limits:
 
     seconds: float = 600.0  # [s] of CPU time for one job
     patience: float = 6000.0  # [s] of wall clock for one job, less what it waits for a core
-    user_code: bool = False  # a job that is out of patience has itself to blame, not the machine
+    user_code: bool = False  # a job out of patience fails; else the machine is overloaded
     jobs: int = 200  # then a worker is replaced
     memory: float = 1.5e9  # [bytes] resident after a job; then a worker is replaced
     max_memory: float = 6e9  # [bytes] at any time; then it is killed

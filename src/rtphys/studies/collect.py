@@ -88,6 +88,7 @@ def collect(
             )
             for family in families(own)
         ]
+        # Its `do` runs in each worker process, once for each seed.
         worker = CollectWorker(pack, own[0].recording.shader)
         with pool_of(run, worker, own, size, listener) as workers:
             run_all(series, workers, listener, run.out, dataset.checkpoint_if_due)
