@@ -1,7 +1,7 @@
 """Layout of a LeRobot export: features, camera names and rates."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
@@ -91,9 +91,8 @@ class Plan:
     layout: ActionLayout  # of states and actions
     joints: tuple[str, ...]  # of efforts
     robot: str  # name of the embodiment
-    more: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
-    """Features that were asked for -> names of their numbers."""
-    left_out: tuple[str, ...] = ()  # attributes that are the asset's own in every episode
+    more: Mapping[str, Sequence[str]]  # features that were asked for -> names of their numbers
+    left_out: tuple[str, ...]  # attributes that are the asset's own in every episode
 
     @property
     def rate(self) -> Fraction:
