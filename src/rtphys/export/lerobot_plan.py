@@ -145,10 +145,8 @@ def plan_for(episodes: Sequence[Episode], spec: ExportSpec) -> Plan:
         episodes: those that are exported, at least one; the cameras are those that all of their
             task datasets have, or where `camera_names` has pairs, the named ones.
 
-    Raises:
-        UnknownName: no such camera.
-        BadValue: pictures of different sizes, two videos with one name, or several robots.
-        BadFile: an episode that does not hold what a feature needs.
+    Raises `UnknownName`: no such camera; `BadValue`: pictures of different sizes, two videos with
+    one name, or several robots; `BadFile`: an episode that does not hold what a feature needs.
     """
     wanted, firsts = spec.features, dict[Path, Episode]()
     for one in episodes:
