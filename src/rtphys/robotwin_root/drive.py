@@ -15,7 +15,7 @@ from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies.registry import literal
-from rtphys.policies.robotwin_plugin import SKIP, Plugin, plugin_named, user_args
+from rtphys.policies.robotwin_plugin import ARM_SIZES, SKIP, Plugin, plugin_named, user_args
 from rtphys.results.instances import FIRST_SEED, BenchmarkInstance, benchmark_file, read_list
 from rtphys.results.official import write_result
 from rtphys.robotwin_root.base_task import (
@@ -84,8 +84,8 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     plugin = plugin_named(str(usr_args["policy_name"]), root)
     env = getattr(importlib.import_module(f"envs.{task}"), task)()
     assert isinstance(env, Base_Task)
-    left, right = default_pack().embodiment(robot_of(args)).action_layout.per_arm
-    usr_args = {**usr_args, "left_arm_dim": left, "right_arm_dim": right}
+    per_arm = default_pack().embodiment(robot_of(args)).action_layout.per_arm
+    usr_args = {**usr_args, **dict(zip(ARM_SIZES, per_arm, strict=True))}
     run = Run(usr_args, args, env, plugin, plugin.get_model(usr_args))
     for seed in run.seeds():
         run.roll_out(seed)
