@@ -306,12 +306,11 @@ class TaskSensitivity:
             key: why_idle(key, domain.keys, has) if found else fixed for key, found in sides.items()
         }
         self.idle = {key: clause for key, clause in why.items() if clause}  # with the reason
-        self.bisections = [
-            Bisection(axis, self.search.steps)
+        self.sides = {
+            key: [Bisection(axis, self.search.steps) for axis in found]
             for key, found in sides.items()
             if key not in self.idle
-            for axis in found
-        ]
+        }
 
     def _open_ledger(self) -> Ledger[TaskSpec, SensitivityRow]:
         path = self.path.with_suffix(".jsonl")
@@ -338,16 +337,13 @@ class TaskSensitivity:
         yield [LevelSeries(self)]
         if not self.seeds:
             return
-        while trials := [
-            LevelSeries(self, b, b.next) for b in self.bisections if b.next is not None
-        ]:
+        every = [bisection for of in self.sides.values() for bisection in of]
+        while trials := [LevelSeries(self, b, b.next) for b in every if b.next is not None]:
             yield trials
 
     def write(self) -> dict[str, JSON]:
         """Writes the answers and returns them. Raises `CannotWrite`."""
-        sides: dict[str, list[Bisection]] = {}
-        for bisection in self.bisections if self.seeds else ():
-            sides.setdefault(bisection.axis.key, []).append(bisection)
+        sides = self.sides if self.seeds else {}
         answers: dict[str, JSON] = {key: answer(of) for key, of in sides.items()}
         head: dict[str, JSON] = {"format": FORMAT, **stored(self.spec)}
         result = {**head, "seeds": [*self.seeds], "attributes": answers}
