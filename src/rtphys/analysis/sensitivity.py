@@ -357,17 +357,14 @@ class LevelSeries(Series[SensitivityTask, SensitivityResult]):
     def __init__(
         self, task: TaskSensitivity, bisection: Bisection | None = None, share: float = 0.0
     ) -> None:
-        self.task, self.share = task, share
-        self.axis = bisection.axis if bisection else None
-        self.level = Level(share) if bisection else None
-        self.name = self.axis.name if self.axis else NOMINAL
-        seeds: Sequence[int] = task.seeds
-        count = len(seeds)
-        if bisection and self.level:
-            bisection.levels.append(self.level)
-        else:
-            first, count = task.search.first_seed, task.search.seeds
-            seeds = range(first, first + MAX_ATTEMPTS * count)
+        self.task, self.share, self.name = task, share, NOMINAL
+        self.axis, self.level = None, None
+        first, count = task.search.first_seed, task.search.seeds
+        seeds: Sequence[int] = range(first, first + MAX_ATTEMPTS * count)
+        if bisection:
+            self.axis, self.name = bisection.axis, bisection.axis.name
+            bisection.levels.append(level := Level(share))
+            self.level, seeds, count = level, task.seeds, len(task.seeds)
         super().__init__(Progress(f"{task.spec.task}, {self.name}", count), seeds)
 
     def job(self, seed: int) -> SensitivityTask:
