@@ -17,7 +17,7 @@ from pathlib import Path
 import av
 import numpy as np
 from av.video.stream import VideoStream
-from typical import collect_typical
+from typical import typical
 
 from rtphys.data.dataset import Dataset, Episode
 from rtphys.data.video import CRF, PRESET, VideoWriter
@@ -67,10 +67,7 @@ def own(episodes: Sequence[Episode], camera: str) -> np.ndarray:
 
 def main(path: str | None = None) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        if path is None:
-            path = f"{folder}/data"
-            collect_typical(Path(path))
-        data = Dataset(path)
+        data = Dataset(typical(path, folder))
         cameras = data[0].cameras
         pictures = sum(len(episode) - 1 for episode in data) * len(cameras)
         costs: dict[str, np.ndarray] = dict.fromkeys(
@@ -81,7 +78,7 @@ def main(path: str | None = None) -> None:
             measured: dict[str, np.ndarray] = {
                 "PyAV": np.sum([plain(data, camera) for camera in cameras], axis=0),
                 "own": np.sum([own(data, camera) for camera in cameras], axis=0),
-                "export": spent(lambda out=out: export_lerobot(Dataset(path), out)),
+                "export": spent(lambda out=out: export_lerobot(Dataset(data.path), out)),
             }
             costs = {name: np.minimum(costs[name], measured[name]) for name in measured}
     for name, seconds in costs.items():

@@ -14,7 +14,10 @@ TASKS = ("click_bell", "place_container_plate", "stack_blocks_two", "put_object_
 EPISODES = 5  # of each
 
 
-def collect_typical(out: Path) -> None:
-    """Collect 20 episodes under `phys_random_all`."""
+def typical(path: str | None, folder: str) -> Path:
+    """The dataset at `path`; without one, 20 episodes under `phys_random_all`, collected there."""
+    if path is not None:
+        return Path(path)
     template = CollectionSpec(EpisodeSpec(protocol="phys_random_all"), episodes=EPISODES)
-    collect(specs_for(template, TASKS), Run(out))
+    collect(specs_for(template, TASKS), Run(out := Path(folder) / "data"))
+    return out

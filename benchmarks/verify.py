@@ -17,7 +17,7 @@ from pathlib import Path
 
 import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 
-from typical import collect_typical
+from typical import typical
 
 from rtphys.data.check_episode import Effort
 from rtphys.data.verify import verify
@@ -46,10 +46,7 @@ def command(path: Path) -> float:
 
 def main(path: str | None = None) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        if path is None:
-            path = f"{folder}/data"
-            collect_typical(Path(path))
-        data = Path(path)
+        data = typical(path, folder)
         size = sum(p.stat().st_size for p in data.rglob("*") if p.is_file()) / 1e6
         work = {
             "checking": lambda: checking(data, Effort.QUICK),

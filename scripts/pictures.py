@@ -16,6 +16,7 @@ from pathlib import Path
 import rtphys.core.pinned  # noqa: F401  # isort: skip  (before numpy)
 import numpy as np
 from PIL import Image, ImageDraw
+from relevance import draw_relevance, relevance
 
 import results
 from rtphys.analysis.identify import read_result
@@ -145,7 +146,7 @@ def maps() -> None:
     r2 = read_result(results.RESULTS / "identify_trees.json").r2()
     figures.draw_task_map(tolerated, figures.SENSITIVITY, IMAGES / "sensitivity.png")
     figures.draw_task_map(r2, figures.IDENTIFIABILITY, IMAGES / "identifiability.png")
-    figures.draw_relevance(figures.relevance(tolerated, r2), IMAGES / "relevance.png")
+    draw_relevance(relevance(tolerated, r2), IMAGES / "relevance.png")
 
 
 def first_task() -> None:

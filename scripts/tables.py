@@ -14,6 +14,7 @@ from pathlib import Path
 import coverage
 import numpy as np
 import policy_tables
+import relevance
 from com_inside import Bodies, narrowed, survival
 from masses import theirs as robotwin_mass
 from numpy.typing import NDArray
@@ -505,17 +506,17 @@ def _kind(schema: dict, field: dict) -> tuple[str, dict | None]:
     return kinds.get(field.get("type", ""), field.get("type", "any")), None
 
 
-def relevance() -> str:
+def broken_and_identifiable() -> str:
     """Table of attributes: how many tasks each breaks, and in how many it is identifiable."""
     tolerated = figures.tolerated_shares([*results.load("sensitivity_replay").values()])
     r2 = read_result(results.RESULTS / "identify_trees.json").r2()
-    of_tasks = figures.relevance(tolerated, r2).values()
+    of_tasks = relevance.relevance(tolerated, r2).values()
     counts = Counter(pair for of in of_tasks for pair in of.items())
     rows = []
     for key in sorted({key for key, _ in counts}):
-        tasks = [counts[key, kind] for kind in figures.Relevance]
+        tasks = [counts[key, kind] for kind in relevance.Relevance]
         rows.append((f"`{key}`", str(sum(tasks)), *map(str, tasks)))
-    return _table(("attribute", "tasks", *(kind.value for kind in figures.Relevance)), rows)
+    return _table(("attribute", "tasks", *(kind.value for kind in relevance.Relevance)), rows)
 
 
 TABLES = {
@@ -539,7 +540,7 @@ TABLES = {
     "suite_tolerance": suite_tolerance,
     "suite_robots": suite_robots,
     "hidden": hidden,
-    "relevance": relevance,
+    "relevance": broken_and_identifiable,
     **{
         name: lambda of=of: _table(*of())
         for name, of in (policy_tables.TABLES | coverage.TABLES).items()

@@ -232,7 +232,7 @@ def test_every_column_is_named_in_the_legend(
 ) -> None:
     """Matplotlib would leave out a name that begins with an underscore, and read a formula."""
     shown: list[Figure] = []
-    monkeypatch.setattr(figures, "_save", lambda figure, *_: shown.append(figure))
+    monkeypatch.setattr(figures, "save", lambda figure, *_: shown.append(figure))
     names = ["_old, clean", "a$x_$b, clean"]
     columns = [(name, {"click_bell": Rate(1, 2)}) for name in names]
     figures.draw_rates(columns, ["click_bell"], "", tmp_path / "x.png")

@@ -90,6 +90,12 @@ class Silent(Listener):
         self.read.append(text)
 
 
+@pytest.fixture
+def nobody_acts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So there are no paired seeds."""
+    monkeypatch.setattr(TaskSensitivity, "rounds", lambda self: iter(()))
+
+
 def test_a_policy_that_cannot_run_in_a_task_is_refused(tmp_path: Path) -> None:
     search = SearchSpec(("friction",), "feels", seeds=1, steps=1)
     with pytest.raises(BadValue, match="lift_pot has no `feel`"):
@@ -107,25 +113,18 @@ def test_a_policy_that_cannot_run_in_a_task_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_what_could_not_act_is_said_and_has_no_answer(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, task: str, why: str
+    tmp_path: Path, nobody_acts: None, task: str, why: str
 ) -> None:
-    monkeypatch.setattr(module, "run_all", lambda *_: None)  # nobody acts: no paired seeds
-    monkeypatch.setattr(TaskSensitivity, "rounds", lambda self: iter(()))
     search, heard = SearchSpec(("object_mass", "friction"), seeds=1, steps=1), Silent()
     plan = SensitivityPlan((task,), search, tmp_path, 1)
     sensitivity(plan, PACK, heard)
     assert heard.read == [f"object_mass could not act in {task}: {why}"]
     spec = TaskSpec(task, search, fingerprint_of(load_task(task), "phys_random", PACK).to_json())
-    asked = {one.axis.key for one in TaskSensitivity(plan, spec).bisections}
-    assert asked == {"friction"}
+    assert TaskSensitivity(plan, spec).sides.keys() == {"friction"}
 
 
-def test_the_attribute_of_one_prop_can_be_asked_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_attribute_of_one_prop_can_be_asked_for(tmp_path: Path, nobody_acts: None) -> None:
     """As `--set` and `collect --only` take it; a line says where a domain has no rule for it."""
-    monkeypatch.setattr(module, "run_all", lambda *_: None)
-    monkeypatch.setattr(TaskSensitivity, "rounds", lambda self: iter(()))
     search, heard = SearchSpec(("friction@puck", "table_tilt"), seeds=1, steps=1), Silent()
     plan = SensitivityPlan(("slide_to_mark", "turn_switch"), search, tmp_path, 1)
     sensitivity(plan, PACK, heard)
@@ -134,8 +133,8 @@ def test_the_attribute_of_one_prop_can_be_asked_for(
         "friction@puck could not act in turn_switch: domain turn_switch does not vary it",
     ]
     ground = fingerprint_of(load_task("slide_to_mark"), "phys_random", PACK).to_json()
-    found = TaskSensitivity(plan, TaskSpec("slide_to_mark", search, ground)).bisections
-    assert [one.axis.key for one in found] == ["friction@puck"]
+    found = TaskSensitivity(plan, TaskSpec("slide_to_mark", search, ground)).sides
+    assert [*found] == ["friction@puck"] and len(found["friction@puck"]) == 1
     with pytest.raises(UnknownName, match=r"unknown attribute 'fraction'; did you mean 'friction'"):
         SearchSpec(("fraction@puck",))
 
@@ -335,7 +334,7 @@ def test_a_seed_without_a_layout_hides_no_attribute(
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
     plan = SensitivityPlan(("late",), SearchSpec(("object_mass",)), tmp_path / "out", 1)
     task = TaskSensitivity(plan, TaskSpec("late", plan.search, {}))
-    assert not task.idle and len(task.bisections) == 2
+    assert not task.idle and len(task.sides["object_mass"]) == 2
     run = CertificationRun(("late",), ("only_object_mass",), tmp_path)
     assert not run.left_out()
     assert without_effect([CollectionSpec(EpisodeSpec("late", "only_object_mass"))]) == []

@@ -2,13 +2,17 @@
 
 import json
 import pickle
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 import synthetic
 
+from rtphys.data.dataset import Dataset
+from rtphys.data.episode import Episode
 from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.spec.collection import TaskHeader
@@ -61,6 +65,24 @@ def collect(
         task = dataset.task(wanting(max(episodes, 1), what))
         while task.totals.episodes < episodes and task.totals.attempts != attempts:
             task.record(outcome(task, task.next_seed))
+
+
+def written(out: Path, what: TaskHeader, *episodes: Episode) -> Dataset:
+    """These episodes, of seeds 0, 1, ..., and nothing else of that task dataset."""
+    with DatasetWriter(out) as dataset:
+        task = dataset.task(what)
+        for seed, episode in enumerate(episodes):
+            folder, layout = task.staging(seed), what.spec.recording.layout
+            task.record(stage_episode(folder, episode, layout))
+    return Dataset(out)
+
+
+def labelled(**changes: Mapping[str, object]) -> Episode:
+    """Episode of seed 0; attribute -> what its label says instead."""
+    episode = synthetic.episode(0)
+    labels: Any = episode.phys_meta["attributes"]
+    changed = {key: {**label, **changes.get(key, {})} for key, label in labels.items()}
+    return replace(episode, phys_meta={**episode.phys_meta, "attributes": changed})
 
 
 def keep(out: Path, kept: str | None = "all", attempts: int = 7) -> None:

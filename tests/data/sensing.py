@@ -1,8 +1,13 @@
 """Synthetic senses, a function of the seed, for tests of several files."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import synthetic
+from collected import written
 
+from rtphys.data.dataset import Dataset
 from rtphys.data.episode import Sensed
 from rtphys.senses.depth import DEPTH_SCALE
 from rtphys.senses.touch import TouchSense
@@ -36,3 +41,12 @@ def sensed(seed: int, frames: int = 8, senses: tuple[str, ...] = SENSES) -> Sens
             made.tracks[one.name, ""] = rng.random(shape, np.float32)
         made.names |= {"finger": fingers, "object": ("bell",)}
     return made
+
+
+def collect(out: Path, episodes: int, frames: int, senses: tuple[str, ...]) -> Dataset:
+    """Episodes of so many frames with these senses."""
+    made = [
+        replace(synthetic.episode(seed, frames), sensed=sensed(seed, frames, senses))
+        for seed in range(episodes)
+    ]
+    return written(out, synthetic.header(senses=senses, episodes=episodes), *made)

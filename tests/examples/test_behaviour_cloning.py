@@ -9,14 +9,12 @@ import numpy as np
 import pytest
 import synthetic
 import train
+from collected import written
 from features import CHUNK, features
 from mlp import Adam, Mlp
 
 from rtphys.assets.pack import default_pack
 from rtphys.core.poses import axis_angle
-from rtphys.data.dataset import Dataset
-from rtphys.data.staging import stage_episode
-from rtphys.data.writer import DatasetWriter
 from rtphys.episode import begin
 from rtphys.policies import PolicySetup, open_policy
 from rtphys.spec.episode import EpisodeSpec
@@ -69,11 +67,9 @@ def test_clutter_is_left_out(tmp_path: Path) -> None:
     frames = synthetic.frames_of(0)
     poses = {**frames.object_poses, "clutter0": frames.object_poses["bell"]}
     made = replace(synthetic.episode(0), frames=replace(frames, object_poses=poses))
-    with DatasetWriter(tmp_path) as data:
-        task = data.task(synthetic.header())
-        task.record(stage_episode(task.staging(0), made))
-    assert "clutter0" in Dataset(tmp_path)[0].frames.object_poses
-    assert [*train.examples(Dataset(tmp_path)[0])[1]] == ["bell"]
+    (episode,) = written(tmp_path, synthetic.header(), made)
+    assert "clutter0" in episode.frames.object_poses
+    assert [*train.examples(episode)[1]] == ["bell"]
 
 
 @pytest.mark.sim

@@ -3,16 +3,12 @@
 import re
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import sensing
-import synthetic
 
 from rtphys.data.dataset import Dataset
-from rtphys.data.staging import stage_episode
-from rtphys.data.writer import DatasetWriter
 
 pytest.importorskip("pyarrow", reason="the extra rtphys[lerobot] is not installed")
 
@@ -22,16 +18,6 @@ SENSES = ("depth", "touch")
 FEATURES = ("physics", "contact", "touch", "depth")
 FEW, MANY, FRAMES = 4, 12, 80
 GROWTH = 25.0  # [MB] in 8 more episodes; each has 6 MB of pictures and depths
-
-
-def collect(out: Path, episodes: int) -> None:
-    """Episodes with depth and touch."""
-    with DatasetWriter(out) as opened:
-        task = opened.task(synthetic.header(senses=SENSES, episodes=episodes))
-        for seed in range(episodes):
-            made = sensing.sensed(seed, FRAMES, SENSES)
-            episode = replace(synthetic.episode(seed, FRAMES), sensed=made)
-            task.record(stage_episode(task.staging(seed), episode))
 
 
 def main(dataset: str, out: str) -> None:
@@ -52,7 +38,7 @@ def test_memory_does_not_follow_the_number_of_episodes(tmp_path: Path) -> None:
     peaks: list[float] = []
     for episodes in (FEW, MANY):
         data, out = tmp_path / str(episodes), tmp_path / f"out{episodes}"
-        collect(data, episodes)
+        sensing.collect(data, episodes, FRAMES, SENSES)
         code = f"import sys; sys.path[:0] = {sys.path!r}; import rtphys, test_export_memory as test"
         call = f"test.main({str(data)!r}, {str(out)!r})"
         run = [sys.executable, "-c", f"{code}; {call}"]

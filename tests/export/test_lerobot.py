@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sensing
 import synthetic
-from collected import FRAMES, collect, keep
+from collected import FRAMES, collect, keep, written
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
@@ -18,8 +18,6 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, video
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import CannotWrite, DatasetLocked
-from rtphys.data.staging import stage_episode
-from rtphys.data.writer import DatasetWriter
 
 pa = pytest.importorskip("pyarrow", reason="the extra rtphys[lerobot] is not installed")
 pq = pytest.importorskip("pyarrow.parquet", reason="the extra rtphys[lerobot] is not installed")
@@ -57,6 +55,13 @@ def export(
     return export_lerobot(dataset, out, ExportSpec(**of), progress)  # type: ignore[arg-type]
 
 
+def of_robot(out: Path, robot: str, arms: tuple[int, int]) -> Dataset:
+    """One episode of a robot with so many joints an arm."""
+    what, frames = synthetic.header(embodiment=robot), synthetic.frames_of(0, FRAMES, arms)
+    episode = synthetic.episode(0, FRAMES, what.spec.episode)
+    return written(out, what, replace(episode, frames=frames))
+
+
 def info(root: Path) -> dict:
     return json.loads((root / "meta/info.json").read_text())
 
@@ -77,12 +82,7 @@ def test_info_agrees_with_the_tables(v3: Path) -> None:
 
 
 def test_an_export_has_as_many_numbers_as_the_robot(tmp_path: Path) -> None:
-    what, frames = synthetic.header(embodiment=MIXED), synthetic.frames_of(0, FRAMES, (6, 7))
-    of = synthetic.episode(0, FRAMES, what.spec.episode)
-    with DatasetWriter(tmp_path / "data") as data:
-        task = data.task(what)
-        task.record(stage_episode(task.staging(0), replace(of, frames=frames)))
-    dataset = Dataset(tmp_path / "data")
+    dataset = of_robot(tmp_path / "data", MIXED, (6, 7))
     for version in ("v3.0", "v2.1"):
         stated = info(export(dataset, tmp_path / version, version=version))
         assert stated["robot_type"] == MIXED
@@ -191,14 +191,11 @@ def test_pixel_statistics_are_exact(depth: bool) -> None:
 
 def test_depth_is_a_video_of_millimetres(tmp_path: Path) -> None:
     """As lerobot 0.6 stores it: single-channel HEVC without loss, whose scale info.json states."""
-    with DatasetWriter(tmp_path / "data") as opened:
-        task = opened.task(synthetic.header(senses=("depth",)))
-        made = sensing.sensed(0, FRAMES, ("depth",))
-        for tracks in made.tracks.values():
-            tracks[0][0, :2] = 0.0, 5.0  # nothing, and farther than the largest number
-        one = replace(synthetic.episode(0, FRAMES), sensed=made)
-        task.record(stage_episode(task.staging(0), one))
-    data = Dataset(tmp_path / "data")
+    made = sensing.sensed(0, FRAMES, ("depth",))
+    for tracks in made.tracks.values():
+        tracks[0][0, :2] = 0.0, 5.0  # nothing, and farther than the largest number
+    one = replace(synthetic.episode(0, FRAMES), sensed=made)
+    data = written(tmp_path / "data", synthetic.header(senses=("depth",)), one)
     out = export(data, tmp_path / "lr", features=("depth",))
     key = "observation.images.cam_high_depth"
     feature = info(out)["features"][key]
@@ -460,10 +457,11 @@ def test_a_killed_export_goes_on(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "whole"]
 
 
-def test_the_rest_of_another_export_is_not_taken_over(dataset: Dataset, tmp_path: Path) -> None:
-    def stop(done: int, _: int) -> None:
-        raise Killed
+def stop(done: int, _: int) -> None:
+    raise Killed
 
+
+def test_the_rest_of_another_export_is_not_taken_over(dataset: Dataset, tmp_path: Path) -> None:
     with pytest.raises(Killed):
         export(dataset, tmp_path / "out", stop)
     two = [export(dataset, tmp_path / name, camera_names="robotwin") for name in ("out", "whole")]
@@ -472,18 +470,8 @@ def test_the_rest_of_another_export_is_not_taken_over(dataset: Dataset, tmp_path
 
 def test_the_rest_of_another_robots_export_is_not_taken_over(tmp_path: Path) -> None:
     """Of the same task and seed: the rows would be those of the other robot."""
-
-    def stop(done: int, _: int) -> None:
-        raise Killed
-
-    for robot, arms in (("piper", (6, 6)), ("franka-panda", (7, 7))):
-        what = synthetic.header(embodiment=robot)
-        of = synthetic.episode(0, FRAMES, what.spec.episode)
-        with DatasetWriter(tmp_path / "data") as data:
-            task = data.task(what)
-            frames = synthetic.frames_of(0, FRAMES, arms)
-            task.record(stage_episode(task.staging(0), replace(of, frames=frames)))
-    both = Dataset(tmp_path / "data")
+    of_robot(tmp_path / "data", "piper", (6, 6))
+    both = of_robot(tmp_path / "data", "franka-panda", (7, 7))
     with pytest.raises(Killed):
         export(both.where(embodiment="piper"), tmp_path / "out", stop)
     out = export(both.where(embodiment="franka-panda"), tmp_path / "out")

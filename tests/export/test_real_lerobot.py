@@ -7,17 +7,13 @@ import json
 import os
 import subprocess
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import sensing
-import synthetic
 
 from rtphys.data.dataset import Dataset
-from rtphys.data.staging import stage_episode
-from rtphys.data.writer import DatasetWriter
 
 pytest.importorskip("pyarrow", reason="the extra rtphys[lerobot] is not installed")
 
@@ -54,14 +50,7 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Dataset:
-    out = tmp_path_factory.mktemp("dataset")
-    with DatasetWriter(out) as opened:
-        task = opened.task(synthetic.header(senses=SENSES))
-        for seed in range(EPISODES):
-            made = sensing.sensed(seed, FRAMES, SENSES)
-            episode = replace(synthetic.episode(seed, FRAMES), sensed=made)
-            task.record(stage_episode(task.staging(seed), episode))
-    return Dataset(out)
+    return sensing.collect(tmp_path_factory.mktemp("dataset"), EPISODES, FRAMES, SENSES)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The report page: its data, and its behaviour in a real browser."""
 
-import copy
 import json
 import re
 import shutil
@@ -10,11 +9,9 @@ from pathlib import Path
 
 import pytest
 import synthetic
-from collected import collect, outcome
+from collected import collect, labelled, written
 
 from rtphys.data.dataset import Dataset
-from rtphys.data.staging import stage_episode
-from rtphys.data.writer import DatasetWriter
 from rtphys.report import page as module
 from rtphys.report.page import axes, write_report
 
@@ -74,10 +71,7 @@ def test_cards_of_a_sweep_and_of_two_robots_have_names_of_their_own(tmp_path: Pa
     """Files are numbered anew under each value; a robot is named where there are several."""
     for value in (0.1, 0.5):
         collect(tmp_path / "data", 1, synthetic.header(overrides={"friction": value}))
-    other = synthetic.header(embodiment="franka-panda")
-    with DatasetWriter(tmp_path / "data") as writer:
-        task = writer.task(other)
-        task.record(outcome(task, 0))
+    collect(tmp_path / "data", 1, synthetic.header(embodiment="franka-panda"))
     facts = data(write_report(Dataset(tmp_path / "data"), tmp_path / "report.html"))
     leaves = [facts["leaves"][one["leaf"]] for one in facts["episodes"]]
     names = {(leaf["protocol"], leaf["robot"]) for leaf in leaves}
@@ -88,11 +82,10 @@ def test_targets_of_joints_are_named_since_robots_have_different_ones(tmp_path: 
     """The seventh number is a gripper's opening of one robot, and a joint of the other."""
     collect(tmp_path / "data", 1)
     frames = synthetic.frames_of(0, joints=(7, 7))
-    with DatasetWriter(tmp_path / "data") as writer:
-        task = writer.task(header := synthetic.header(embodiment="franka-panda"))
-        episode = replace(synthetic.episode(0, spec=header.spec.episode), frames=frames)
-        task.record(stage_episode(task.staging(0), episode, "native"))
-    facts = data(write_report(Dataset(tmp_path / "data"), tmp_path / "report.html"))
+    panda = synthetic.header(embodiment="franka-panda")
+    episode = replace(synthetic.episode(0, spec=panda.spec.episode), frames=frames)
+    both = written(tmp_path / "data", panda, episode)
+    facts = data(write_report(both, tmp_path / "report.html"))
     small, large = (one["targets"] for one in facts["episodes"])
     assert len(small) == 14 and len(large) == 16
     assert "left 7" not in small
@@ -102,15 +95,9 @@ def test_targets_of_joints_are_named_since_robots_have_different_ones(tmp_path: 
 
 
 def test_an_attribute_that_did_not_act_is_marked(tmp_path: Path) -> None:
-    with DatasetWriter(tmp_path / "data") as writer:
-        task = writer.task(synthetic.header())
-        episode = synthetic.episode(0)
-        labels = copy.deepcopy(episode.phys_meta["attributes"])
-        labels["restitution"].update(acted=False)  # type: ignore[index]
-        labels["object_mass"].update(could_act=False, acted=False)  # type: ignore[index]
-        made = replace(episode, phys_meta={**episode.phys_meta, "attributes": labels})
-        task.record(stage_episode(task.staging(0), made, task.header.spec.recording.layout))
-    path = write_report(Dataset(tmp_path / "data"), tmp_path / "report.html")
+    idle = {"could_act": False, "acted": False}
+    made = labelled(restitution={"acted": False}, object_mass=idle)
+    path = write_report(written(tmp_path / "data", synthetic.header(), made), tmp_path / "a.html")
     (row,), keys = data(path)["episodes"], [axis.key for axis in axes()]
     known = {key: (row["could_act"][n], row["acted"][n]) for n, key in enumerate(keys)}
     assert known["restitution"] == (True, False) and known["object_mass"] == (False, False)

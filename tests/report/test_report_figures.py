@@ -6,16 +6,9 @@ import cv2
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from relevance import Relevance, draw_relevance, relevance
 
-from rtphys.report.figures import (
-    SENSITIVITY,
-    Relevance,
-    draw_breaks,
-    draw_relevance,
-    draw_task_map,
-    relevance,
-    tolerated_shares,
-)
+from rtphys.report.figures import SENSITIVITY, draw_breaks, draw_task_map, tolerated_shares
 from rtphys.results.breaks import Break, Curve
 from rtphys.results.statistics import Rate
 

@@ -1,6 +1,5 @@
 """`rtphys show`: what it says of an episode, and the pictures it writes."""
 
-import copy
 import re
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
@@ -9,14 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic
-from collected import FRAMES, collect, keep
+from collected import FRAMES, collect, keep, labelled, written
 from typer import Typer
 from typer.testing import CliRunner
 
 from rtphys.cli.show import show
 from rtphys.data.dataset import Dataset
-from rtphys.data.staging import stage_episode
-from rtphys.data.writer import DatasetWriter
 from rtphys.report.pictures import CAPTION, GAP, contact_sheet, joint_plot, panels
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -57,15 +54,12 @@ def test_says_what_is_in_the_episode(dataset: Dataset, tmp_path: Path) -> None:
 
 
 def test_marks_what_could_not_act_what_did_not_and_what_nobody_measured(tmp_path: Path) -> None:
-    with DatasetWriter(tmp_path) as writer:
-        task = writer.task(synthetic.header())
-        episode = synthetic.episode(0)
-        labels = copy.deepcopy(episode.phys_meta["attributes"])
-        labels["restitution"].update(acted=False, value=0.25)  # type: ignore[index]
-        labels["object_mass"].update(could_act=False, acted=False, value=2.0)  # type: ignore[index]
-        labels["arm_joint_damping"].update(acted=True)  # type: ignore[index]
-        made = replace(episode, phys_meta={**episode.phys_meta, "attributes": labels})
-        task.record(stage_episode(task.staging(0), made, task.header.spec.recording.layout))
+    made = labelled(
+        restitution={"acted": False, "value": 0.25},
+        object_mass={"could_act": False, "acted": False, "value": 2.0},
+        arm_joint_damping={"acted": True},
+    )
+    written(tmp_path, synthetic.header(), made)
     said = " ".join(run(str(tmp_path)).output.split())
     assert "restitution 0.25, did not act" in said
     assert "object_mass 2, could not act" in said
@@ -116,12 +110,9 @@ def test_arms_of_a_pair_may_have_different_numbers_of_joints(
     tmp_path: Path, joints: tuple[int, int]
 ) -> None:
     """Grippers share the last row."""
-    with DatasetWriter(tmp_path) as writer:
-        task = writer.task(header := synthetic.header(embodiment="franka-panda,piper,0.8"))
-        frames = synthetic.frames_of(0, joints=joints)
-        episode = replace(synthetic.episode(0, spec=header.spec.episode), frames=frames)
-        task.record(stage_episode(task.staging(0), episode, "native"))
-    episode = Dataset(tmp_path)[0]
+    pair, frames = synthetic.header(embodiment="franka-panda,piper,0.8"), synthetic.frames_of
+    made = synthetic.episode(0, spec=pair.spec.episode)
+    (episode,) = written(tmp_path, pair, replace(made, frames=frames(0, joints=joints)))
     root = ElementTree.fromstring(joint_plot(episode))
     drawn = {group.attrib.get("id", "") for group in root.iter(f"{SVG}g")}
     assert {f"commanded {panel.title}" for panel in panels(episode.frames)} <= drawn

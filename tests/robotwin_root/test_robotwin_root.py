@@ -7,6 +7,7 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -426,6 +427,10 @@ def test_textures_are_unseen_whatever_the_sentences_are(
         evaluate({**usr_args, "instruction_type": "sen"}, 1)
 
 
+class Asked(Exception):
+    """Ends a run once its model is asked for."""
+
+
 def test_a_model_is_told_how_many_joints_the_robot_has(
     root: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -433,27 +438,20 @@ def test_a_model_is_told_how_many_joints_the_robot_has(
     config = root / "task_config" / "clean.yml"
     text = config.read_text()
     config.write_text(text.replace("- aloha-agilex", "- piper\n- franka-panda\n- 0.7"))
-    (root / "policy" / "asks").mkdir()
-    (root / "policy" / "asks" / "__init__.py").write_text("")
-    (root / "policy" / "asks" / "deploy_policy.py").write_text(
-        "def get_model(usr_args):\n"
-        "    raise KeyboardInterrupt(usr_args['left_arm_dim'], usr_args['right_arm_dim'])\n"
-        "def reset_model(model): ...\n"
-        "def eval(TASK_ENV, model, observation): ...\n"
-    )
-    (root / "policy" / "asks" / "deploy_policy.yml").write_text("policy_name: asks")
-    code = (
-        "from rtphys.robotwin_root.drive import evaluate, parse_args_and_config\n"
-        "given = ['--config', 'policy/asks/deploy_policy.yml', '--overrides',\n"
-        "         '--task_name', 'click_bell', '--task_config', 'clean']\n"
-        "try: evaluate(parse_args_and_config(given), 1)\n"
-        "except KeyboardInterrupt as error: print(error.args)\n"
-    )
-    where = {**os.environ, "PYTHONPATH": os.pathsep.join([SOURCE, ".", "./policy"])}
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=root, env=where, capture_output=True, text=True
-    )
-    assert done.stdout.strip() == "(6, 7)", done.stderr
+    told = list[object]()
+
+    def get_model(usr_args: dict[str, object]) -> None:
+        told.extend(usr_args[key] for key in ("left_arm_dim", "right_arm_dim"))
+        raise Asked
+
+    stub = SimpleNamespace(get_model=get_model)
+    monkeypatch.setattr(drive, "plugin_named", lambda *_: stub)
+    monkeypatch.setattr(drive.importlib, "import_module", lambda _: sys.modules[__name__])
+    monkeypatch.chdir(root)
+    usr_args = {"instruction_type": "seen", "task_name": "click_bell", "task_config": "clean"}
+    with pytest.raises(Asked):
+        evaluate({**usr_args, "policy_name": "asks"}, 1)
+    assert told == [6, 7]
 
 
 def test_overrides_are_literals_or_text() -> None:

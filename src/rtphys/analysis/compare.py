@@ -62,7 +62,7 @@ class PairedComparison:
     second: str
     protocol: str
     outcome: Paired
-    unpaired: tuple[str, ...] = ()  # common seeds that are not the same instance, and why
+    unpaired: tuple[str, ...]  # common seeds that are not the same instance, and why
 
 
 @dataclass(frozen=True)

@@ -306,12 +306,11 @@ class TaskSensitivity:
             key: why_idle(key, domain.keys, has) if found else fixed for key, found in sides.items()
         }
         self.idle = {key: clause for key, clause in why.items() if clause}  # with the reason
-        self.bisections = [
-            Bisection(axis, self.search.steps)
+        self.sides = {
+            key: [Bisection(axis, self.search.steps) for axis in found]
             for key, found in sides.items()
             if key not in self.idle
-            for axis in found
-        ]
+        }
 
     def _open_ledger(self) -> Ledger[TaskSpec, SensitivityRow]:
         path = self.path.with_suffix(".jsonl")
@@ -338,16 +337,13 @@ class TaskSensitivity:
         yield [LevelSeries(self)]
         if not self.seeds:
             return
-        while trials := [
-            LevelSeries(self, b, b.next) for b in self.bisections if b.next is not None
-        ]:
+        every = [bisection for of in self.sides.values() for bisection in of]
+        while trials := [LevelSeries(self, b, b.next) for b in every if b.next is not None]:
             yield trials
 
     def write(self) -> dict[str, JSON]:
         """Writes the answers and returns them. Raises `CannotWrite`."""
-        sides: dict[str, list[Bisection]] = {}
-        for bisection in self.bisections if self.seeds else ():
-            sides.setdefault(bisection.axis.key, []).append(bisection)
+        sides = self.sides if self.seeds else {}
         answers: dict[str, JSON] = {key: answer(of) for key, of in sides.items()}
         head: dict[str, JSON] = {"format": FORMAT, **stored(self.spec)}
         result = {**head, "seeds": [*self.seeds], "attributes": answers}
@@ -361,17 +357,14 @@ class LevelSeries(Series[SensitivityTask, SensitivityResult]):
     def __init__(
         self, task: TaskSensitivity, bisection: Bisection | None = None, share: float = 0.0
     ) -> None:
-        self.task, self.share = task, share
-        self.axis = bisection.axis if bisection else None
-        self.level = Level(share) if bisection else None
-        self.name = self.axis.name if self.axis else NOMINAL
-        seeds: Sequence[int] = task.seeds
-        count = len(seeds)
-        if bisection and self.level:
-            bisection.levels.append(self.level)
-        else:
-            first, count = task.search.first_seed, task.search.seeds
-            seeds = range(first, first + MAX_ATTEMPTS * count)
+        self.task, self.share, self.name = task, share, NOMINAL
+        self.axis, self.level = None, None
+        first, count = task.search.first_seed, task.search.seeds
+        seeds: Sequence[int] = range(first, first + MAX_ATTEMPTS * count)
+        if bisection:
+            self.axis, self.name = bisection.axis, bisection.axis.name
+            bisection.levels.append(level := Level(share))
+            self.level, seeds, count = level, task.seeds, len(task.seeds)
         super().__init__(Progress(f"{task.spec.task}, {self.name}", count), seeds)
 
     def job(self, seed: int) -> SensitivityTask:

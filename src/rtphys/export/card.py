@@ -82,9 +82,7 @@ class CardText:
 def write_card(dataset: Dataset, text: CardText) -> list[Path]:
     """Write README.md and croissant.json beside the manifest and return their paths.
 
-    Raises:
-        CannotWrite: the file system refuses.
-        BadFile: an episode's label cannot be read.
+    Raises `CannotWrite`; `BadFile`: an episode's label cannot be read.
     """
     metadata = pretty(plain(croissant(dataset, text)), sort=False)
     contents = {CARD: card(dataset, text).encode(), CROISSANT: metadata}
@@ -240,11 +238,7 @@ def _physics_table(dataset: Dataset) -> str:
 
 
 def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
-    """JSON-LD document of a dataset.
-
-    Raises:
-        BadFile: an episode's label cannot be read.
-    """
+    """JSON-LD document of a dataset. Raises `BadFile`: an episode's label cannot be read."""
     return {
         "@context": CONTEXT,
         "@type": "sc:Dataset",

@@ -69,19 +69,12 @@ def export_lerobot(
 ) -> Path:
     """Write a LeRobot dataset into a new folder, which appears complete or not at all.
 
-    The same call after a kill goes on where it ended.
+    The same call after a kill goes on where it ended. `notice` is given a line about what is left
+    out.
 
-    Args:
-        dataset: episodes to export, in this order.
-        out: new folder.
-        spec: what it holds of each episode.
-        progress: called after each episode.
-        notice: is given a line about what is left out.
-
-    Raises:
-        UnknownName, BadValue: see `plan_for`; `out` is not empty, or no UTF-8 text.
-        DatasetLocked: another export writes there.
-        BadFile: the dataset has no episode, or one is damaged, or lacks a number of others.
+    Raises `UnknownName`, `BadValue`: see `plan_for`; `out` is not empty, or no UTF-8 text;
+    `DatasetLocked`: another export writes there; `BadFile`: the dataset has no episode, or one is
+    damaged, or lacks a number of others.
     """
     if not len(dataset):
         raise BadFile(dataset.path, "the dataset has no episode to export")

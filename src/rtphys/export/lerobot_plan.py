@@ -1,7 +1,7 @@
 """Layout of a LeRobot export: features, camera names and rates."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 from pathlib import Path
@@ -91,9 +91,8 @@ class Plan:
     layout: ActionLayout  # of states and actions
     joints: tuple[str, ...]  # of efforts
     robot: str  # name of the embodiment
-    more: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
-    """Features that were asked for -> names of their numbers."""
-    left_out: tuple[str, ...] = ()  # attributes that are the asset's own in every episode
+    more: Mapping[str, Sequence[str]]  # features that were asked for -> names of their numbers
+    left_out: tuple[str, ...]  # attributes that are the asset's own in every episode
 
     @property
     def rate(self) -> Fraction:
@@ -146,10 +145,8 @@ def plan_for(episodes: Sequence[Episode], spec: ExportSpec) -> Plan:
         episodes: those that are exported, at least one; the cameras are those that all of their
             task datasets have, or where `camera_names` has pairs, the named ones.
 
-    Raises:
-        UnknownName: no such camera.
-        BadValue: pictures of different sizes, two videos with one name, or several robots.
-        BadFile: an episode that does not hold what a feature needs.
+    Raises `UnknownName`: no such camera; `BadValue`: pictures of different sizes, two videos with
+    one name, or several robots; `BadFile`: an episode that does not hold what a feature needs.
     """
     wanted, firsts = spec.features, dict[Path, Episode]()
     for one in episodes:

@@ -37,9 +37,8 @@ CLOSER = 1.25  # times by which a neighbour or exchanged colours must fit better
 def verify_export(out: Path, dataset: Dataset, progress: Progress | None = None) -> list[str]:
     """Every difference between an export and its dataset, a sentence each.
 
-    Raises:
-        BadFile: it is no export of rtphys, or a file of either cannot be read.
-        BadValue: the dataset has changed since, or is another one.
+    Raises `BadFile`: it is no export of rtphys, or a file of either cannot be read; `BadValue`: the
+    dataset has changed since, or is another one.
     """
     stored = parse_mapping(files.read(out / SPEC), out / SPEC)
     given, order = stored.get("export"), stored.get("episodes")

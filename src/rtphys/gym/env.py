@@ -19,6 +19,7 @@ from rtphys.physics.domain import check_overrides
 from rtphys.physics.idle import why_idle
 from rtphys.physics.values import Value, plain_value
 from rtphys.plan.kinematics import check_robot
+from rtphys.policies.baselines import limits
 from rtphys.results.instances import benchmark_file, read_list
 from rtphys.senses import SENSES
 from rtphys.spec.episode import EpisodeSpec
@@ -95,7 +96,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         self._robot, self._obs, self._show_physics = embodiment, obs, show_physics
         self._kind: ActionKind = CONTROLS[control]
         self.render_mode = render_mode
-        bounds = shapes.limits(check_robot(self._pack, self._spec({}).embodiment))
+        robot = check_robot(self._pack, self._spec({}).embodiment)
+        bounds = limits(robot).astype(np.float32)
         states = obs == "state"
         parts = shapes.state(bounds, self._task.props(0)) if states else shapes.pixels(bounds)
         if show_physics:

@@ -7,7 +7,6 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from rtphys.assets.action_layout import SIDES
-from rtphys.assets.embodiment import Embodiment
 from rtphys.core.errors import UnknownName
 from rtphys.episode.generate import Instance
 from rtphys.physics import attributes
@@ -17,12 +16,6 @@ from rtphys.task.props import Articulated, Prop
 
 SHAPE = (240, 320, 3)  # of a picture, RGB
 Bounds = NDArray[np.float32]
-
-
-def limits(embodiment: Embodiment) -> Bounds:
-    """(2, N) lower and upper: real joint limits [rad], openings 0 closed .. 1 open."""
-    arms = [np.vstack([limb.limits, [0.0, 1.0]]) for limb in embodiment.limbs]
-    return np.concatenate(arms).astype(np.float32).T
 
 
 def commands(bounds: Bounds) -> spaces.Space[NDArray[np.float32]]:

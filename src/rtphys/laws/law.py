@@ -81,7 +81,7 @@ class LawTest:
     law: str
     settings: tuple[Value, ...]
     run: Callable[[Lab, Value, Values], list[Trial]]
-    others: tuple[Values, ...] = field(default_factory=tuple)
+    others: tuple[Values, ...] = ()
     except_for: Values = field(default_factory=dict)
     source: Path | None = None
 

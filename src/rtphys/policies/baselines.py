@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rtphys.assets.embodiment import DEFAULT
+from rtphys.assets.embodiment import DEFAULT, Embodiment
 from rtphys.core.errors import BadFile, BadValue
 from rtphys.core.poses import Array
 from rtphys.core.seeds import stream
@@ -31,11 +31,9 @@ class Idle(Stepwise):
         return observation.vector
 
 
-def limits(episode: PolicyEpisode) -> tuple[Array, Array]:
-    """Lowest and highest numbers (N,) of an action: joints [rad], and openings, 0..1."""
-    limbs = episode.rollout.world.robot.embodiment.limbs
-    low, high = np.concatenate([np.vstack([limb.limits, [0.0, 1.0]]) for limb in limbs]).T
-    return low, high
+def limits(robot: Embodiment) -> Array:
+    """(2, N) lowest and highest numbers of an action: joints [rad], openings 0 closed .. 1 open."""
+    return np.concatenate([np.vstack([limb.limits, [0.0, 1.0]]) for limb in robot.limbs]).T
 
 
 class RandomWalk(Stepwise):
@@ -48,10 +46,10 @@ class RandomWalk(Stepwise):
 
     def reset(self, episode: PolicyEpisode) -> None:
         self._rng = stream(episode.seed, "policy", "random")
-        self._low, self._high = limits(episode)
+        robot = episode.rollout.world.robot.embodiment
+        self._low, self._high = limits(robot)
         self._scale = np.full(len(self._low), ARM_STEP)
-        layout = episode.rollout.world.robot.embodiment.action_layout
-        self._scale[list(layout.grippers)] = GRIP_STEP
+        self._scale[list(robot.action_layout.grippers)] = GRIP_STEP
         self._step = self._rng.normal(size=len(self._scale)) * self._scale
 
     def act(self, observation: Observation) -> Array:
@@ -75,7 +73,7 @@ class Jitter(Stepwise):
 
     def reset(self, episode: PolicyEpisode) -> None:
         self._rng = stream(episode.seed, "policy", "jitter")
-        self._low, self._high = limits(episode)
+        self._low, self._high = limits(episode.rollout.world.robot.embodiment)
 
     def act(self, observation: Observation) -> Array:
         target = observation.vector + self._rng.normal(scale=SPREAD, size=len(observation.vector))

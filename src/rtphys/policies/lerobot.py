@@ -6,12 +6,11 @@ but a socket (`lerobot_server`).
 
 import contextlib
 import os
-import socket
 import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
-from multiprocessing.connection import Connection
+from multiprocessing import Pipe
 from pathlib import Path
 from typing import Literal
 
@@ -94,8 +93,8 @@ class LeRobot:
         python, environment = self._given.python, dict(os.environ)
         if python != sys.executable:  # it would find our packages, built for another Python
             environment = {key: v for key, v in environment.items() if key not in OURS}
-        ours, theirs = socket.socketpair()
-        with ours, theirs:
+        self._connection, theirs = Pipe()
+        with theirs:
             try:
                 self._process = subprocess.Popen(
                     [python, lerobot_server.__file__, str(theirs.fileno())],
@@ -106,10 +105,10 @@ class LeRobot:
                     env=environment,
                 )
             except OSError as error:
+                self._connection.close()
                 self._stderr.close()
                 problem = f"python={python} does not start: {error.strerror}"
                 raise PolicyGone(self._name, problem) from error
-            self._connection = Connection(ours.detach())
 
     def play(self, episode: PolicyEpisode) -> None:
         """Play one episode. Raises `PolicyGone`, `ServerFailed`."""
@@ -212,9 +211,7 @@ def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
     return found
 
 
-def check_vectors(
-    about: Mapping[str, Mapping[str, list[int]]], size: int, oracle: bool = False
-) -> None:
+def check_vectors(about: Mapping[str, Mapping[str, list[int]]], size: int, oracle: bool) -> None:
     """Refuse a checkpoint that could play no episode of a robot with `size` numbers.
 
     Raises `BadValue`: it reads the physics and is not shown it (as an `oracle` is), or its state or

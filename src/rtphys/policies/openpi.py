@@ -41,7 +41,7 @@ class OpenPi:
 
     needs_images = True
 
-    def __init__(self, at: Endpoint, execute: int | None = None) -> None:
+    def __init__(self, at: Endpoint, execute: int | None) -> None:
         self._at, self._execute = at, execute
         self._connection: Connection | None = self._open()
 

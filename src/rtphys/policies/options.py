@@ -1,6 +1,6 @@
 """Options of a policy, and which of them it reads: one that it never reads changes nothing."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, MutableMapping
 from difflib import get_close_matches
 from typing import Any
 
@@ -29,33 +29,15 @@ class AskedOptions(dict[str, str]):
         self._asked.add(str(key))
         return super().__contains__(key)
 
-    def get(self, key: str, default: Any = None) -> Any:  # pyright: ignore
-        self._asked.add(key)
-        return super().get(key, default)
-
-    def pop(self, key: str, *default: Any) -> Any:  # pyright: ignore
-        self._asked.add(key)
-        return super().pop(key, *default)
-
-    def setdefault(self, key: str, default: Any = None) -> Any:  # pyright: ignore
-        self._asked.add(key)
-        return super().setdefault(key, default)
-
     def __iter__(self) -> Iterator[str]:  # `{**options}` and `dict(options)` call `keys`
         self._whole = True
         return super().__iter__()
 
-    def keys(self) -> Any:
-        self._whole = True
-        return super().keys()
-
-    def values(self) -> Any:
-        self._whole = True
-        return super().values()
-
-    def items(self) -> Any:
-        self._whole = True
-        return super().items()
+    # Those of any mapping, which ask the three above; a dict's own ask nothing.
+    get = Mapping.get  # pyright: ignore
+    pop = MutableMapping.pop  # pyright: ignore
+    setdefault = MutableMapping.setdefault  # pyright: ignore
+    keys, values, items = Mapping.keys, Mapping.values, Mapping.items  # pyright: ignore
 
     def copy(self) -> dict[str, str]:
         return {**self}

@@ -6,7 +6,7 @@ import importlib.util
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib.machinery import PathFinder
 from itertools import product
 from pathlib import Path
@@ -45,8 +45,9 @@ BUILTIN: dict[str, str] = {
 """Name of a policy -> "module:name" of its `Opener`, or of its class if it takes no argument."""
 
 CHECKPOINTS = ("", "pretrained_model", "checkpoints/last/pretrained_model")
-WEIGHTS = ("*.safetensors", "*.pt", "*.pth", "*.ckpt", "*.bin", "*.npz")
 """Where in a folder that `lerobot-train` has written a checkpoint may lie."""
+
+WEIGHTS = ("*.safetensors", "*.pt", "*.pth", "*.ckpt", "*.bin", "*.npz")
 
 WITHOUT_OPTIONS = ("idle", "random", "jitter", "expert", "feels", "replay")
 
@@ -225,16 +226,14 @@ def _opened(spec: str, setup: PolicySetup) -> tuple[Policy, AskedOptions]:
     return policy, options
 
 
-@dataclass
 class PolicySession:
     """A policy that stays open from one episode to the next, until the setup changes."""
 
-    spec: str
-    _home: Path = field(default_factory=Path.cwd, init=False)  # what a user names is relative to it
-    _open: tuple[PolicySetup, Policy] | None = field(default=None, init=False)
-    _options: list[AskedOptions] = field(
-        default_factory=list[AskedOptions], init=False
-    )  # one an opening
+    def __init__(self, spec: str) -> None:
+        self.spec = spec
+        self._home = Path.cwd()  # what a user names is relative to it
+        self._open: tuple[PolicySetup, Policy] | None = None
+        self._options: list[AskedOptions] = []  # one an opening
 
     def policy(self, setup: PolicySetup) -> Policy:
         """The open policy. Raises what `open_policy` and `close` raise."""

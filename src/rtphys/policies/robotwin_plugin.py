@@ -17,6 +17,7 @@ from rtphys.policies.robotwin_env import TaskEnv
 
 CONTRACT = ("get_model", "eval", "reset_model")
 IDLE_CALLS = 1000  # consecutive calls of `eval` without an action after which to give up
+ARM_SIZES = ("left_arm_dim", "right_arm_dim")  # arguments: joints of each arm
 SKIP = "skip_get_obs_within_replan"  # a plug-in's option to get no observation it will not use
 
 
@@ -87,10 +88,7 @@ def plugin_named(name: str, root: Path, file: Path | None = None) -> Plugin:
 
 
 def user_args(
-    config: Path | None,
-    run: Mapping[str, object],
-    overrides: Mapping[str, object],
-    arm_joints: tuple[int, int] = (6, 6),
+    config: Path | None, run: Mapping[str, object], overrides: Mapping[str, object]
 ) -> dict[str, object]:
     """Arguments for `get_model`: those of the plug-in's YAML file.
 
@@ -100,9 +98,7 @@ def user_args(
     """
     args: dict[str, object] = dict(library.read_yaml(config)) if config else {}
     args |= {key: value for key, value in run.items() if args.get(key) is None}
-    args |= overrides
-    left, right = arm_joints
-    return {**args, "left_arm_dim": left, "right_arm_dim": right}
+    return {**args, **overrides}
 
 
 class RoboTwinPolicy:
@@ -169,5 +165,5 @@ def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
     }
     # The run's task takes precedence over the file's: RoboTwin's launchers override it too.
     more = {"task_name": setup.task, **given}
-    usr_args = user_args(config, run, more, setup.arm_joints)
-    return RoboTwinPolicy(plugin, usr_args)
+    arms = dict(zip(ARM_SIZES, setup.arm_joints, strict=True))
+    return RoboTwinPolicy(plugin, {**user_args(config, run, more), **arms})

@@ -206,13 +206,10 @@ def chunk_of(actions: object, where: str) -> list[object]:
 
 
 def action_of(answer: object, kind: str, now: Observation, where: str) -> tuple[Array, ActionKind]:
-    """Convert an action for `PolicyEpisode.act`; parts that a mapping omits keep their value.
+    """Convert an action for `PolicyEpisode.act`.
 
-    Args:
-        answer: a mapping of named parts, or a row of numbers.
-        kind: meaning of a row; a mapping may state its own.
-        now: observation whose values fill omitted parts.
-        where: the server, for errors.
+    It is a row of numbers of this `kind`, or a mapping of named parts, which may state its own
+    kind; those that it omits keep their value `now`.
 
     Raises `ServerFailed`: neither a mapping of known parts nor a row of the right length.
     """

@@ -2,16 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from rtphys.core.poses import Array
 from rtphys.data import files
@@ -22,7 +19,7 @@ from rtphys.results.statistics import Rate
 # ---- files ---------------------------------------------------------------------------------------
 
 
-def _save(figure: Figure, path: Path, dpi: int) -> None:
+def save(figure: Figure, path: Path, dpi: int) -> None:
     """Raises `CannotWrite`."""
     files.make_folder(path.parent)
     files.replace_file(path, _bytes(figure, dpi, path.suffix[1:] or "png"))
@@ -39,7 +36,6 @@ def _bytes(figure: Figure, dpi: int, kind: str = "png") -> bytes:
 T = TypeVar("T")
 MANY = 20  # tasks
 NOTHING = "0.85"  # grey of a cell whose attribute does not act, or was not measured
-IDENTIFIABLE = 0.5  # R² from which an attribute counts as identifiable
 Cells = Mapping[str, Mapping[str, float]]  # task -> attribute -> value from 0 to 1
 
 
@@ -55,23 +51,6 @@ SENSITIVITY = Scale("tolerated share of the range [%]", "RdYlGn")
 IDENTIFIABILITY = Scale("R² on seeds not learnt from [%]", "viridis")
 
 
-class Relevance(Enum):
-    """Whether an attribute breaks a task, and whether a robot could identify it there."""
-
-    BREAKS_IDENTIFIABLE = "breaks, identifiable"
-    BREAKS_HIDDEN = "breaks, not identifiable"
-    HARMLESS_IDENTIFIABLE = "harmless, identifiable"
-    HARMLESS_HIDDEN = "harmless, not identifiable"
-
-
-COLOURS = {  # colour-blind readers can distinguish them
-    Relevance.BREAKS_IDENTIFIABLE: "#d55e00",
-    Relevance.BREAKS_HIDDEN: "#882255",
-    Relevance.HARMLESS_IDENTIFIABLE: "#56b4e9",
-    Relevance.HARMLESS_HIDDEN: "#f5f5f5",
-}
-
-
 def tolerated_shares(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
     """Task -> attribute -> tolerated share of its range, from the results of `sensitivity`."""
     return {
@@ -80,26 +59,12 @@ def tolerated_shares(results: Sequence[Mapping[str, Any]]) -> dict[str, dict[str
     }
 
 
-def relevance(tolerated: Cells, r2: Cells) -> dict[str, dict[str, Relevance]]:
-    """Sensitivity x identifiability of each task and attribute for which both were measured.
-
-    An attribute breaks a task where not its whole range is tolerated.
-    """
-    found: dict[str, dict[str, Relevance]] = {}
-    for task, shares in tolerated.items():
-        for key in sorted(shares.keys() & r2.get(task, {}).keys()):
-            breaks = "breaks" if shares[key] < 1 else "harmless"
-            identifiable = "" if r2[task][key] >= IDENTIFIABLE else "not "
-            found.setdefault(task, {})[key] = Relevance(f"{breaks}, {identifiable}identifiable")
-    return found
-
-
 def draw_task_map(cells: Cells, scale: Scale, path: Path) -> None:
     """Draw tasks and attributes, numbers in percent. Few tasks are rows, many columns.
 
     Values outside 0 to 1 are drawn as the nearer of these.
     """
-    panel, shares, wide = _map(cells, lambda share: 100 * np.clip(share, 0, 1))
+    panel, shares, wide = empty_map(cells, lambda share: 100 * np.clip(share, 0, 1))
     image = panel.imshow(shares, vmin=0, vmax=100, cmap=scale.colours, aspect="auto")
     for (row, column), share in np.ndenumerate(shares):
         if np.isfinite(share):
@@ -110,23 +75,10 @@ def draw_task_map(cells: Cells, scale: Scale, path: Path) -> None:
     bar = panel.figure.colorbar(image, ax=panel, shrink=0.6, pad=0.01)
     bar.set_label(scale.label, fontsize=8)
     bar.ax.tick_params(labelsize=7)
-    _save(panel.figure, path, 150)
+    save(panel.figure, path, 150)
 
 
-def draw_relevance(cells: Mapping[str, Mapping[str, Relevance]], path: Path) -> None:
-    """Draw which attribute breaks a task, and which could be identified in it."""
-    order, colours = list(COLOURS), list(COLOURS.values())
-    panel, values, wide = _map(cells, order.index)
-    shown = {"cmap": ListedColormap(colours), "vmin": -0.5, "vmax": len(order) - 0.5}
-    panel.imshow(values, aspect="auto", **shown)
-    named = [Patch(facecolor=c, edgecolor="0.5", label=r.value) for r, c in COLOURS.items()]
-    named.append(Patch(facecolor=NOTHING, label="does not act, or not measured"))
-    place = {"loc": "outside upper center", "ncols": len(named) if wide else 3}
-    panel.figure.legend(handles=named, fontsize=7, frameon=False, **place)
-    _save(panel.figure, path, 150)
-
-
-def _map(
+def empty_map(
     cells: Mapping[str, Mapping[str, T]], value: Callable[[T], float]
 ) -> tuple[Any, Array, bool]:
     """Axes of an empty map, its numbers (nan where there is none), and whether tasks are columns.
@@ -179,7 +131,7 @@ def draw_rates(columns: Rates, tasks: Sequence[str], title: str, path: Path) -> 
     labels = [label.replace("$", r"\$") for label, _ in columns]  # no formula
     # Named one by one: matplotlib leaves out what begins with an underscore.
     figure.legend(marks, labels, loc="outside lower center", ncols=2, fontsize=8)
-    _save(figure, path, 120)
+    save(figure, path, 120)
 
 
 # ---- a panel for each attribute ------------------------------------------------------------------
@@ -235,4 +187,4 @@ def draw_selections(selections: list[Selection], title: str, path: Path) -> None
     if selections:
         panels[0].legend(fontsize=7)
     figure.suptitle(title)
-    _save(figure, path, 120)
+    save(figure, path, 120)

@@ -34,11 +34,8 @@ def write_report(
 ) -> Path:
     """Writes the report page; what does not fit into it is linked by relative path.
 
-    Args:
-        out: the HTML file.
-        progress: called with (steps done, total steps).
-
-    Raises `BadFile`: an episode is damaged; `CannotWrite`: the page cannot be written.
+    `progress` is called with (steps done, total steps). Raises `BadFile`: an episode is damaged;
+    `CannotWrite`: the page cannot be written.
     """
     total = 2 * len(dataset)
     facts = gather(dataset, lambda done: progress(done, total) if progress else None)

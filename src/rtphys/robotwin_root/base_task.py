@@ -92,16 +92,12 @@ class Base_Task(TaskEnv):
         """Begin a new episode.
 
         Args:
-            now_ep_num: number of the episode.
-            seed: of the episode.
             is_test: use textures and sentences of the unseen split, as `eval_mode` does.
             args: the whole task configuration; its `embodiment` is a name, `[NAME]` or
                 `[LEFT, RIGHT, DISTANCE]`.
 
-        Raises:
-            UnStableError: the world cannot be set up.
-            UnknownName: the configuration names no protocol.
-            BadValue: it names no robot.
+        Raises `UnStableError`: the world cannot be set up; `UnknownName`: the configuration names
+        no protocol; `BadValue`: it names no robot.
         """
         self._init_task_env_(now_ep_num=now_ep_num, seed=seed, is_test=is_test, **args)
 
@@ -181,13 +177,11 @@ def generate_episode_descriptions(
     """Sentences of episodes, each `{"episode_index": i, "seen": [...], "unseen": [...]}`.
 
     Args:
-        task_name: of all episodes.
         episodes: what `play_once` returned in each. Of one that a driver made up itself, without
             our seed, the values fill the placeholders: `{"{A}": "red block", "{a}": "left"}`.
         max_descriptions: sentences per split.
 
-    Raises:
-        BadValue: no sentence of the task fits an episode's placeholders.
+    Raises `BadValue`: no sentence of the task fits an episode's placeholders.
     """
     task, describe = load_task(task_name), describer(default_pack())
     described: list[dict[str, Any]] = []

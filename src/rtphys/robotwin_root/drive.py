@@ -15,7 +15,7 @@ from rtphys.core import library
 from rtphys.core.errors import BadValue, RtphysError, UnknownName
 from rtphys.episode.fingerprint import fingerprint_of
 from rtphys.policies.registry import literal
-from rtphys.policies.robotwin_plugin import SKIP, Plugin, plugin_named, user_args
+from rtphys.policies.robotwin_plugin import ARM_SIZES, SKIP, Plugin, plugin_named, user_args
 from rtphys.results.instances import FIRST_SEED, BenchmarkInstance, benchmark_file, read_list
 from rtphys.results.official import write_result
 from rtphys.robotwin_root.base_task import (
@@ -60,7 +60,7 @@ def pairs(words: Sequence[str]) -> dict[str, object]:
 
 
 def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
-    """Run the episodes in this process and write `_result*.txt` below `eval_result/`.
+    """Run the episodes in this process; returns the `_result_*.txt` written below `eval_result/`.
 
     Seed 0 uses the certified instances if there are any, and they are not stale. Other seeds,
     protocols without such a list, and more episodes than a list has, let the expert search for
@@ -68,19 +68,11 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     Textures are always the unseen ones; `instruction_type` chooses the sentences. What the policy
     raises ends the run without a result.
 
-    Args:
-        usr_args: of the plug-in; `eval_num_episodes` or `test_num` in it override the argument,
-            the number of episodes. The result is also written to its `eval_output_dir`.
-        test_num: number of episodes.
+    `eval_num_episodes` or `test_num` in `usr_args` override the number of episodes; the result is
+    also written to its `eval_output_dir`.
 
-    Returns:
-        The `_result_*.txt` below `eval_result/`.
-
-    Raises:
-        BadFile, UnknownName, BrokenPlugin: the configuration, task, policy or kind of instruction
-            does not exist.
-        CannotWrite: the file system refuses.
-        RtphysError: there are too few feasible seeds.
+    Raises `BadFile`, `UnknownName`, `BrokenPlugin`: the configuration, task, policy or kind of
+    instruction does not exist; `RtphysError`: there are too few feasible seeds.
     """
     split = str(usr_args["instruction_type"])
     if split not in SPLITS:
@@ -92,8 +84,8 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     plugin = plugin_named(str(usr_args["policy_name"]), root)
     env = getattr(importlib.import_module(f"envs.{task}"), task)()
     assert isinstance(env, Base_Task)
-    left, right = default_pack().embodiment(robot_of(args)).action_layout.per_arm
-    usr_args = {**usr_args, "left_arm_dim": left, "right_arm_dim": right}
+    per_arm = default_pack().embodiment(robot_of(args)).action_layout.per_arm
+    usr_args = {**usr_args, **dict(zip(ARM_SIZES, per_arm, strict=True))}
     run = Run(usr_args, args, env, plugin, plugin.get_model(usr_args))
     for seed in run.seeds():
         run.roll_out(seed)

@@ -103,16 +103,8 @@ class NotOurs(RtphysError):
 def write_root(folder: Path, pack: Pack) -> list[Path]:
     """Write or overwrite a root folder; `policy/` and `eval_result/` keep their content.
 
-    Args:
-        folder: new, empty, or written by this function, even if that was killed.
-        pack: asset pack whose embodiments the configurations name.
-
-    Returns:
-        The files written, relative to the folder.
-
-    Raises:
-        NotOurs: the folder is not empty and was not written by this function.
-        CannotWrite: the file system refuses.
+    It is new, empty, or written by this function, even if that was killed. Returns the files
+    written, relative to it. Raises `NotOurs`: it is another folder.
     """
     mark = folder / MARK
     there = {*folder.iterdir()} if folder.is_dir() else set[Path]()

@@ -61,11 +61,8 @@ def locate(specimen: Specimen, stored: Mapping[str, Pose]) -> list[Finding]:
     for place, X in {"world": specimen.world.head_camera.pose, **stored}.items():
         unturned = axes
         if orbits:  # by the smallest rotation that keeps it in the middle
-            a, b = (v / np.linalg.norm(v) for v in (gaze - p, gaze - X.p))
-            across, sine = np.cross(a, b), np.linalg.norm(np.cross(a, b))
-            if sine > 0:
-                turn = Rotation.from_rotvec(across / sine * np.arctan2(sine, a @ b))
-                unturned = turn.as_matrix() @ axes
+            turn = Rotation.align_vectors([gaze - X.p], [gaze - p])[0]
+            unturned = turn.as_matrix() @ axes
         angle = float(np.degrees(Rotation.from_matrix(unturned.T @ X.R).magnitude()))
         away, name = float(np.linalg.norm(X.p - p)), f"{HEAD}, {place}"
         for key, measured in (("camera_distance", away), ("camera_angle", angle)):
