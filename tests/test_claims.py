@@ -20,18 +20,18 @@ README.md
     test_draws::test_one_attribute_alone_draws_what_it_draws_in_company
     test_holding_moves_nothing_else::test_holding_an_attribute_moves_no_other
     test_attribute::test_a_fourteenth_moves_no_draw
-  the physics runs on the CPU either way, with the same bits
+  the physics runs on the CPU either way, and is the same bit for bit
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
     test_drawing_workers::test_a_dataset_is_the_same_with_drawing_workers
   written into the simulator and read back
     test_run::test_a_false_label_is_an_error_not_an_episode
-  every attribute against a law from the textbook
+  every attribute against a textbook law
     test_every_law::test_law
     test_every_law::test_a_broken_attribute_fails_its_proof
   checks every file, derives the physics again from the seeds
     test_verify::test_every_flipped_byte_is_reported_naming_the_file
     test_verify::test_a_label_that_lies_is_found
-  no picture tells what to do
+  no picture shows what to do
     test_physics_suite::test_props_that_differ_look_alike
     test_physics_suite::test_what_one_prop_hides_moves_nothing_that_is_seen
 docs/architecture.md
@@ -50,13 +50,13 @@ docs/architecture.md
     test_every_task::test_physics_does_not_move_the_layout
     test_objects::test_a_tilted_table_carries_everything_that_stands_on_it
 docs/commands.md
-  says what it would take, and does nothing
+  says what the collection would take, and does nothing
     test_dry_run::test_it_names_every_folder_and_writes_nothing
   progress and notes go to standard error
     test_screen::test_json_is_all_that_stands_on_standard_output
-  refused: the line names the option, the file, the folder or the disk that does not fit
+  refused: the message names the option, file, folder or disk that is the problem
     test_malformed_input::test_every_malformed_input_is_a_sentence
-  less was made than asked for; what is there is whole, and the same command goes on
+  less was made than requested; what was written is complete, and the same command continues
     test_plan::test_a_hopeless_task_is_given_up_and_its_rejections_are_kept
 docs/dataset.md
   This imports no simulator
@@ -305,12 +305,12 @@ docs/policies.md
 docs/protocols.md
   A seed has the same layout under every protocol
     test_protocols_in_force::test_the_layout_of_a_seed_is_the_same_in_all_four
-  so holding or dropping one moves no other value
+  so holding or dropping one changes no other value
     test_holding_moves_nothing_else::test_holding_an_attribute_moves_no_other
     test_draws::test_a_removed_rule_moves_no_other_draw
-  so holding the one also decides the other
+  so holding one also decides the other
     test_draws::test_distance_and_angle_exclude_each_other
-  draws the same point of each range under all severities
+  draws the same relative point of each range under all severities
     test_protocol::test_a_severity_draws_the_same_point_of_narrower_ranges
   gives a seed the same physics and look in all tasks
     test_independent_worlds::test_paired_tasks_share_physics_and_look_but_no_layout
