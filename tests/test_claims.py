@@ -72,11 +72,11 @@ docs/dataset.md
   a seed is kept only if the expert succeeds with every value
     test_sweeps::test_a_seed_is_kept_only_where_every_value_succeeds
     test_sweeps::test_a_sweep_is_sound_made_again_and_read_by_value
-  that was tried is then there for every value
+  that was tried is then stored for every value
     test_sweeps::test_with_failures_every_seed_is_there_with_every_value
   Datasets of another version are refused
     test_dataset_writer::test_foreign_manifest_is_refused
-  leaves such episodes out, since nobody can make them again without the policy
+  leaves such episodes out, since nobody can reproduce them without the policy
     test_reproduce::test_what_a_policy_did_is_left_out
   restores all arrays, videos and labels to the last bit
     test_rewrite::test_there_and_back
@@ -84,7 +84,7 @@ docs/dataset.md
   Every reader and writer refuses a link inside a dataset
     test_hostile::test_some_hostile_datasets
     test_untrusted::test_a_link_on_the_way_is_named
-  whose files are the same with them and without
+  their files are the same with and without kept failures
     test_failures::test_the_episodes_are_the_same_without
   nothing else in the episode changes
     test_senses_file::test_everything_else_is_the_same_without_senses
@@ -93,9 +93,9 @@ docs/dataset.md
     test_plan::test_a_dry_run_answers_where_the_disk_is_too_small
   with the same bits each time
     test_pointcloud::test_the_same_picture_gives_the_same_bits
-  Recording it moves nothing
+  Recording touch changes no state
     test_touch::test_recording_it_moves_nothing
-  What was drawn before comes out byte for byte
+  Pictures that were already there come out byte for byte
     test_render::test_with_nothing_changed_every_file_is_the_same
   if it does not, because rtphys has changed since, the command stops and says so
     test_render::test_states_that_are_not_those_of_the_label_are_not_drawn
@@ -107,10 +107,10 @@ docs/dataset.md
   Exit code 0 means that the dataset is correct
     test_verify_command::test_the_digest_is_one_line_that_a_change_of_any_file_changes
     test_verify_command::test_a_damaged_dataset_has_no_digest_and_its_cure_is_named
-  calls no digest the dataset's own
+  presents no digest as the dataset's own
     test_verify_command::test_a_damaged_dataset_has_no_digest_and_its_cure_is_named
     test_verify_command::test_what_was_not_made_again_as_it_is_has_no_digest
-  by other means than reading back what was written
+  by means other than reading back what was written
     test_audit_mutations::test_experiments_find_every_mutation_of_apply
     test_audit_mutations::test_a_read_back_that_lies_hides_nothing
   It names what it cannot measure, with the reason
@@ -134,24 +134,24 @@ docs/dataset.md
     test_repair::test_what_comes_out_otherwise_is_not_written
   All other files stay as they are
     test_repair::test_what_is_damaged_comes_back_to_the_last_byte
-  it refuses before any work, and names what differs
+  it refuses before it does any work, and names what differs
     test_repair::test_other_versions_are_refused_by_name
   one that was joined or cut cannot
     test_merge::test_other_seeds_of_one_task_are_joined_and_not_continued
     test_merge::test_a_subset_of_seeds_is_numbered_anew
-  whether every number, label, sentence and picture of it is the dataset's
+  whether every number, label, sentence and picture of the export equals the dataset's
     test_lerobot_verify::test_a_number_that_differs_is_named
     test_lerobot_verify::test_a_label_or_sentence_that_differs_is_named
     test_lerobot_verify::test_a_picture_that_differs_is_named
   `export` never writes failures
     test_lerobot::test_failures_are_not_exported
-  A killed export goes on when the same command runs again
+  A killed export continues when the same command runs again
     test_lerobot::test_a_killed_export_goes_on
   A second export into the same folder is refused
     test_lerobot::test_a_second_export_to_one_folder_is_refused
   If an attribute is a number in some episodes only, the export is refused
     test_lerobot::test_a_number_in_some_episodes_alone_is_refused_with_its_name
-  Memory hardly grows with the number of episodes
+  Memory use hardly grows with the number of episodes
     test_export_memory::test_memory_does_not_follow_the_number_of_episodes
 docs/decisions.md
   the same seed gives the same bits on every machine
@@ -178,7 +178,7 @@ docs/evaluate.md
     test_evaluate::test_what_was_run_without_recording_is_refused
   looks like a misspelling of one that your policy asked for when it was opened, the run is refused
     test_registry::test_a_misspelt_option_of_the_users_own_policy_is_named
-  Any other that the policy never reads is named in a note at the end of the run
+  Any other option that the policy never reads is named in a note at the end of the run
     test_evaluate::test_an_option_that_no_worker_has_read_is_said_once
     test_options::test_a_session_knows_what_was_never_read_however_often_it_opened
   An exception in the policy makes that episode a failure
@@ -188,7 +188,7 @@ docs/evaluate.md
   the same records with any number of workers
     test_evaluate::test_records_do_not_depend_on_workers_or_on_a_crash_between_them
     test_commands_with_many_workers::test_an_evaluation_and_what_it_records
-  The same command goes on where it stopped
+  The same command continues where it stopped
     test_evaluate::test_a_kill_loses_no_record
     test_evaluate::test_a_killed_run_ends_up_with_the_same_summary
   an edited policy file, different weights or options are refused
@@ -198,7 +198,7 @@ docs/evaluate.md
     test_evaluate::test_a_recording_takes_no_episode_of_an_edited_policy
   uses no seed of the benchmark
     test_certified_lists::test_no_list_is_stale
-  it extends a list and keeps its present entries
+  it extends a list and keeps its existing entries
     test_certify::test_a_finished_list_can_be_made_longer
   whatever the number of workers and interruptions
     test_certify::test_lists_do_not_depend_on_workers_or_wishes_and_say_what_the_expert_does
@@ -209,29 +209,29 @@ docs/evaluate.md
   every list is stale, and `evaluate` refuses it
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
     test_instances::test_a_fingerprint_says_what_keeps_a_list_from_being_used
-  the list gets the present fingerprint and nothing else changes
+  the list gets the current fingerprint and nothing else changes
     test_certify::test_a_stale_list_that_holds_gets_the_present_fingerprint_and_nothing_else
   the list stays stale, and the exit code is 1
     test_certify::test_a_list_that_differs_stays_stale_and_is_named
   must reach the same `state`
     test_certify::test_rows_that_come_out_otherwise_are_not_added_to
-  so the order in which you ask for them does not matter
+  so the order in which you request them does not matter
     test_certify::test_the_order_of_wishes_does_not_matter
   An evaluation refuses a list if the code, the task file, the domain
     test_instances::test_a_fingerprint_says_what_keeps_a_list_from_being_used
     test_evaluate::test_a_list_with_another_fingerprint_is_refused
-  `changed_since_certified` in `summary.json` says it for each list
+  `changed_since_certified` in `summary.json` says so for each list
     test_summary::test_stale_lists_mark_the_summary_and_others_leave_none
-  A list of another robot is refused in any case
+  A list of another robot is always refused
     test_evaluate::test_a_list_of_another_robot_is_refused_whatever_is_accepted
   should be the same bits on every x86-64 processor with AVX2
     test_arithmetic::test_sums_end_in_the_bits_that_processors_with_avx2_share
     test_arithmetic::test_numpy_leaves_avx512_unused
-  as a training does that reads a dataset, changes nothing
+  as in a training script that reads a dataset, changes nothing
     test_arithmetic::test_reading_a_dataset_changes_nothing_of_the_process
   gets a warning that names the remedy
     test_arithmetic::test_pinning_after_numpy_is_told_with_the_cure
-  has a different digest there, the lists are refused
+  has a different digest on a machine, the lists are refused there
     test_evaluate::test_a_list_with_another_fingerprint_is_refused
   others are not paired, and `compare` says what differs
     test_compare::test_only_the_same_instances_are_paired
@@ -280,25 +280,25 @@ docs/physics_suite.md
   neither a prop's name nor its place tells which it got
     test_physics_suite::test_neither_name_nor_place_tells_which_is_which
 docs/policies.md
-  are never run as code
+  and are never run as code
     test_robotwin_root::test_overrides_are_literals_or_text
   Textures are always the unseen ones
     test_robotwin_root::test_textures_are_unseen_whatever_the_sentences_are
   An exception of the policy ends the run without a result
     test_robotwin_root::test_a_policy_that_raises_ends_a_launchers_run
-  they are those of lerobot's own loop, to the bit
+  they equal those of lerobot's own loop, bit for bit
     test_lerobot_policy::test_a_real_checkpoint_acts_as_in_lerobots_own_loop
   `observe=chunk` draws pictures only when the queue of actions is empty
     test_lerobot_policy::test_every_action_has_an_observation_of_its_own_unless_a_chunk_is_to_share_one
   is refused before the first episode
     test_lerobot_policy::test_a_checkpoint_that_cannot_play_is_refused_before_any_episode
-  Actions that are not finite, and errors of the policy, are that episode's failure
+  If actions are not finite, or the policy raises an error, that episode is a failure
     test_lerobot_policy::test_an_error_is_the_episodes_and_the_next_one_goes_on
   If the connection is lost, the run stops
     test_openpi::test_a_server_that_dies_is_gone
   Observations hold the physics only with `show_physics=True`
     test_gym::test_physics_is_told_and_shown_only_on_request
-  hold in every episode, also in those that a vector environment begins by itself
+  hold in every episode, including those that a vector environment begins by itself
     test_gym::test_conditions_of_make_last_and_those_of_reset_do_not
   A world that does not come to rest is skipped
     test_gym::test_a_world_that_does_not_come_to_rest_is_skipped
