@@ -239,7 +239,7 @@ docs/evaluate.md
 docs/extend.md
   may only narrow the ranges of the one it extends
     test_load::test_a_child_may_only_narrow
-  It has a random stream of its own, so no other value moves
+  It has its own random stream, so no other value changes
     test_attribute::test_a_fourteenth_moves_no_draw
   becomes an error that names the file and the line
     test_attribute::test_what_an_attribute_raises_is_named_with_file_and_line
@@ -261,13 +261,13 @@ docs/objects.md
   so that two builds give the same bytes
     test_build::test_two_builds_are_identical_whatever_the_number_of_workers
 docs/physics.md
-  The value has its own stream, named by its key, and moves no other draw
+  The value has its own random stream, named after its key, and changes no other draw
     test_reach::test_a_prop_draws_from_its_own_stream
   every protocol draws it, and no severity narrows it
     test_reach::test_only_names_a_prop_or_the_whole_attribute
   `--set object_mass=2` changes nothing there, and `collect` says so
     test_dry_run::test_what_every_prop_has_of_its_own_is_left_with_nothing
-  A `--sweep` of it is refused
+  A `--sweep` of such an attribute is refused
     test_dry_run::test_a_sweep_without_effect_is_refused
   so a different value would give the same episode, bit for bit
     test_audit_repeated::test_what_did_not_act_leaves_every_bit
@@ -341,7 +341,7 @@ docs/scale.md
     test_run::test_killed_runs_end_in_the_same_files
   Physics runs on the CPU in either case, and the states are the same bits
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
-  `collect` refuses a disk that has less than the tables say
+  `collect` refuses a disk that has less free space than the tables say
     test_plan::test_a_dry_run_answers_where_the_disk_is_too_small
   an upper bound of the space
     test_dry_run::test_no_episode_that_was_measured_is_larger_than_the_bound
@@ -349,7 +349,7 @@ docs/scale.md
     test_manifest::test_a_mistake_is_named_with_its_place
   fewer run, and a line says so
     test_local::test_only_as_many_workers_as_memory_allows
-  only attempts that were running, or that waited for an earlier seed, are made again
+  only attempts that were running, or that were waiting for an earlier seed, are made again
     test_run::test_a_resumed_run_gives_the_same_files
     test_many_real_workers::test_a_signal_ends_all_workers_at_once
     test_writer_killed::test_a_kill_inside_a_commit_loses_nothing
@@ -365,31 +365,31 @@ docs/scale.md
   After six such losses the command stops with exit code 4
     test_local::test_what_scale_md_says_that_a_job_may_use
     test_local::test_a_job_that_others_keep_from_its_end_is_no_result
-  An episode that is over its time is tried again with nothing beside it
+  An episode that exceeds it is tried again with nothing else running
     test_local::test_code_of_a_user_that_waits_for_ever_has_itself_to_blame
   The dataset is the same with and without
     test_drawing_workers::test_a_dataset_is_the_same_with_drawing_workers
   Each picture equals, to the pixel, the one that is drawn alone
     test_episode_render::test_what_is_drawn_together_is_what_is_drawn_alone
     test_camera_group::test_the_trial_counts_every_pixel_that_is_not_the_one_drawn_alone
-  is worth asking for if a job has few cores
+  is worth requesting if a job has few cores
     test_drawing_workers::test_a_dataset_is_the_same_with_drawing_workers
   so each seed counts once even if it was tried several times
     test_remote::test_a_killed_worker_loses_nothing_and_doubles_nothing
   its attempt starts again elsewhere and is not rejected
     test_lost_node::test_a_lost_node_loses_nothing_and_doubles_nothing
-  It names and refuses what differs
+  It refuses to work if anything differs, and names it
     test_remote::test_a_node_with_other_assets_or_versions_is_refused
   `merge` verifies every checksum
     test_merge::test_a_damaged_part
-  It refuses parts that were collected with other options
+  It refuses parts that were collected with different options
     test_merge::test_parts_that_do_not_fit
     test_merge::test_parts_of_different_versions
   merging them gives, byte for byte, what the command without `--shard` writes
     test_merge::test_whole_tasks_join_to_the_same_bytes
   It also refuses parts that hold the same seed
     test_merge::test_parts_that_do_not_fit
-  joins them as they are, and ends with exit code 4
+  joins it as it is, and ends with exit code 4
     test_merge::test_a_part_that_is_unfinished_is_named
   `merge` joins them by seed
     test_merge::test_shards_that_share_a_task_join_by_seed
