@@ -394,7 +394,7 @@ docs/scale.md
   `merge` joins them by seed
     test_merge::test_shards_that_share_a_task_join_by_seed
 docs/sensitivity.md
-  Both depend on the plan alone, not on the number of workers or interruptions
+  Both depend on the plan only, not on the number of workers or interruptions
     test_sensitivity::test_a_camera_cannot_matter_open_loop_and_a_lower_table_must
     test_commands_with_many_workers::test_many_workers_give_what_one_gives
   other options, another policy or an edited policy file are refused
