@@ -38,10 +38,10 @@ docs/architecture.md
   does not depend on the number of workers, nor on how often it was killed and resumed
     test_series::test_commits_do_not_depend_on_the_number_of_workers
     test_run::test_killed_runs_end_in_the_same_files
-  so the one does not depend on the other
+  so the draw does not depend on the scale
     test_draws::test_center_of_mass_is_redrawn_from_its_own_stream
     test_holding_moves_nothing_else::test_holding_an_attribute_moves_no_other
-  So the look moves nothing that an attribute describes
+  So the look changes nothing that an attribute describes
     test_one_truth::test_pictures_are_taken_from_where_the_label_says
     test_protocols_in_force::test_what_is_only_seen_changes_no_state
   a protocol that asks for both is refused
@@ -275,9 +275,9 @@ docs/physics.md
     test_one_truth::test_pictures_are_taken_from_where_the_label_says
     test_one_truth::test_a_label_says_where_its_height_comes_from
 docs/physics_suite.md
-  `'*'` and other patterns are for the fifty alone
+  `'*'` and other patterns select only from the fifty
     test_library::test_a_suite_is_found_by_its_name_and_by_whole_names_alone
-  neither a prop's name nor its place tells which it got
+  neither a prop's name nor its position shows which one it got
     test_physics_suite::test_neither_name_nor_place_tells_which_is_which
 docs/policies.md
   and are never run as code
@@ -318,18 +318,18 @@ docs/protocols.md
     test_registry::test_no_option_is_taken_and_ignored
     test_main::test_an_option_that_is_gone_says_what_there_is_now
 docs/releases.md
-  Those of version 1 and 2 are refused by a line that names theirs
+  Those of versions 1 and 2 are refused, and the message names their version
     test_dataset_writer::test_foreign_manifest_is_refused
   the old spelling works in this version, and prints the new one
     test_main::test_a_former_name_works_and_says_the_new_one
-  `evaluate` refuses options that nothing would take
+  `evaluate` refuses options that nothing would use
     test_registry::test_no_option_is_taken_and_ignored
 docs/robots.md
   no other is evaluated on it, whatever `--accept-changes` says
     test_evaluate::test_a_list_of_another_robot_is_refused_whatever_is_accepted
   `openpi:` refuses a robot with another count
     test_openpi::test_a_robot_with_other_numbers_and_no_address_are_refused_before_a_server_is_asked
-  what two of them hold is refused
+  A robot that is in two of these places is refused
     test_single_arms::test_a_library_holds_robots
   refuses the robot for the same reasons before it builds a world
     test_assets_command::test_an_unusable_robot_is_refused_before_a_world_is_built
@@ -450,7 +450,7 @@ NO_PROMISES = {  # a part of the sentence -> why it needs no row
     "With and without AVX-512 it writes the same bytes": "measured; no machine shows both",
     "`-c constraints.txt` gives the same bits": "measured on the systems that are named there",
     "To compute the same bits as the certified lists": "the same",
-    "because before, HDF5 wrote files from memory": "another program's",
+    "because with earlier versions HDF5 wrote files from memory": "another program's",
     "changes nothing for policies that ignore observations until then": "of those policies",
     "`50 task(s) errored`, exit code 1": "measured, of another program",
     "ends at the first task, exit code 1": "the same",
