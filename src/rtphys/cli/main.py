@@ -75,7 +75,7 @@ def main(
         typer.Option(metavar="DIR", help="An asset pack to use instead of the builtin one."),
     ] = None,
     fallback: Annotated[
-        str, typer.Option(metavar="TEXT", help="`builtin`: take what --assets lacks from it.")
+        str, typer.Option(metavar="TEXT", help="`builtin`: use it for what --assets lacks.")
     ] = "",
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
     say_version: Annotated[
