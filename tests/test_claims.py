@@ -20,28 +20,28 @@ README.md
     test_draws::test_one_attribute_alone_draws_what_it_draws_in_company
     test_holding_moves_nothing_else::test_holding_an_attribute_moves_no_other
     test_attribute::test_a_fourteenth_moves_no_draw
-  the physics runs on the CPU either way, with the same bits
+  the physics runs on the CPU either way, and is the same bit for bit
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
     test_drawing_workers::test_a_dataset_is_the_same_with_drawing_workers
   written into the simulator and read back
     test_run::test_a_false_label_is_an_error_not_an_episode
-  every attribute against a law from the textbook
+  every attribute against a textbook law
     test_every_law::test_law
     test_every_law::test_a_broken_attribute_fails_its_proof
   checks every file, derives the physics again from the seeds
     test_verify::test_every_flipped_byte_is_reported_naming_the_file
     test_verify::test_a_label_that_lies_is_found
-  no picture tells what to do
+  no picture shows what to do
     test_physics_suite::test_props_that_differ_look_alike
     test_physics_suite::test_what_one_prop_hides_moves_nothing_that_is_seen
 docs/architecture.md
   does not depend on the number of workers, nor on how often it was killed and resumed
     test_series::test_commits_do_not_depend_on_the_number_of_workers
     test_run::test_killed_runs_end_in_the_same_files
-  so the one does not depend on the other
+  so the draw does not depend on the scale
     test_draws::test_center_of_mass_is_redrawn_from_its_own_stream
     test_holding_moves_nothing_else::test_holding_an_attribute_moves_no_other
-  So the look moves nothing that an attribute describes
+  So the look changes nothing that an attribute describes
     test_one_truth::test_pictures_are_taken_from_where_the_label_says
     test_protocols_in_force::test_what_is_only_seen_changes_no_state
   a protocol that asks for both is refused
@@ -50,13 +50,13 @@ docs/architecture.md
     test_every_task::test_physics_does_not_move_the_layout
     test_objects::test_a_tilted_table_carries_everything_that_stands_on_it
 docs/commands.md
-  says what it would take, and does nothing
+  says what the collection would take, and does nothing
     test_dry_run::test_it_names_every_folder_and_writes_nothing
   progress and notes go to standard error
     test_screen::test_json_is_all_that_stands_on_standard_output
-  refused: the line names the option, the file, the folder or the disk that does not fit
+  refused: the message names the option, file, folder or disk that is the problem
     test_malformed_input::test_every_malformed_input_is_a_sentence
-  less was made than asked for; what is there is whole, and the same command goes on
+  less was made than requested; what was written is complete, and the same command continues
     test_plan::test_a_hopeless_task_is_given_up_and_its_rejections_are_kept
 docs/dataset.md
   This imports no simulator
@@ -72,11 +72,11 @@ docs/dataset.md
   a seed is kept only if the expert succeeds with every value
     test_sweeps::test_a_seed_is_kept_only_where_every_value_succeeds
     test_sweeps::test_a_sweep_is_sound_made_again_and_read_by_value
-  that was tried is then there for every value
+  that was tried is then stored for every value
     test_sweeps::test_with_failures_every_seed_is_there_with_every_value
   Datasets of another version are refused
     test_dataset_writer::test_foreign_manifest_is_refused
-  leaves such episodes out, since nobody can make them again without the policy
+  leaves such episodes out, since nobody can reproduce them without the policy
     test_reproduce::test_what_a_policy_did_is_left_out
   restores all arrays, videos and labels to the last bit
     test_rewrite::test_there_and_back
@@ -84,7 +84,7 @@ docs/dataset.md
   Every reader and writer refuses a link inside a dataset
     test_hostile::test_some_hostile_datasets
     test_untrusted::test_a_link_on_the_way_is_named
-  whose files are the same with them and without
+  their files are the same with and without kept failures
     test_failures::test_the_episodes_are_the_same_without
   nothing else in the episode changes
     test_senses_file::test_everything_else_is_the_same_without_senses
@@ -93,9 +93,9 @@ docs/dataset.md
     test_plan::test_a_dry_run_answers_where_the_disk_is_too_small
   with the same bits each time
     test_pointcloud::test_the_same_picture_gives_the_same_bits
-  Recording it moves nothing
+  Recording touch changes no state
     test_touch::test_recording_it_moves_nothing
-  What was drawn before comes out byte for byte
+  Pictures that were already there come out byte for byte
     test_render::test_with_nothing_changed_every_file_is_the_same
   if it does not, because rtphys has changed since, the command stops and says so
     test_render::test_states_that_are_not_those_of_the_label_are_not_drawn
@@ -107,10 +107,10 @@ docs/dataset.md
   Exit code 0 means that the dataset is correct
     test_verify_command::test_the_digest_is_one_line_that_a_change_of_any_file_changes
     test_verify_command::test_a_damaged_dataset_has_no_digest_and_its_cure_is_named
-  calls no digest the dataset's own
+  presents no digest as the dataset's own
     test_verify_command::test_a_damaged_dataset_has_no_digest_and_its_cure_is_named
     test_verify_command::test_what_was_not_made_again_as_it_is_has_no_digest
-  by other means than reading back what was written
+  by means other than reading back what was written
     test_audit_mutations::test_experiments_find_every_mutation_of_apply
     test_audit_mutations::test_a_read_back_that_lies_hides_nothing
   It names what it cannot measure, with the reason
@@ -134,24 +134,24 @@ docs/dataset.md
     test_repair::test_what_comes_out_otherwise_is_not_written
   All other files stay as they are
     test_repair::test_what_is_damaged_comes_back_to_the_last_byte
-  it refuses before any work, and names what differs
+  it refuses before it does any work, and names what differs
     test_repair::test_other_versions_are_refused_by_name
   one that was joined or cut cannot
     test_merge::test_other_seeds_of_one_task_are_joined_and_not_continued
     test_merge::test_a_subset_of_seeds_is_numbered_anew
-  whether every number, label, sentence and picture of it is the dataset's
+  whether every number, label, sentence and picture of the export equals the dataset's
     test_lerobot_verify::test_a_number_that_differs_is_named
     test_lerobot_verify::test_a_label_or_sentence_that_differs_is_named
     test_lerobot_verify::test_a_picture_that_differs_is_named
   `export` never writes failures
     test_lerobot::test_failures_are_not_exported
-  A killed export goes on when the same command runs again
+  A killed export continues when the same command runs again
     test_lerobot::test_a_killed_export_goes_on
   A second export into the same folder is refused
     test_lerobot::test_a_second_export_to_one_folder_is_refused
   If an attribute is a number in some episodes only, the export is refused
     test_lerobot::test_a_number_in_some_episodes_alone_is_refused_with_its_name
-  Memory hardly grows with the number of episodes
+  Memory use hardly grows with the number of episodes
     test_export_memory::test_memory_does_not_follow_the_number_of_episodes
 docs/decisions.md
   the same seed gives the same bits on every machine
@@ -178,7 +178,7 @@ docs/evaluate.md
     test_evaluate::test_what_was_run_without_recording_is_refused
   looks like a misspelling of one that your policy asked for when it was opened, the run is refused
     test_registry::test_a_misspelt_option_of_the_users_own_policy_is_named
-  Any other that the policy never reads is named in a note at the end of the run
+  Any other option that the policy never reads is named in a note at the end of the run
     test_evaluate::test_an_option_that_no_worker_has_read_is_said_once
     test_options::test_a_session_knows_what_was_never_read_however_often_it_opened
   An exception in the policy makes that episode a failure
@@ -188,7 +188,7 @@ docs/evaluate.md
   the same records with any number of workers
     test_evaluate::test_records_do_not_depend_on_workers_or_on_a_crash_between_them
     test_commands_with_many_workers::test_an_evaluation_and_what_it_records
-  The same command goes on where it stopped
+  The same command continues where it stopped
     test_evaluate::test_a_kill_loses_no_record
     test_evaluate::test_a_killed_run_ends_up_with_the_same_summary
   an edited policy file, different weights or options are refused
@@ -198,7 +198,7 @@ docs/evaluate.md
     test_evaluate::test_a_recording_takes_no_episode_of_an_edited_policy
   uses no seed of the benchmark
     test_certified_lists::test_no_list_is_stale
-  it extends a list and keeps its present entries
+  it extends a list and keeps its existing entries
     test_certify::test_a_finished_list_can_be_made_longer
   whatever the number of workers and interruptions
     test_certify::test_lists_do_not_depend_on_workers_or_wishes_and_say_what_the_expert_does
@@ -209,29 +209,29 @@ docs/evaluate.md
   every list is stale, and `evaluate` refuses it
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
     test_instances::test_a_fingerprint_says_what_keeps_a_list_from_being_used
-  the list gets the present fingerprint and nothing else changes
+  the list gets the current fingerprint and nothing else changes
     test_certify::test_a_stale_list_that_holds_gets_the_present_fingerprint_and_nothing_else
   the list stays stale, and the exit code is 1
     test_certify::test_a_list_that_differs_stays_stale_and_is_named
   must reach the same `state`
     test_certify::test_rows_that_come_out_otherwise_are_not_added_to
-  so the order in which you ask for them does not matter
+  so the order in which you request them does not matter
     test_certify::test_the_order_of_wishes_does_not_matter
   An evaluation refuses a list if the code, the task file, the domain
     test_instances::test_a_fingerprint_says_what_keeps_a_list_from_being_used
     test_evaluate::test_a_list_with_another_fingerprint_is_refused
-  `changed_since_certified` in `summary.json` says it for each list
+  `changed_since_certified` in `summary.json` says so for each list
     test_summary::test_stale_lists_mark_the_summary_and_others_leave_none
-  A list of another robot is refused in any case
+  A list of another robot is always refused
     test_evaluate::test_a_list_of_another_robot_is_refused_whatever_is_accepted
   should be the same bits on every x86-64 processor with AVX2
     test_arithmetic::test_sums_end_in_the_bits_that_processors_with_avx2_share
     test_arithmetic::test_numpy_leaves_avx512_unused
-  as a training does that reads a dataset, changes nothing
+  as in a training script that reads a dataset, changes nothing
     test_arithmetic::test_reading_a_dataset_changes_nothing_of_the_process
   gets a warning that names the remedy
     test_arithmetic::test_pinning_after_numpy_is_told_with_the_cure
-  has a different digest there, the lists are refused
+  has a different digest on a machine, the lists are refused there
     test_evaluate::test_a_list_with_another_fingerprint_is_refused
   others are not paired, and `compare` says what differs
     test_compare::test_only_the_same_instances_are_paired
@@ -239,7 +239,7 @@ docs/evaluate.md
 docs/extend.md
   may only narrow the ranges of the one it extends
     test_load::test_a_child_may_only_narrow
-  It has a random stream of its own, so no other value moves
+  It has its own random stream, so no other value changes
     test_attribute::test_a_fourteenth_moves_no_draw
   becomes an error that names the file and the line
     test_attribute::test_what_an_attribute_raises_is_named_with_file_and_line
@@ -261,13 +261,13 @@ docs/objects.md
   so that two builds give the same bytes
     test_build::test_two_builds_are_identical_whatever_the_number_of_workers
 docs/physics.md
-  The value has its own stream, named by its key, and moves no other draw
+  The value has its own random stream, named after its key, and changes no other draw
     test_reach::test_a_prop_draws_from_its_own_stream
   every protocol draws it, and no severity narrows it
     test_reach::test_only_names_a_prop_or_the_whole_attribute
   `--set object_mass=2` changes nothing there, and `collect` says so
     test_dry_run::test_what_every_prop_has_of_its_own_is_left_with_nothing
-  A `--sweep` of it is refused
+  A `--sweep` of such an attribute is refused
     test_dry_run::test_a_sweep_without_effect_is_refused
   so a different value would give the same episode, bit for bit
     test_audit_repeated::test_what_did_not_act_leaves_every_bit
@@ -275,42 +275,42 @@ docs/physics.md
     test_one_truth::test_pictures_are_taken_from_where_the_label_says
     test_one_truth::test_a_label_says_where_its_height_comes_from
 docs/physics_suite.md
-  `'*'` and other patterns are for the fifty alone
+  `'*'` and other patterns select only from the fifty
     test_library::test_a_suite_is_found_by_its_name_and_by_whole_names_alone
-  neither a prop's name nor its place tells which it got
+  neither a prop's name nor its position shows which one it got
     test_physics_suite::test_neither_name_nor_place_tells_which_is_which
 docs/policies.md
-  are never run as code
+  and are never run as code
     test_robotwin_root::test_overrides_are_literals_or_text
   Textures are always the unseen ones
     test_robotwin_root::test_textures_are_unseen_whatever_the_sentences_are
   An exception of the policy ends the run without a result
     test_robotwin_root::test_a_policy_that_raises_ends_a_launchers_run
-  they are those of lerobot's own loop, to the bit
+  they equal those of lerobot's own loop, bit for bit
     test_lerobot_policy::test_a_real_checkpoint_acts_as_in_lerobots_own_loop
   `observe=chunk` draws pictures only when the queue of actions is empty
     test_lerobot_policy::test_every_action_has_an_observation_of_its_own_unless_a_chunk_is_to_share_one
   is refused before the first episode
     test_lerobot_policy::test_a_checkpoint_that_cannot_play_is_refused_before_any_episode
-  Actions that are not finite, and errors of the policy, are that episode's failure
+  If actions are not finite, or the policy raises an error, that episode is a failure
     test_lerobot_policy::test_an_error_is_the_episodes_and_the_next_one_goes_on
   If the connection is lost, the run stops
     test_openpi::test_a_server_that_dies_is_gone
   Observations hold the physics only with `show_physics=True`
     test_gym::test_physics_is_told_and_shown_only_on_request
-  hold in every episode, also in those that a vector environment begins by itself
+  hold in every episode, including those that a vector environment begins by itself
     test_gym::test_conditions_of_make_last_and_those_of_reset_do_not
   A world that does not come to rest is skipped
     test_gym::test_a_world_that_does_not_come_to_rest_is_skipped
 docs/protocols.md
   A seed has the same layout under every protocol
     test_protocols_in_force::test_the_layout_of_a_seed_is_the_same_in_all_four
-  so holding or dropping one moves no other value
+  so holding or dropping one changes no other value
     test_holding_moves_nothing_else::test_holding_an_attribute_moves_no_other
     test_draws::test_a_removed_rule_moves_no_other_draw
-  so holding the one also decides the other
+  so holding one also decides the other
     test_draws::test_distance_and_angle_exclude_each_other
-  draws the same point of each range under all severities
+  draws the same relative point of each range under all severities
     test_protocol::test_a_severity_draws_the_same_point_of_narrower_ranges
   gives a seed the same physics and look in all tasks
     test_independent_worlds::test_paired_tasks_share_physics_and_look_but_no_layout
@@ -318,18 +318,18 @@ docs/protocols.md
     test_registry::test_no_option_is_taken_and_ignored
     test_main::test_an_option_that_is_gone_says_what_there_is_now
 docs/releases.md
-  Those of version 1 and 2 are refused by a line that names theirs
+  Those of versions 1 and 2 are refused, and the message names their version
     test_dataset_writer::test_foreign_manifest_is_refused
   the old spelling works in this version, and prints the new one
     test_main::test_a_former_name_works_and_says_the_new_one
-  `evaluate` refuses options that nothing would take
+  `evaluate` refuses options that nothing would use
     test_registry::test_no_option_is_taken_and_ignored
 docs/robots.md
   no other is evaluated on it, whatever `--accept-changes` says
     test_evaluate::test_a_list_of_another_robot_is_refused_whatever_is_accepted
   `openpi:` refuses a robot with another count
     test_openpi::test_a_robot_with_other_numbers_and_no_address_are_refused_before_a_server_is_asked
-  what two of them hold is refused
+  A robot that is in two of these places is refused
     test_single_arms::test_a_library_holds_robots
   refuses the robot for the same reasons before it builds a world
     test_assets_command::test_an_unusable_robot_is_refused_before_a_world_is_built
@@ -341,7 +341,7 @@ docs/scale.md
     test_run::test_killed_runs_end_in_the_same_files
   Physics runs on the CPU in either case, and the states are the same bits
     test_fingerprint::test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not
-  `collect` refuses a disk that has less than the tables say
+  `collect` refuses a disk that has less free space than the tables say
     test_plan::test_a_dry_run_answers_where_the_disk_is_too_small
   an upper bound of the space
     test_dry_run::test_no_episode_that_was_measured_is_larger_than_the_bound
@@ -349,7 +349,7 @@ docs/scale.md
     test_manifest::test_a_mistake_is_named_with_its_place
   fewer run, and a line says so
     test_local::test_only_as_many_workers_as_memory_allows
-  only attempts that were running, or that waited for an earlier seed, are made again
+  only attempts that were running, or that were waiting for an earlier seed, are made again
     test_run::test_a_resumed_run_gives_the_same_files
     test_many_real_workers::test_a_signal_ends_all_workers_at_once
     test_writer_killed::test_a_kill_inside_a_commit_loses_nothing
@@ -365,36 +365,36 @@ docs/scale.md
   After six such losses the command stops with exit code 4
     test_local::test_what_scale_md_says_that_a_job_may_use
     test_local::test_a_job_that_others_keep_from_its_end_is_no_result
-  An episode that is over its time is tried again with nothing beside it
+  An episode that exceeds it is tried again with nothing else running
     test_local::test_code_of_a_user_that_waits_for_ever_has_itself_to_blame
   The dataset is the same with and without
     test_drawing_workers::test_a_dataset_is_the_same_with_drawing_workers
   Each picture equals, to the pixel, the one that is drawn alone
     test_episode_render::test_what_is_drawn_together_is_what_is_drawn_alone
     test_camera_group::test_the_trial_counts_every_pixel_that_is_not_the_one_drawn_alone
-  is worth asking for if a job has few cores
+  is worth requesting if a job has few cores
     test_drawing_workers::test_a_dataset_is_the_same_with_drawing_workers
   so each seed counts once even if it was tried several times
     test_remote::test_a_killed_worker_loses_nothing_and_doubles_nothing
   its attempt starts again elsewhere and is not rejected
     test_lost_node::test_a_lost_node_loses_nothing_and_doubles_nothing
-  It names and refuses what differs
+  It refuses to work if anything differs, and names it
     test_remote::test_a_node_with_other_assets_or_versions_is_refused
   `merge` verifies every checksum
     test_merge::test_a_damaged_part
-  It refuses parts that were collected with other options
+  It refuses parts that were collected with different options
     test_merge::test_parts_that_do_not_fit
     test_merge::test_parts_of_different_versions
   merging them gives, byte for byte, what the command without `--shard` writes
     test_merge::test_whole_tasks_join_to_the_same_bytes
   It also refuses parts that hold the same seed
     test_merge::test_parts_that_do_not_fit
-  joins them as they are, and ends with exit code 4
+  joins it as it is, and ends with exit code 4
     test_merge::test_a_part_that_is_unfinished_is_named
   `merge` joins them by seed
     test_merge::test_shards_that_share_a_task_join_by_seed
 docs/sensitivity.md
-  Both depend on the plan alone, not on the number of workers or interruptions
+  Both depend on the plan only, not on the number of workers or interruptions
     test_sensitivity::test_a_camera_cannot_matter_open_loop_and_a_lower_table_must
     test_commands_with_many_workers::test_many_workers_give_what_one_gives
   other options, another policy or an edited policy file are refused
@@ -450,7 +450,7 @@ NO_PROMISES = {  # a part of the sentence -> why it needs no row
     "With and without AVX-512 it writes the same bytes": "measured; no machine shows both",
     "`-c constraints.txt` gives the same bits": "measured on the systems that are named there",
     "To compute the same bits as the certified lists": "the same",
-    "because before, HDF5 wrote files from memory": "another program's",
+    "because with earlier versions HDF5 wrote files from memory": "another program's",
     "changes nothing for policies that ignore observations until then": "of those policies",
     "`50 task(s) errored`, exit code 1": "measured, of another program",
     "ends at the first task, exit code 1": "the same",

@@ -52,7 +52,7 @@ class IdentifyPlan:
     episodes: Annotated[
         int, at_least(MIN_EPISODES), Option("Number of accepted episodes of each task.")
     ] = 200
-    out: Annotated[Path, Option("Folder of the features and the results.")] = Path("identify")
+    out: Annotated[Path, Option("Folder for the features and the results.")] = Path("identify")
     estimator: Annotated[
         str,
         Option("trees (gradient-boosted), column (one feature), or python:FILE:NAME, your own."),
@@ -62,7 +62,7 @@ class IdentifyPlan:
         Positive, Option("Number of seeds to try for one task.", "max_attempts")
     ] = 2000
     timeout: Annotated[
-        float, at_least(1), Option("Longest time of the fits of one attribute [s].")
+        float, at_least(1), Option("Seconds that the fits of one attribute may take.")
     ] = 3600.0
     workers: Workers = None
 

@@ -166,9 +166,9 @@ def new_task(
         Path, typer.Option("--in", help="The library that gets tasks/NAME.py.")
     ] = Path(),
 ) -> None:
-    """Write a task file to start from; it runs as it is.
+    """Write a task file to start from; it already runs.
 
-    Its place, a library, is a folder of yours; the second command tries the task there.
+    The file goes into a library, a folder of your own; the second command tries the task.
 
     Examples:
 
@@ -189,7 +189,7 @@ def new_task(
 def protocols(as_json: Json = False) -> None:
     """Show what each protocol varies between episodes.
 
-    The layout always differs. Libraries may add rows of their own.
+    The layout always varies. Libraries may add protocols.
 
     The JSON also holds the attributes that vary, the width of their ranges, and each look's rules.
     """
@@ -209,9 +209,9 @@ def show(
         bool, typer.Option("--yaml", help="A domain file to copy and change, without `extends`.")
     ] = False,
 ) -> None:
-    """The resolved ranges of a task, by attribute, and the file that each comes from.
+    """Show the resolved ranges of a task, by attribute, and the file that each comes from.
 
-    A domain may also be named by itself, or by its file.
+    A domain may also be given, by its name or its file.
 
     Examples:
 
@@ -243,7 +243,7 @@ def check_domain(
 
 @domains.command("list")
 def list_() -> None:
-    """Names of all domains."""
+    """List the names of all domains."""
     for name in library.names("domains"):
         say(name)
 
@@ -310,9 +310,9 @@ class Output(AsJson):
 def check(plan: CheckPlan, output: Output) -> None:
     """Try a task's expert over many seeds, without pictures.
 
-    The expert's actions are replayed open loop; two seeds are tried a second time and must give
-    the same states; the baselines idle, random and jitter, which see nothing, must fail, and try
-    only where the expert solves a seed. CPU-s is the mean time of an attempt. `rtphys try` shows
+    The expert's actions are replayed open loop. Two seeds are tried a second time and must give
+    the same states. The baselines idle, random and jitter, which see nothing, must fail; they run
+    only if the expert solves a seed. CPU-s is the mean time of an attempt. `rtphys try` shows
     one attempt.
 
     Exit code 1: the expert solved no seed of a protocol, a baseline succeeded, or a
@@ -354,9 +354,9 @@ def check(plan: CheckPlan, output: Output) -> None:
 
 @takes(TryPlan)
 def try_(plan: TryPlan) -> None:
-    """Try a task's expert once: its stages, and where it stuck.
+    """Try a task's expert once; show its stages and where it got stuck.
 
-    Exit code 1: the attempt failed. The same episode is attempted by `rtphys collect`.
+    Exit code 1: the attempt failed. `rtphys collect` attempts the same episode.
 
     Examples:
 

@@ -47,13 +47,13 @@ class Request(AsJson):
         str, Option("A file that says what to collect, or its name in a library.")
     ] = ""
     sweep: Annotated[
-        str, Option("key=value,value: a task dataset for each value, of the same seeds.")
+        str, Option("key=value,value: a task dataset for each value, with the same seeds.")
     ] = ""
     dry_run: Annotated[
         bool, Option("Only say what would be collected and where; nothing is simulated.")
     ] = False
     repair: Annotated[
-        bool, Option("Instead: make damaged and missing files of a dataset again.")
+        bool, Option("Collect nothing; make damaged and missing files of a dataset again.")
     ] = False
 
 
@@ -67,8 +67,8 @@ COMMON = (
 def collect(request: Request, template: CollectionSpec, run: Run, context: typer.Context) -> None:
     """Collect verified episodes of one or more tasks.
 
-    Attempts are simulated without pictures, and only successes are drawn. What comes out depends
-    on the options alone, not on the number of workers or on interruptions.
+    Attempts are simulated without pictures, and only successes are drawn. The result depends only
+    on the options, not on the number of workers or on interruptions.
 
     Examples:
 

@@ -46,8 +46,8 @@ def render(wanted: RenderSpec) -> None:
     """Draw a dataset again, with other cameras, sizes, senses or looks.
 
     The states stay the same. An episode that was recorded with `--sense states` is drawn from
-    them. Any other is simulated again from its recipe, and drawn if that gives the very states that
-    its label names.
+    them. Any other episode is simulated again from its recipe, and drawn if the states are those
+    that its label names.
 
     Examples:
 
@@ -73,8 +73,8 @@ def merge(
 ) -> None:
     """Join datasets, such as the shards of a collection.
 
-    All must be of one version. A task dataset that only one of them has is copied as it is. One
-    that several have must have been collected with the same options and different seeds; its
+    All must have the same version. A task dataset that only one of them has is copied as it is.
+    One that several have must have been collected with the same options and different seeds; its
     episodes are renumbered by seed. Exit code 4: joined, but some parts seem to be unfinished.
 
     Example:
@@ -102,7 +102,7 @@ def subset(
     ] = None,
     embodiment: Annotated[str | None, typer.Option(help=ONLY_ROBOT)] = None,
     seed: Annotated[str, typer.Option(help=ONLY_SEEDS)] = "",
-    drop_seed: Annotated[str, typer.Option(help="All seeds but these.")] = "",
+    drop_seed: Annotated[str, typer.Option(help="All seeds except these.")] = "",
 ) -> None:
     """Copy a part of a dataset, and renumber its episodes.
 
@@ -157,7 +157,7 @@ def convert(
     """Write a dataset again in the other official layout.
 
     Arrays and videos stay the same. Native files hold standard RGB JPEGs, legacy files have red
-    and blue exchanged, as RoboTwin's readers want them: so pictures are decoded and encoded again.
+    and blue exchanged, as RoboTwin's readers expect, so pictures are decoded and encoded again.
 
     Example:
 
@@ -184,7 +184,7 @@ class Checks:
     )
     fresh: Annotated[bool, Option("Also check files that were found correct before.")] = False
     expect: Annotated[
-        str, Option("What it must be: a digest, or the name of a published collection.")
+        str, Option("What the dataset must be: a digest, or the name of a published collection.")
     ] = ""
     reproduce: Annotated[
         Seed, Option("Simulate N episodes and N rejected seeds again, and compare.")
@@ -291,8 +291,8 @@ class Exported:
 def lerobot(wanted: Exported, spec: ExportSpec) -> None:
     """Write a LeRobot dataset.
 
-    Each episode's physics is in the columns phys/<attribute>. The same command after a kill goes
-    on where it ended.
+    Each episode's physics is in the columns phys/<attribute>. If the command is killed, the same
+    command continues where it stopped.
 
     Examples:
 
@@ -333,7 +333,7 @@ def verify_export(
 ) -> None:
     """Compare a LeRobot export with its dataset, number by number.
 
-    Every picture too. Exit code 1 if something differs.
+    It also compares every picture. Exit code 1 if something differs.
 
     Example:
 

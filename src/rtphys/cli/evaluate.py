@@ -37,11 +37,11 @@ def certify(
     """Find the seeds on which policies are evaluated: those that the expert solves.
 
     It writes one list for each task and protocol, with every seed that was tried, and draws no
-    pictures. It may be interrupted: the same command goes on where it stopped.
+    pictures. After an interruption, the same command continues where it stopped.
 
-    --reprove K finds no seeds: it solves the first K of each list again. After an edit of code that
-    changes no states, this gives the lists the present fingerprint within minutes. Exit code 1: a
-    list differs.
+    --reprove K finds no seeds; it solves the first K instances of each list again. After a code
+    change that leaves states unchanged, this gives the lists the current fingerprint within
+    minutes. Exit code 1: a list differs.
 
     Examples:
 
@@ -131,10 +131,10 @@ def _reprove(spec: CertificationSpec, run: CertificationRun, as_json: bool) -> N
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
     """Run a policy on certified instances and say how often it succeeds.
 
-    Nothing is searched for: the instances are those of a list that `rtphys certify` has made.
-    The same policy gives the same records, with any number of workers. It may be interrupted: the
-    same command goes on where it stopped. The exit code is 1 if the policy raised an error in
-    every episode.
+    It searches for no seeds: the instances are those of a list that `rtphys certify` has made. The
+    same policy gives the same records, with any number of workers. After an interruption, the same
+    command continues where it stopped. The exit code is 1 if the policy raised an error in every
+    episode.
 
     Examples:
 
@@ -297,10 +297,9 @@ def compare(
     figure: Annotated[Path | None, typer.Option(help="Also draw the rates into this PNG.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Compare evaluations with each other, and with the paper's.
+    """Compare evaluations with each other, and with the paper's results.
 
-    Success by task and policy with 95 % intervals, and a paired test on common seeds.
-
+    It shows success by task and policy with 95 % intervals, and a paired test on common seeds.
     A second table says how similarly two policies rank the tasks.
 
     Without a folder, --paper shows the paper's tables. Result files of `rtphys identify` (.json)

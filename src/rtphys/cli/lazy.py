@@ -37,17 +37,17 @@ GROUPS = {
         "show": ("show", "Show one episode in the terminal or as a picture."),
         "view": (
             "show",
-            "Look at an episode in Rerun: cameras, 3D, forces, joints, physics, stages.",
+            "Show an episode in Rerun: cameras, 3D, forces, joints, physics, stages.",
         ),
         "report": ("show", "Show a dataset, or an evaluation, on one HTML page."),
     },
-    "Extend it: tasks and physics of your own": {
+    "Extend it: your own tasks and physics": {
         "tasks": (
             "authoring",
             "List the tasks: arms, mechanism, objects, step limit, domain, measured rates.",
         ),
-        "new-task": ("authoring", "Write a task file to start from; it runs as it is."),
-        "try": ("authoring", "Try a task's expert once: its stages, and where it stuck."),
+        "new-task": ("authoring", "Write a task file to start from; it already runs."),
+        "try": ("authoring", "Try a task's expert once; show its stages and where it got stuck."),
         "check": ("authoring", "Try a task's expert over many seeds, without pictures."),
         "domains": ("authoring", "Show and check the ranges of the physical attributes."),
         "protocols": ("authoring", "Show what each protocol varies between episodes."),
@@ -62,13 +62,16 @@ GROUPS = {
             "evaluate",
             "Run a policy on certified instances and say how often it succeeds.",
         ),
-        "compare": ("evaluate", "Compare evaluations with each other, and with the paper's."),
+        "compare": (
+            "evaluate",
+            "Compare evaluations with each other, and with the paper's results.",
+        ),
         "robotwin-root": ("evaluate", "Write a folder in which RoboTwin's launch scripts run."),
     },
     "Studies": {
         "sensitivity": (
             "research",
-            "Measure how far each physical attribute may be from nominal before a task is lost.",
+            "Measure how far each physical attribute may be from nominal before a task fails.",
         ),
         "identify": (
             "research",

@@ -48,10 +48,10 @@ STYLE = {"ok": "green", "note": "yellow", "fail": "red"}
 def bench(plan: BenchPlan, output: AsJson) -> None:
     """Measure what an episode costs on this machine.
 
-    CPU-seconds of an episode by phase, for each task and protocol.
+    It prints the CPU-seconds of an episode by phase, for each task and protocol.
 
-    CPU time can be compared between machines of one kind. Wall time, in the JSON, compares only
-    the phases of one run, because other jobs on the machine lengthen it.
+    CPU time can be compared between machines of the same kind. Wall time, in the
+    JSON, compares only the phases of one run, because other jobs on the machine lengthen it.
 
     Example:
 
@@ -99,7 +99,7 @@ def bench(plan: BenchPlan, output: AsJson) -> None:
 
 
 def doctor(
-    out: Annotated[Path, typer.Option(help="Where datasets are to go.")] = Path("data"),
+    out: Annotated[Path, typer.Option(help="Folder for datasets.")] = Path("data"),
     as_json: Json = False,
 ) -> None:
     """Find what does not work on this machine, and how to fix it.
@@ -107,7 +107,7 @@ def doctor(
     It looks at renderer, packages, disk space, assets and tasks.
 
     Exit code 0 when all is well, else the code of the first cause: 10-17 renderer, 20-21 disk,
-    22-23 packages, 24 assets, 25 task library, 26 cache, 27 a file in the way, 28 a check itself.
+    22-23 packages, 24 assets, 25 task library, 26 cache, 27 a file in the way, 28 a failed check.
 
     Example:
 
@@ -129,7 +129,9 @@ def doctor(
 
 assets = typer.Typer(add_completion=False, no_args_is_help=True)
 
-Fallback = Annotated[str, typer.Option(help="`builtin`: let it stand in for what the pack lacks.")]
+Fallback = Annotated[
+    str, typer.Option(help="`builtin`: take what the pack lacks from the builtin one.")
+]
 
 
 @assets.command()
@@ -137,12 +139,12 @@ def build(
     out: Annotated[
         Path | None, typer.Option(help="Write the pack here instead of the user's cache.")
     ] = None,
-    force: Annotated[bool, typer.Option(help="Build even if it is there already.")] = False,
+    force: Annotated[bool, typer.Option(help="Build it even if it already exists.")] = False,
     workers: Annotated[
         int | None, typer.Option(help="Processes; default: one per core, at most 8.")
     ] = None,
 ) -> None:
-    """Generate the builtin pack, unless this version's is already there."""
+    """Generate the builtin pack, unless this version's pack already exists."""
     root = out.resolve() if out else cache_folder() / source_digest()[:16]
     stamp = root / STAMP
     # Building replaces what is there.
@@ -164,11 +166,11 @@ def show(
         list[str], typer.Argument(help="Objects or patterns: 050_bell, 050_bell/1, '*_fork'.")
     ],
     out: Annotated[Path, typer.Option(help="The picture to write.")] = Path("assets.png"),
-    size: Annotated[int, typer.Option(help="Pixels a model.", min=32, max=1024)] = 160,
+    size: Annotated[int, typer.Option(help="Pixels per model.", min=32, max=1024)] = 160,
 ) -> None:
     """Draw a contact sheet of models, with the axes of their frames and their points.
 
-    x is orange, y green, z violet. Red leads out of a contact point, against the hand's approach;
+    x is orange, y green, z violet. Red points out of a contact point, against the hand's approach;
     blue is the z of a functional point.
     """
     from rtphys.assets.contact_sheet import contact_sheet
@@ -209,13 +211,14 @@ def _models(pack: Pack, name: str) -> list[tuple[str, int]]:
 @assets.command("list")
 def list_models(
     names: Annotated[
-        list[str] | None, typer.Argument(help="Objects or patterns, `*_fork`; default all.")
+        list[str] | None,
+        typer.Argument(help="Objects or patterns, such as '*_fork'; default: all."),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """List models with size, mass, and the numbers of their contact and functional points.
 
-    Sizes are in the model's own frame, mostly y up.
+    Sizes are in the model's own frame, usually with y up.
     """
     pack, rows = pack_in_use(), list[dict[str, object]]()
     title = "models; what has no contact point cannot be grasped"
@@ -252,14 +255,14 @@ def list_models(
 
 @assets.command()
 def check(
-    folder: Annotated[Path | None, typer.Argument(help="A pack; default the one in use.")] = None,
+    folder: Annotated[Path | None, typer.Argument(help="A pack; default: the one in use.")] = None,
     fallback: Fallback = "",
     robot: Annotated[
-        str, typer.Option(help="Check this robot alone: a name, or LEFT,RIGHT,DISTANCE.")
+        str, typer.Option(help="Check only this robot: a name, or LEFT,RIGHT,DISTANCE.")
     ] = "",
     as_json: Json = False,
 ) -> None:
-    """Say what of a pack loads, what is missing, and which tasks can run on it."""
+    """Check which parts of a pack load, what is missing, and which tasks can run on it."""
     from rtphys.plan.kinematics import check_robot
 
     if folder is None and fallback:

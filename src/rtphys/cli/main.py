@@ -67,7 +67,7 @@ def main(
         typer.Option(
             metavar="DIR",
             help="A folder with your own tasks, domains, protocols, attributes and robots; "
-            "repeatable. `probes`: short tasks that reveal physics.",
+            "repeatable. `probes` adds short tasks that reveal physics.",
         ),
     ] = None,
     assets: Annotated[
@@ -75,14 +75,14 @@ def main(
         typer.Option(metavar="DIR", help="An asset pack to use instead of the builtin one."),
     ] = None,
     fallback: Annotated[
-        str, typer.Option(metavar="TEXT", help="`builtin`: take what --assets lacks from there.")
+        str, typer.Option(metavar="TEXT", help="`builtin`: use it for what --assets lacks.")
     ] = "",
     debug: Annotated[bool, typer.Option("--debug", help="Show tracebacks.")] = False,
     say_version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Collect demonstrations with varied physics, and evaluate policies, for two-armed robots."""
+    """Collect demonstrations with varied physics, and evaluate policies, for dual-arm robots."""
     # Environment variables, because workers are spawned processes that read them again.
     named = [Path(p) for p in os.environ.get("RTPHYS_LIBRARY", "").split(os.pathsep) if p]
     if library or named:

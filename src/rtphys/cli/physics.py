@@ -57,10 +57,10 @@ def sample(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """The values that an episode draws, exactly as its label will say.
+    """Show the values that an episode draws, exactly as its label will say.
 
     For a task, the centre of mass is redrawn until it lies inside the task's own bodies. For a
-    domain it is as first drawn, from the streams that all tasks share under `pair_tasks`.
+    domain it is the first draw, from the streams that all tasks share under `pair_tasks`.
     """
     if bool(name) == bool(task):
         raise BadValue("task", task or None, "name one task, domain or domain file")
@@ -134,7 +134,7 @@ def law_test(
     """Test each attribute by experiment: a textbook law, what it expects, what the simulator did.
 
     Each setting is tried alone, and with all other attributes varied at once. It needs no dataset;
-    `rtphys physics audit` measures the labels of one. The exit code is 1 where a law is broken.
+    `rtphys physics audit` measures the labels of one. The exit code is 1 if a law is broken.
     """
     # Imported here: the simulator takes a second that no other command should wait for.
     from rtphys.laws.lab import Lab
@@ -200,12 +200,12 @@ def audit(
 ) -> None:
     """Build each episode's world again and measure its label there, by experiment.
 
-    Worlds follow from recipes, looks included. Experiments weigh bodies, throw balls at surfaces,
-    turn joints and move servos; what they find is compared with the label, and so is what the
-    recipe draws. Then, for each attribute: how accepted episodes differ from all attempts.
-    `--repeat` also lets the expert demonstrate again, and looks at every step at forces on links,
-    creep in the hands, and whether restitution acts.
-    The exit code is 1 where anything deviates by more than its tolerance. docs/physics.md defines
+    Worlds are rebuilt from recipes, including looks. Experiments weigh bodies, throw balls at
+    surfaces, turn joints and move servos; their results are compared with the label, and so is
+    what the recipe draws. Then it shows, for each attribute, how accepted episodes differ from all
+    attempts. `--repeat` also lets the expert demonstrate again, and checks at every step the forces
+    on links, creep in the hands, and whether restitution acts. The exit code is 1 if anything
+    deviates by more than its tolerance. docs/physics.md defines
     the labels.
     """
     from rtphys.laws.audit.selection import selections_by_task_dataset

@@ -54,8 +54,8 @@ def identify(plan: IdentifyPlan, output: MapOutput) -> None:
     The expert's episodes are simulated without pictures. Their features are statistics of
     commands, measured joints, tracking, effort and touch in each stage; object states are not
     used. An estimator learns each attribute from these features. It is tested on other seeds (R2:
-    0 is a guess, 1 is exact), on shuffled labels, and outside the range it was trained on. It may
-    be interrupted: the same command goes on where it stopped.
+    0 is a guess, 1 is exact), on shuffled labels, and outside the range it was trained on. After
+    an interruption, the same command continues where it stopped.
 
     Examples:
 
@@ -125,11 +125,11 @@ def carriers(score: "Score") -> str:
 
 @takes(SensitivityPlan, MapOutput)
 def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
-    """Measure how far each physical attribute may be from nominal before a task is lost.
+    """Measure how far each physical attribute may be from nominal before a task fails.
 
-    One attribute at a time is held away from its nominal value, on seeds that succeed nominally.
-    The tolerance is the part of its range in which at least half of them still succeed. It may be
-    interrupted: the same command goes on where it stopped.
+    One attribute at a time is moved away from its nominal value, on seeds that succeed nominally.
+    The tolerance is the part of its range in which at least half of them still succeed. After an
+    interruption, the same command continues where it stopped.
 
     Examples:
 

@@ -68,9 +68,8 @@ def chosen(path: Path, which: One) -> Episode:
 def show(shown: Shown, which: One, output: AsJson) -> None:
     """Show one episode in the terminal or as a picture.
 
-    What an episode holds: task, physics, stages, contacts.
-
-    Of a failure that was kept, also what went wrong, and when.
+    It shows the task, physics, stages and contacts; for a kept failure, also what went wrong, and
+    when.
 
     Examples:
 
@@ -193,9 +192,9 @@ def _stages(episode: Episode) -> list[Stage]:
 
 @takes(ShownInRerun, One)
 def view(shown: ShownInRerun, which: One) -> None:
-    """Look at an episode in Rerun: cameras, 3D, forces, joints, physics, stages.
+    """Show an episode in Rerun: cameras, 3D, forces, joints, physics, stages.
 
-    Of a failure that was kept, the instant at which it went wrong is marked.
+    For a kept failure, the instant at which it went wrong is marked.
 
     Examples:
 
@@ -263,9 +262,9 @@ def report(
 ) -> None:
     """Show a dataset, or an evaluation, on one HTML page.
 
-    Of a dataset: counts, acceptance, histograms of the physics, and every episode's video. Of an
+    For a dataset: counts, acceptance, histograms of the physics, and every episode's video. For an
     evaluation: success rates, which physics breaks the policy, and each failure, with the video
-    that `rtphys evaluate --video failures` has written.
+    that `rtphys evaluate --video failures` wrote.
 
     Examples:
 

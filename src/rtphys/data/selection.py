@@ -27,7 +27,7 @@ class Selection:
     embodiment: Annotated[str | None, Option(ONLY_ROBOT)] = None
     seed: Annotated[str, Option(ONLY_SEEDS)] = ""
     episode: Annotated[
-        str | None, Option("Only these numbers in its task dataset: 3,7 or 0:50.")
+        str | None, Option("Only these numbers in their task dataset: 3,7 or 0:50.")
     ] = None
 
     def __post_init__(self) -> None:
@@ -58,7 +58,7 @@ class Selection:
 class One(Selection):
     """One episode, or one failure that was kept."""
 
-    failure: Annotated[Seed | None, Option("Instead: number of a failure that was kept.")] = None
+    failure: Annotated[Seed | None, Option("A kept failure instead, by its number.")] = None
 
     def of_path(self, path: Path) -> tuple[Episode, ...]:
         """Every episode that fits, at least one, of a dataset or of any file of an episode.

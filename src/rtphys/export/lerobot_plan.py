@@ -73,7 +73,7 @@ class ExportSpec:
     sentences: Annotated[
         str,
         one_of("choice of sentences", SENTENCES),
-        Option("Of each episode: first, all in turns, or task for the task's name."),
+        Option("Of each episode: first, all (alternating), or task (the task's name)."),
     ] = "first"
 
     def __post_init__(self) -> None:

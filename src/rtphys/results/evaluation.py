@@ -89,7 +89,7 @@ class EvaluationSpec:
     sentences: Annotated[
         str | None,
         one_of("split of sentences", SPLITS),
-        Option("seen or unseen sentences. Default: as the textures."),
+        Option("seen or unseen sentences. Default: as for the textures."),
     ] = None
 
     @property

@@ -37,10 +37,10 @@ class CollectionSpec:
     max_attempts: Annotated[
         Positive | None,
         Extent,
-        Option("Attempts of each task at most, including earlier runs."),
+        Option("Largest number of attempts of each task, including earlier runs."),
     ] = None
     twin: Annotated[
-        str | None, Option("A second protocol: record each seed under both, keep only pairs.")
+        str | None, Option("A second protocol: record each seed under both, and keep only pairs.")
     ] = None
     keep_failures: Annotated[
         NumberOrAll,

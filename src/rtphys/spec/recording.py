@@ -42,7 +42,7 @@ CameraType = Annotated[
     one_of("camera type", KINDS),
     Option("D435, L515, Large_D435 or Large_L515, for every camera."),
 ]
-Size = Annotated[str | None, Option("WxH: size of the pictures; the vertical field of view stays.")]
+Size = Annotated[str | None, Option("WxH: picture size; the vertical field of view is kept.")]
 
 
 @checked_dataclass(frozen=True, config=CLOSED)
@@ -65,7 +65,7 @@ class RecordingSpec:
     layout: Annotated[str, one_of("layout", LAYOUTS), Option("native or legacy.")] = "native"
     look: str | None = None  # name of the textures and lights (`load_look`); None: the spec's own
     shader: Annotated[
-        str, one_of("shader", SHADERS), Option("What draws: slim, default, minimal or rt.")
+        str, one_of("shader", SHADERS), Option("Renderer's shader: slim, default, minimal or rt.")
     ] = "slim"
 
     def __post_init__(self) -> None:

@@ -57,7 +57,7 @@ class CertificationSpec:
 
     episode: Annotated[EpisodeSpec, Offers("embodiment")] = EpisodeSpec()
     first_seed: FirstSeed = FIRST_SEED
-    feasible: Annotated[Positive, Extent, Option("Number of feasible seeds of each list.")] = 100
+    feasible: Annotated[Positive, Extent, Option("Number of feasible seeds in each list.")] = 100
     max_attempts: Annotated[Positive, Extent, Option("Number of seeds to try for one list.")] = 1000
     replays: Annotated[
         tuple[str, ...],
@@ -66,7 +66,7 @@ class CertificationSpec:
         Option(
             "replay, twin (open-loop replay of the clean demonstration), or none. Each costs about "
             "as much as the attempt itself. "
-            "A list that lacks one gains it, and keeps what it has."
+            "A list that lacks one of them gains it, and keeps the rest."
         ),
     ] = REPLAYS
 
@@ -86,8 +86,8 @@ class CertificationRun:
         int,
         at_least(0),
         Option(
-            "Instead: solve the first N instances of each list again; a list whose states agree "
-            "gets the present fingerprint."
+            "Find no seeds; solve the first N instances of each list again. A list whose states "
+            "agree gets the current fingerprint."
         ),
     ] = 0
     workers: Workers = None
@@ -134,8 +134,8 @@ class CheckPlan:
     baselines: Annotated[
         Seed | None,
         Option(
-            "Number of seeds for the baselines idle, random and jitter, which cost the most: up to "
-            "the step limit each. Default: those of the expert, at most 20; none where it solves "
+            "Number of seeds for the baselines idle, random and jitter, which cost most: each runs "
+            "to the step limit. Default: as many as the expert's, at most 20; none if it solves "
             "no seed."
         ),
     ] = None
@@ -176,7 +176,7 @@ class BenchPlan:
     protocols: Protocols = ("clean", "phys_random_all")
     episodes: Annotated[Positive, Option("Number of attempts of each task and protocol.")] = 2
     first_seed: FirstSeed = 0
-    pictures: Annotated[bool, Option("Draw and write what is accepted.")] = True
+    pictures: Annotated[bool, Option("Draw and write accepted attempts.")] = True
     episode: Annotated[EpisodeSpec, Offers("embodiment")] = EpisodeSpec()
 
     def __post_init__(self) -> None:
@@ -201,13 +201,13 @@ class RenderSpec:
     size: Size = None
     look: Annotated[
         str | None,
-        Option("Textures and lights of this protocol; official_random.3 draws them anew."),
+        Option("Textures and lights of this protocol; official_random.3 draws others."),
     ] = None
     part: Selection = Selection()
     shader: Annotated[
         str | None,
         one_of("shader", SHADERS),
-        Option("slim, default, minimal or rt. Default: what drew the dataset."),
+        Option("slim, default, minimal or rt. Default: the one that drew the dataset."),
     ] = None
     workers: Workers = None
 
@@ -247,12 +247,12 @@ class EvaluationRun:
         Positive | None,
         Option("Number of episodes of each task and protocol; default: all that are certified."),
     ] = None
-    out: Annotated[Path | None, Option("Folder of the results; default: eval/<policy>.")] = None
+    out: Annotated[Path | None, Option("Folder for the results; default: eval/<policy>.")] = None
     instances: Annotated[
         Path | None,
         Option(
-            "Certified lists, a file or a folder, or a dataset whose seeds to take; default: those "
-            "of rtphys."
+            "Certified lists (a file or a folder), or a dataset whose seeds are used; default: the "
+            "lists of rtphys."
         ),
     ] = None
     video: Annotated[
@@ -260,7 +260,7 @@ class EvaluationRun:
         Option("Also write MP4s of `failures`, of the first N episodes of each list, or `all`."),
     ] = None
     record: Annotated[
-        Path | None, Option("Also write the episodes, and the failed ones, as a dataset.")
+        Path | None, Option("Also write all episodes, including failures, as a dataset.")
     ] = None
     accept_changes: Annotated[
         bool, Option("Also run lists whose certification fingerprint differs.")
@@ -303,12 +303,12 @@ class SearchSpec:
 
     only: Annotated[
         tuple[str, ...] | None,
-        Option("These attributes alone (comma-separated); default: all that could act."),
+        Option("Only these attributes (comma-separated); default: all that could act."),
     ] = None
     policy: Annotated[
         str, Option("replay: a clean demonstration's actions; expert; or any policy of `evaluate`.")
     ] = DEMONSTRATION
-    seeds: Annotated[Positive, Option("Number of paired seeds: those that succeed nominally.")] = 10
+    seeds: Annotated[Positive, Option("Number of paired seeds, which succeed nominally.")] = 10
     steps: Annotated[int, at_least(0, most=10), Option("Number of bisections of the range.")] = 4
     first_seed: FirstSeed = 0
     options: PolicyOptions = field(default_factory=dict[str, str])
@@ -324,7 +324,7 @@ class SensitivityPlan:
 
     tasks: Tasks
     search: SearchSpec = SearchSpec()
-    out: Annotated[Path, Option("Folder of the results, one file a task.")] = Path("sensitivity")
+    out: Annotated[Path, Option("Folder for the results, one file per task.")] = Path("sensitivity")
     timeout: Annotated[float, at_least(1), Option("Seconds that an episode may take.")] = 1800.0
     workers: Workers = None
 
