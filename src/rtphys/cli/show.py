@@ -131,12 +131,10 @@ def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Sta
         "says": "; ".join(episode.instructions.seen[:2]),
         "frames": f"{len(episode)}, {time[-1] - time[0]:.2f} s, 16.67 Hz",
         "cameras": ", ".join(episode.cameras),
-        "success": "-" if after is None else f"after {after:.2f} s",
-        "still true": f"{'yes' if verdict.held else 'no'}, 0.5 s after the end",
+        "success": "never" if after is None else f"after {after:.2f} s",
     }
-    if after is None:
-        rows |= {"success": "never"}
-        del rows["still true"]
+    if after is not None:
+        rows["still true"] = f"{'yes' if verdict.held else 'no'}, 0.5 s after the end"
     strain = verdict.strain
     met, joint = (f" ({name})" if name else "" for name in (strain.pair, strain.joint))
     torque = f"largest torque {100 * strain.torque:.0f} % of its motor's{joint}"
