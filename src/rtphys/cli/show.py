@@ -233,8 +233,7 @@ def view(shown: ShownInRerun, which: One) -> None:
 def check_viewer(version: str) -> None:
     """Puts the viewer on PATH, where Rerun looks for it; it lies beside this Python.
 
-    Raises:
-        RtphysError: there is none, or it has another version than what writes the recording.
+    Raises `RtphysError`: there is none, or it has another version than what writes the recording.
     """
     os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     viewer = shutil.which(VIEWER)
