@@ -94,22 +94,6 @@ def test_a_pair_without_a_common_seed_has_no_p(capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().out.splitlines()[-1].split()[-1] == "-"
 
 
-def test_names_that_are_too_long_are_broken_between_their_parts(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    row = replace(SUMMARY.tasks[0], protocol="only_gripper_joint_damping")
-    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,))))
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines())) <= 80
-    assert {"only_gripper_joint_", "damping", "shake_bottle_", "horizontally"} < {*printed.split()}
-
-
-@pytest.mark.parametrize("width", [80, 100])
-def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -> None:
-    print_within(Screen(width=width), rates_table(SUMMARY))
-    assert capsys.readouterr().out.split().count("[86-91.5]") == 2
-
-
 def test_heads_wrap_before_rates_do(capsys: pytest.CaptureFixture[str]) -> None:
     counts = Counts(feasible=40, infeasible=0, rollouts=40, successes=40, held=40)
     row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {"gave_up": 26})
