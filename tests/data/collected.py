@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import synthetic
 
+from rtphys.data.episode import Episode
 from rtphys.data.staging import StagedEpisode, stage_episode
 from rtphys.data.writer import DatasetWriter, Rejection, TaskWriter
 from rtphys.spec.collection import TaskHeader
@@ -61,6 +62,14 @@ def collect(
         task = dataset.task(wanting(max(episodes, 1), what))
         while task.totals.episodes < episodes and task.totals.attempts != attempts:
             task.record(outcome(task, task.next_seed))
+
+
+def write(out: Path, *episodes: Episode, what: TaskHeader | None = None) -> None:
+    """These episodes, of seeds from 0 on."""
+    with DatasetWriter(out) as dataset:
+        task = dataset.task(wanting(len(episodes), what))
+        for seed, one in enumerate(episodes):
+            task.record(stage_episode(task.staging(seed), one, task.header.spec.recording.layout))
 
 
 def keep(out: Path, kept: str | None = "all", attempts: int = 7) -> None:
