@@ -160,19 +160,24 @@ def test_a_long_message_of_an_error_is_cut(tmp_path: Path) -> None:
     assert said.startswith("policy_error of seed 1: E: xxx") and len(said) < 1000
 
 
+def shown(made: Summary, out: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """What the command prints of a summary."""
+    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
+    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
+    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(out)]
+    done = CliRunner().invoke(app, ["evaluate", *options])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
 def test_what_a_policy_usually_does_wrong_is_one_line_below_the_table(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cause = "joints are beyond their limits in 83% of the actions, up to 95 rad: degrees? (2 of 2)"
     tasks = (replace(SUMMARY.tasks[0], language=cause), SUMMARY.tasks[0])
-    made = replace(SUMMARY, tasks=tasks)
-    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
-    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
-    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    assert done.exit_code == 0, done.output
-    assert " ".join(done.stdout.split()).count(f"phys_random_all, {TASK}: {cause}") == 1
-    assert done.stdout.count("degrees?") == 1, "nothing is said of the task that fits"
+    said = shown(replace(SUMMARY, tasks=tasks), tmp_path, monkeypatch)
+    assert " ".join(said.split()).count(f"phys_random_all, {TASK}: {cause}") == 1
+    assert said.count("degrees?") == 1, "nothing is said of the task that fits"
 
 
 def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
@@ -183,22 +188,18 @@ def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
     key = ("clean", BELL)
     stale = summarise({key: [record(1)]}, {key: listed}, {key: edited})
     made = replace(SUMMARY, changed=stale.changed)
-    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
-    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
-    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    assert done.exit_code == 0, done.output
+    said = shown(made, tmp_path, monkeypatch)
     clause = "1 of 1 list had another certification fingerprint when they were run: assets was ''"
-    assert done.stdout.count(clause) == 1
-    assert done.stdout.count("`rtphys sensitivity` moves one attribute alone") == 1
+    assert said.count(clause) == 1
+    assert said.count("`rtphys sensitivity` moves one attribute alone") == 1
     both = "--only arm_joint_damping,gripper_joint_damping` tells them apart"
-    assert " ".join(done.stdout.split()).count(both) == 1
-    assert "looks" not in done.stdout
+    assert " ".join(said.split()).count(both) == 1
+    assert "looks" not in said
     (pair,) = SUMMARY.pairs
-    made = replace(made, pairs=(replace(pair, first="clean", looks_differ=True), pair))
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    said = "clean, phys_random_all: they differ in looks too, not in physics alone"
-    assert done.stdout.count(said) == done.stdout.count("differ in looks") == 1
+    pairs = (replace(pair, first="clean", looks_differ=True), pair)
+    said = shown(replace(made, pairs=pairs), tmp_path, monkeypatch)
+    caution = "clean, phys_random_all: they differ in looks too, not in physics alone"
+    assert said.count(caution) == said.count("differ in looks") == 1
 
 
 @pytest.mark.parametrize(
