@@ -263,13 +263,6 @@ def test_nothing_is_stored_twice(file: h5py.File, made, layout: str) -> None:
     assert len(seen) > 10
 
 
-def test_same_input_same_bytes(made, layout: str) -> None:
-    frames, images = made
-    again = encode_images(synthetic.pictures(3, T), layout)
-    first, second = (episode_bytes(layout, frames, i, SEEN) for i in (images, again))
-    assert first == second
-
-
 @native
 def test_content_digest_sees_every_dataset_and_attribute(made, tmp_path: Path) -> None:
     data, path = episode_bytes("native", *made, SEEN), tmp_path / "file.hdf5"
