@@ -1,10 +1,10 @@
-"""A series whose results are known beforehand."""
+"""A series whose results are known beforehand, and who hears what becomes of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rtphys.campaign.pool import WorkerFailure
-from rtphys.campaign.series import Progress, Series
+from rtphys.campaign.series import Listener, Progress, Series
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,24 @@ class Numbers(Series[int, Outcome]):
 
     def close(self) -> None:
         self.closed += 1
+
+
+class Ears(Listener):
+    """Remembers what it hears."""
+
+    def __init__(self) -> None:
+        self.progresses: Sequence[Progress] = []
+        self.ticks = 0
+        self.notices: list[str] = []
+
+    def started(self, progresses: Sequence[Progress]) -> None:
+        self.progresses = progresses
+
+    def ticked(self) -> None:
+        self.ticks += 1
+
+    def noticed(self, text: str) -> None:
+        self.notices.append(text)
 
 
 def outcome(seed: int) -> Outcome:

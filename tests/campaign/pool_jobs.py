@@ -1,13 +1,15 @@
-"""What the pools of test_local and test_ray do; workers import this file."""
+"""What the pools of test_local and test_ray do, and what comes of it; workers import this file."""
 
 import atexit
 import os
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+from rtphys.campaign.pool import WorkerError, WorkerFailure, WorkerPool
 from rtphys.core.errors import BadValue
 from rtphys.core.library import load_file
 
@@ -19,6 +21,25 @@ class Trouble:
     what: str = ""
     marks: str = ""  # a folder in which tries are counted
     times: int = 1_000_000
+
+
+Outcome = int | WorkerFailure | WorkerError
+
+
+def outcomes(pool: WorkerPool[Trouble, int], jobs: Sequence[Trouble]) -> dict[int, Outcome]:
+    """Job number -> its result, which is a process, or its loss."""
+    found: dict[int, Outcome] = {}
+    for number, job in enumerate(jobs):
+        while not pool.room:
+            pool.wait()
+        pool.submit(str(number), job, partial(found.__setitem__, number))
+    drain(pool)
+    return found
+
+
+def drain(pool: WorkerPool[Trouble, int]) -> None:
+    while pool.busy:
+        pool.wait()
 
 
 def setup() -> Callable[[Trouble], int]:

@@ -10,17 +10,19 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from multiprocessing.connection import Connection, Pipe
 from pathlib import Path
 
 import pytest
 from pool_jobs import (
+    Outcome,
     Trouble,
     broken_setup,
+    drain,
     dying_setup,
     hanging_setup,
     killed_setup,
+    outcomes,
     setup,
 )
 from time_limit import at_most
@@ -28,29 +30,14 @@ from time_limit import at_most
 from rtphys.campaign import local
 from rtphys.campaign.local import LocalPool, OutsideTrouble, limits_for_user_code
 from rtphys.campaign.machine import Usage
-from rtphys.campaign.pool import CannotStart, Limits, WorkerError, WorkerFailure, WorkerPool
+from rtphys.campaign.pool import CannotStart, Limits, WorkerError, WorkerFailure
 
 QUICK = Limits(seconds=20)
 
 
-Outcome = int | WorkerFailure | WorkerError
-
-
-def drain(pool: WorkerPool[Trouble, int]) -> None:
-    while pool.busy:
-        pool.wait()
-
-
 def run(jobs: list[Trouble], size: int = 2, limits: Limits = QUICK) -> dict[int, Outcome]:
-    """Job number -> its result, which is a process, or its loss."""
-    found: dict[int, Outcome] = {}
     with LocalPool[Trouble, int](setup, size, limits) as pool:
-        for number, job in enumerate(jobs):
-            while not pool.room:
-                pool.wait()
-            pool.submit(str(number), job, partial(found.__setitem__, number))
-        drain(pool)
-    return found
+        return outcomes(pool, jobs)
 
 
 def failure(job: Trouble) -> WorkerError:

@@ -20,7 +20,7 @@ def group(root: Path, own: str, files: dict[str, str], monkeypatch: pytest.Monke
         (root / name).write_text(text + "\n")
     monkeypatch.setattr(machine, "CGROUPS", root)
     monkeypatch.setattr(machine, "OWN_CGROUP", root / "own")
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(128)), raising=False)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(128)))
 
 
 @pytest.mark.parametrize(

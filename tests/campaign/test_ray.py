@@ -2,14 +2,13 @@
 
 import os
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 ray = pytest.importorskip("ray")
 
-from pool_jobs import Trouble, setup  # noqa: E402
+from pool_jobs import Outcome, Trouble, outcomes, setup  # noqa: E402
 
 from rtphys.campaign.pool import Limits, WorkerError, WorkerFailure  # noqa: E402
 from rtphys.campaign.ray import NoCluster, RayPool, connect  # noqa: E402
@@ -28,16 +27,9 @@ def cluster() -> Iterator[None]:
     os.environ["PYTHONPATH"] = before
 
 
-def run(jobs: list[Trouble], limits: Limits) -> dict[int, int | WorkerFailure | WorkerError]:
-    found: dict[int, int | WorkerFailure | WorkerError] = {}
+def run(jobs: list[Trouble], limits: Limits) -> dict[int, Outcome]:
     with RayPool[Trouble, int](setup, 2, limits) as pool:
-        for number, job in enumerate(jobs):
-            while not pool.room:
-                pool.wait()
-            pool.submit(str(number), job, partial(found.__setitem__, number))
-        while pool.busy:
-            pool.wait()
-    return found
+        return outcomes(pool, jobs)
 
 
 @pytest.mark.slow

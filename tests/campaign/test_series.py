@@ -5,7 +5,7 @@ from itertools import permutations
 from pathlib import Path
 
 import pytest
-from counting import Numbers, Outcome, numbers, outcome
+from counting import Ears, Numbers, Outcome, numbers, outcome
 from quick_pool import QuickPool
 
 from rtphys.campaign.pool import WorkerError, WorkerFailure
@@ -288,22 +288,6 @@ class BrokenPool(QuickPool[int, Outcome]):
 
     def wait(self, timeout: float = 1.0) -> None:
         raise self.failure
-
-
-class Ears(Listener):
-    def __init__(self) -> None:
-        self.progresses: Sequence[Progress] = []
-        self.ticks = 0
-        self.notices: list[str] = []
-
-    def started(self, progresses: Sequence[Progress]) -> None:
-        self.progresses = progresses
-
-    def ticked(self) -> None:
-        self.ticks += 1
-
-    def noticed(self, text: str) -> None:
-        self.notices.append(text)
 
 
 def made(workers: int, *wanted: int) -> list[Numbers]:

@@ -94,22 +94,6 @@ def test_a_pair_without_a_common_seed_has_no_p(capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().out.splitlines()[-1].split()[-1] == "-"
 
 
-def test_names_that_are_too_long_are_broken_between_their_parts(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    row = replace(SUMMARY.tasks[0], protocol="only_gripper_joint_damping")
-    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,))))
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines())) <= 80
-    assert {"only_gripper_joint_", "damping", "shake_bottle_", "horizontally"} < {*printed.split()}
-
-
-@pytest.mark.parametrize("width", [80, 100])
-def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -> None:
-    print_within(Screen(width=width), rates_table(SUMMARY))
-    assert capsys.readouterr().out.split().count("[86-91.5]") == 2
-
-
 def test_heads_wrap_before_rates_do(capsys: pytest.CaptureFixture[str]) -> None:
     counts = Counts(feasible=40, infeasible=0, rollouts=40, successes=40, held=40)
     row = TaskSummary("phys_random", BELL, counts, LOADS, 100.0, {"gave_up": 26})
@@ -176,19 +160,24 @@ def test_a_long_message_of_an_error_is_cut(tmp_path: Path) -> None:
     assert said.startswith("policy_error of seed 1: E: xxx") and len(said) < 1000
 
 
+def shown(made: Summary, out: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """What the command prints of a summary."""
+    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
+    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
+    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(out)]
+    done = CliRunner().invoke(app, ["evaluate", *options])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
 def test_what_a_policy_usually_does_wrong_is_one_line_below_the_table(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cause = "joints are beyond their limits in 83% of the actions, up to 95 rad: degrees? (2 of 2)"
     tasks = (replace(SUMMARY.tasks[0], language=cause), SUMMARY.tasks[0])
-    made = replace(SUMMARY, tasks=tasks)
-    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
-    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
-    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    assert done.exit_code == 0, done.output
-    assert " ".join(done.stdout.split()).count(f"phys_random_all, {TASK}: {cause}") == 1
-    assert done.stdout.count("degrees?") == 1, "nothing is said of the task that fits"
+    said = shown(replace(SUMMARY, tasks=tasks), tmp_path, monkeypatch)
+    assert " ".join(said.split()).count(f"phys_random_all, {TASK}: {cause}") == 1
+    assert said.count("degrees?") == 1, "nothing is said of the task that fits"
 
 
 def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
@@ -199,22 +188,18 @@ def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
     key = ("clean", BELL)
     stale = summarise({key: [record(1)]}, {key: listed}, {key: edited})
     made = replace(SUMMARY, changed=stale.changed)
-    monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
-    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
-    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    assert done.exit_code == 0, done.output
+    said = shown(made, tmp_path, monkeypatch)
     clause = "1 of 1 list had another certification fingerprint when they were run: assets was ''"
-    assert done.stdout.count(clause) == 1
-    assert done.stdout.count("`rtphys sensitivity` moves one attribute alone") == 1
+    assert said.count(clause) == 1
+    assert said.count("`rtphys sensitivity` moves one attribute alone") == 1
     both = "--only arm_joint_damping,gripper_joint_damping` tells them apart"
-    assert " ".join(done.stdout.split()).count(both) == 1
-    assert "looks" not in done.stdout
+    assert " ".join(said.split()).count(both) == 1
+    assert "looks" not in said
     (pair,) = SUMMARY.pairs
-    made = replace(made, pairs=(replace(pair, first="clean", looks_differ=True), pair))
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    said = "clean, phys_random_all: they differ in looks too, not in physics alone"
-    assert done.stdout.count(said) == done.stdout.count("differ in looks") == 1
+    pairs = (replace(pair, first="clean", looks_differ=True), pair)
+    said = shown(replace(made, pairs=pairs), tmp_path, monkeypatch)
+    caution = "clean, phys_random_all: they differ in looks too, not in physics alone"
+    assert said.count(caution) == said.count("differ in looks") == 1
 
 
 @pytest.mark.parametrize(

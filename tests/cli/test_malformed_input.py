@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from collected import collect, content
+from collected import FOLDER, collect, content
 from time_limit import at_most
 from typer.testing import CliRunner, Result
 
@@ -20,7 +20,6 @@ from rtphys.core.seeds import stream
 
 SECONDS = 20  # a hang; the slowest answer takes a tenth of it
 GENERATED = 120
-FOLDER = "phys_random/click_bell/aloha_agilex"
 HDF5 = f"dataset/{FOLDER}/data/episode_0000000.hdf5"
 
 

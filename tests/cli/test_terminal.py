@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from collected import collect
+from collected import FOLDER, collect
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.live import Live
@@ -24,7 +24,6 @@ from rtphys.cli.screen import Screen, campaign_progress, print_table
 from rtphys.cli.terminal import HARMFUL, printable, say, say_json
 from rtphys.core.errors import BadFile
 
-FOLDER = "phys_random/click_bell/aloha_agilex"
 TEXTS = (
     *("[/]", "[bold", "[/bold]", "[red]x[/red]", "[link=file:///etc/passwd]x[/link]", "[@click=x]"),
     *("\x1b[2J", "\x1b]0;title\x07", "\x1b[31m", "\x9b31m", "\x1bP+q\x1b\\", "\x1b]8;;x\x1b\\y"),

@@ -67,13 +67,12 @@ def collect(
             task.record(outcome(task, task.next_seed))
 
 
-def written(out: Path, what: TaskHeader, *episodes: Episode) -> Dataset:
+def write(out: Path, *episodes: Episode, what: TaskHeader | None = None) -> Dataset:
     """These episodes, of seeds 0, 1, ..., and nothing else of that task dataset."""
     with DatasetWriter(out) as dataset:
-        task = dataset.task(what)
-        for seed, episode in enumerate(episodes):
-            folder, layout = task.staging(seed), what.spec.recording.layout
-            task.record(stage_episode(folder, episode, layout))
+        task = dataset.task(wanting(len(episodes), what))
+        for seed, one in enumerate(episodes):
+            task.record(stage_episode(task.staging(seed), one, task.header.spec.recording.layout))
     return Dataset(out)
 
 

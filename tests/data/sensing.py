@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import synthetic
-from collected import written
+from collected import write
 
 from rtphys.data.dataset import Dataset
 from rtphys.data.episode import Sensed
@@ -49,4 +49,4 @@ def collect(out: Path, episodes: int, frames: int, senses: tuple[str, ...]) -> D
         replace(synthetic.episode(seed, frames), sensed=sensed(seed, frames, senses))
         for seed in range(episodes)
     ]
-    return written(out, synthetic.header(senses=senses, episodes=episodes), *made)
+    return write(out, *made, what=synthetic.header(senses=senses, episodes=episodes))

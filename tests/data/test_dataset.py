@@ -1,31 +1,28 @@
 """The loader: lazy, RGB, typed, and usable without a simulator."""
 
-import copy
 import math
 import pickle
 import shutil
 import subprocess
 import sys
 import types
-from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import synthetic
-from collected import FRAMES, collect, keep, wanting
+from collected import FRAMES, collect, keep, write
 
 import rtphys
 from rtphys.core.errors import BadFile, BadValue, RtphysError, UnknownName
 from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.dataset import Dataset, find_episode
+from rtphys.data.episode import Episode
 from rtphys.data.files import facts_of
 from rtphys.data.hdf5_episode import EpisodeFile
 from rtphys.data.rewrite import convert
 from rtphys.data.selection import One, Selection, seed_set
-from rtphys.data.staging import stage_episode
-from rtphys.data.writer import DatasetWriter
 from rtphys.physics import attributes
 from rtphys.physics.values import REDRAWS
 
@@ -181,20 +178,20 @@ def test_a_table_has_a_row_an_attempt(
         Dataset(tmp_path).to_pandas()
 
 
+def put(episode: Episode, key: str, **changes: object) -> None:
+    """Changes the label of an attribute."""
+    episode.phys_meta["attributes"][key].update(changes)  # type: ignore[index]
+
+
 def test_a_camera_attribute_that_is_held_at_zero_keeps_its_number(
     tmp_path: Path, pandas: None
 ) -> None:
     """The baseline of a sweep, in whose episode the camera happened to be displaced otherwise."""
-    with DatasetWriter(tmp_path) as writer:
-        task = writer.task(wanting(2))
-        for seed, source in enumerate(("set", "domain")):
-            episode = synthetic.episode(seed, FRAMES)
-            meta = copy.deepcopy(episode.phys_meta)
-            for key in ("camera_angle", "object_mass"):
-                changes = {"could_act": False, "acted": False, "value": 0.0, "source": source}
-                meta["attributes"][key].update(changes)  # type: ignore[index, union-attr]
-            made = replace(episode, phys_meta=meta)
-            task.record(stage_episode(task.staging(seed), made, task.header.spec.recording.layout))
+    made = [synthetic.episode(seed, FRAMES) for seed in range(2)]
+    for episode, source in zip(made, ("set", "domain"), strict=True):
+        for key in ("camera_angle", "object_mass"):
+            put(episode, key, could_act=False, acted=False, value=0.0, source=source)
+    write(tmp_path, *made)
     first, second = Dataset(tmp_path).to_pandas()
     assert first["camera_angle"] == 0.0 and math.isnan(second["camera_angle"])
     assert math.isnan(first["object_mass"]), "a value that no object has says nothing"
@@ -204,21 +201,13 @@ def test_a_table_has_every_attribute_and_a_number_only_where_it_acted(
     tmp_path: Path, pandas: None
 ) -> None:
     """In one order, whatever the first row lacks; `raw` has all that could act."""
-
-    def put(meta: dict[str, dict[str, dict[str, object]]], key: str, **changes: object) -> None:
-        meta["attributes"][key].update(changes)
-
-    with DatasetWriter(tmp_path) as writer:
-        task = writer.task(wanting(2))
-        for seed in range(2):
-            episode = synthetic.episode(seed, FRAMES)
-            meta = copy.deepcopy(episode.phys_meta)
-            put(meta, "restitution", acted=bool(seed), value=0.25)  # type: ignore[arg-type]
-            put(meta, "object_mass", could_act=False, acted=False, value=3.0)  # type: ignore[arg-type]
-            put(meta, "center_of_mass", could_act=bool(seed), acted=None)  # type: ignore[arg-type]
-            put(meta, "object_joint_damping", acted=True, value=None)  # type: ignore[arg-type]
-            made = replace(episode, phys_meta=meta)
-            task.record(stage_episode(task.staging(seed), made, task.header.spec.recording.layout))
+    made = [synthetic.episode(seed, FRAMES) for seed in range(2)]
+    for seed, episode in enumerate(made):
+        put(episode, "restitution", acted=bool(seed), value=0.25)
+        put(episode, "object_mass", could_act=False, acted=False, value=3.0)
+        put(episode, "center_of_mass", could_act=bool(seed), acted=None)
+        put(episode, "object_joint_damping", acted=True, value=None)
+    write(tmp_path, *made)
     table = Dataset(tmp_path).to_pandas()
     names = [name for key in attributes() for name in (
         [f"{key}.{part}" for part in "xyz"] if key == "center_of_mass" else [key]

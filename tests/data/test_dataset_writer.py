@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 import pytest
 import synthetic
-from collected import FOLDER, FRAMES, collect, content, outcome, wanting
+from collected import FOLDER, FRAMES, collect, content, outcome, wanting, write
 
 from rtphys.core.errors import BadFile
 from rtphys.data import faults, files
@@ -36,9 +36,7 @@ def test_a_robot_has_as_many_numbers_as_its_joints(
     what = synthetic.header(embodiment=robot)
     of = synthetic.episode(0, FRAMES, what.spec.episode)
     of = replace(of, frames=synthetic.frames_of(0, FRAMES, joints))
-    with DatasetWriter(tmp_path) as dataset:
-        task = dataset.task(what)
-        task.record(stage_episode(task.staging(0), of))
+    write(tmp_path, of, what=what)
     assert verify(tmp_path).sound
     (read,) = Dataset(tmp_path)
     assert read.frames.layout.per_arm == joints
@@ -116,6 +114,8 @@ def test_resume_gives_the_undisturbed_dataset(
         ({"first_seed": 1}, r"spec\.first_seed was 0, now 1"),
         ({"senses": ("depth",)}, r"senses was \[\], now \['depth'\]"),
         ({"keep_failures": "3"}, "keep_failures was None, now '3'"),
+        ({"twin": "clean"}, "twin was None, now 'clean'"),
+        ({"shader": "default"}, "recording.shader was 'slim', now 'default'"),
         ({"versions": {"rtphys": "9"}}, r"versions\.rtphys was '0\.1\.0', now '9'"),
     ],
 )
@@ -384,13 +384,11 @@ def test_errors_cross_processes() -> None:
 @pytest.mark.parametrize("excluded", [False, True])
 def test_an_episode_with_a_recovery_is_marked(tmp_path: Path, excluded: bool) -> None:
     """And where a collection excludes it, the verifier finds it."""
-    with DatasetWriter(tmp_path) as dataset:
-        task = dataset.task(synthetic.header(recovery=not excluded))
-        task.record(outcome(task, 0))
-        made = synthetic.episode(1, FRAMES, task.header.spec.episode)
-        verdict = {**made.phys_meta["verdict"], "recovered": True}  # type: ignore[dict-item]
-        made = replace(made, phys_meta={**made.phys_meta, "verdict": verdict})
-        task.record(stage_episode(task.staging(1), made))
+    what = synthetic.header(recovery=not excluded)
+    first, second = (synthetic.episode(seed, FRAMES, what.spec.episode) for seed in (0, 1))
+    verdict = {**second.phys_meta["verdict"], "recovered": True}  # type: ignore[dict-item]
+    second = replace(second, phys_meta={**second.phys_meta, "verdict": verdict})
+    write(tmp_path, first, second, what=what)
     (entry,) = Dataset(tmp_path).task_datasets
     assert entry.spec.episode.recovery is not excluded and entry.recovered == 1
     rows = [*read_attempts(entry.below(tmp_path).ledger)]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sensing
 import synthetic
-from collected import content_but_pictures
+from collected import content_but_pictures, write
 from PIL import ImageColor
 
 from rtphys.core.errors import BadFile, UnknownName
@@ -20,10 +20,8 @@ from rtphys.data.hdf5_episode import episode_bytes, read_episode
 from rtphys.data.hdf5_file import packed, write_packed
 from rtphys.data.palette import PALETTE, coloured, row_of
 from rtphys.data.rewrite import convert
-from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
 from rtphys.data.video import encode_images
-from rtphys.data.writer import DatasetWriter
 from rtphys.senses.depth import DEPTH_STEPS
 
 T, H, W = 8, synthetic.HEIGHT, synthetic.WIDTH
@@ -143,12 +141,11 @@ def test_without_clouds_the_legacy_key_is_there_and_empty() -> None:
 
 
 def dataset(folder: Path, layout: str = "native", senses: tuple[str, ...] = sensing.SENSES) -> Path:
-    with DatasetWriter(folder) as opened:
-        task = opened.task(synthetic.header(layout, senses=senses))
-        for seed in range(2):
-            made = sensing.sensed(seed, T, senses) if senses else None
-            episode = replace(synthetic.episode(seed, T), sensed=made)
-            task.record(stage_episode(task.staging(seed), episode, layout))
+    made = [
+        replace(synthetic.episode(seed, T), sensed=sensing.sensed(seed, T, senses))
+        for seed in range(2)
+    ]
+    write(folder, *made, what=synthetic.header(layout, senses=senses))
     return folder
 
 
@@ -227,9 +224,7 @@ def test_a_wrong_value_is_named(
 
 
 def test_a_manifest_that_claims_other_senses_is_caught(tmp_path: Path) -> None:
-    with DatasetWriter(tmp_path) as opened:
-        task = opened.task(synthetic.header(senses=("depth",)))
-        task.record(stage_episode(task.staging(0), synthetic.episode(0, T)))
+    write(tmp_path, synthetic.episode(0, T), what=synthetic.header(senses=("depth",)))
     assert any("holds senses ()" in str(problem) for problem in verify(tmp_path).problems)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import pytest
 import synthetic
-from collected import FOLDER, collect, content, outcome
+from collected import FOLDER, collect, content, outcome, write
 from forger import Entry, Forge, Forger, forge, put
 
 from rtphys.assets.pack import default_pack
@@ -24,7 +24,6 @@ from rtphys.data.json_text import pretty
 from rtphys.data.layout import EMBODIMENT, TaskDataset
 from rtphys.data.manifest import manifest_bytes
 from rtphys.data.rewrite import subset
-from rtphys.data.staging import stage_episode
 from rtphys.data.verify import Report, verify
 from rtphys.data.video import encode_images
 from rtphys.data.writer import DatasetWriter, Rejection
@@ -175,15 +174,10 @@ def test_wrong_hdf5_content_with_valid_checksums(copy: Path) -> None:
 def test_joints_of_another_robot(tmp_path: Path, joints: tuple[int, int], text: str) -> None:
     """As of a recorded evaluation whose spec named another robot than the one that acted."""
     digest = {"pack": "builtin", "digest": default_pack().digest}
-    with DatasetWriter(tmp_path) as dataset:
-        task = dataset.task(synthetic.header(assets=digest))
-        sound = synthetic.episode(0)
-        frames = synthetic.frames_of(0, joints=joints)
-        names = tuple(
-            name.replace("fl", "left").replace("fr", "right") for name in frames.joint_names
-        )
-        other = replace(sound, frames=replace(frames, joint_names=names))
-        task.record(stage_episode(task.staging(0), other))
+    frames = synthetic.frames_of(0, joints=joints)
+    names = tuple(name.replace("fl", "left").replace("fr", "right") for name in frames.joint_names)
+    other = replace(synthetic.episode(0), frames=replace(frames, joint_names=names))
+    write(tmp_path, other, what=synthetic.header(assets=digest))
     assert words(verify(tmp_path)).endswith(text)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import synthetic
 import train
-from collected import written
+from collected import write
 from features import CHUNK, features
 from mlp import Adam, Mlp
 
@@ -67,7 +67,7 @@ def test_clutter_is_left_out(tmp_path: Path) -> None:
     frames = synthetic.frames_of(0)
     poses = {**frames.object_poses, "clutter0": frames.object_poses["bell"]}
     made = replace(synthetic.episode(0), frames=replace(frames, object_poses=poses))
-    (episode,) = written(tmp_path, synthetic.header(), made)
+    (episode,) = write(tmp_path, made)
     assert "clutter0" in episode.frames.object_poses
     assert [*train.examples(episode)[1]] == ["bell"]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import sensing
 import synthetic
-from collected import FRAMES, collect, keep, written
+from collected import FRAMES, collect, keep, write
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
@@ -59,7 +59,7 @@ def of_robot(out: Path, robot: str, arms: tuple[int, int]) -> Dataset:
     """One episode of a robot with so many joints an arm."""
     what, frames = synthetic.header(embodiment=robot), synthetic.frames_of(0, FRAMES, arms)
     episode = synthetic.episode(0, FRAMES, what.spec.episode)
-    return written(out, what, replace(episode, frames=frames))
+    return write(out, replace(episode, frames=frames), what=what)
 
 
 def info(root: Path) -> dict:
@@ -195,7 +195,7 @@ def test_depth_is_a_video_of_millimetres(tmp_path: Path) -> None:
     for tracks in made.tracks.values():
         tracks[0][0, :2] = 0.0, 5.0  # nothing, and farther than the largest number
     one = replace(synthetic.episode(0, FRAMES), sensed=made)
-    data = written(tmp_path / "data", synthetic.header(senses=("depth",)), one)
+    data = write(tmp_path / "data", one, what=synthetic.header(senses=("depth",)))
     out = export(data, tmp_path / "lr", features=("depth",))
     key = "observation.images.cam_high_depth"
     feature = info(out)["features"][key]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import synthetic
-from collected import collect, labelled, written
+from collected import collect, labelled, write
 
 from rtphys.data.dataset import Dataset
 from rtphys.report import page as module
@@ -84,7 +84,7 @@ def test_targets_of_joints_are_named_since_robots_have_different_ones(tmp_path: 
     frames = synthetic.frames_of(0, joints=(7, 7))
     panda = synthetic.header(embodiment="franka-panda")
     episode = replace(synthetic.episode(0, spec=panda.spec.episode), frames=frames)
-    both = written(tmp_path / "data", panda, episode)
+    both = write(tmp_path / "data", episode, what=panda)
     facts = data(write_report(both, tmp_path / "report.html"))
     small, large = (one["targets"] for one in facts["episodes"])
     assert len(small) == 14 and len(large) == 16
@@ -97,7 +97,7 @@ def test_targets_of_joints_are_named_since_robots_have_different_ones(tmp_path: 
 def test_an_attribute_that_did_not_act_is_marked(tmp_path: Path) -> None:
     idle = {"could_act": False, "acted": False}
     made = labelled(restitution={"acted": False}, object_mass=idle)
-    path = write_report(written(tmp_path / "data", synthetic.header(), made), tmp_path / "a.html")
+    path = write_report(write(tmp_path / "data", made), tmp_path / "a.html")
     (row,), keys = data(path)["episodes"], [axis.key for axis in axes()]
     known = {key: (row["could_act"][n], row["acted"][n]) for n, key in enumerate(keys)}
     assert known["restitution"] == (True, False) and known["object_mass"] == (False, False)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import synthetic
-from collected import FRAMES, collect, keep, labelled, written
+from collected import FRAMES, collect, keep, labelled, write
 from typer import Typer
 from typer.testing import CliRunner
 
@@ -59,7 +59,7 @@ def test_marks_what_could_not_act_what_did_not_and_what_nobody_measured(tmp_path
         object_mass={"could_act": False, "acted": False, "value": 2.0},
         arm_joint_damping={"acted": True},
     )
-    written(tmp_path, synthetic.header(), made)
+    write(tmp_path, made)
     said = " ".join(run(str(tmp_path)).output.split())
     assert "restitution 0.25, did not act" in said
     assert "object_mass 2, could not act" in said
@@ -112,7 +112,7 @@ def test_arms_of_a_pair_may_have_different_numbers_of_joints(
     """Grippers share the last row."""
     pair, frames = synthetic.header(embodiment="franka-panda,piper,0.8"), synthetic.frames_of
     made = synthetic.episode(0, spec=pair.spec.episode)
-    (episode,) = written(tmp_path, pair, replace(made, frames=frames(0, joints=joints)))
+    (episode,) = write(tmp_path, replace(made, frames=frames(0, joints=joints)), what=pair)
     root = ElementTree.fromstring(joint_plot(episode))
     drawn = {group.attrib.get("id", "") for group in root.iter(f"{SVG}g")}
     assert {f"commanded {panel.title}" for panel in panels(episode.frames)} <= drawn

@@ -5,10 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from counting import Ears
 from typer.testing import CliRunner
 
 from rtphys.assets.pack import default_pack
-from rtphys.campaign.series import Listener
 from rtphys.cli.authoring import TEMPLATE, complaints
 from rtphys.cli.main import app
 from rtphys.core.library import bundled
@@ -112,11 +112,6 @@ def test_what_no_task_may_do_is_complained_about(
 
 def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPatch) -> None:
     ran: list[str] = []
-    said: list[str] = []
-
-    class Hearing(Listener):
-        def noticed(self, text: str) -> None:
-            said.append(text)
 
     def run_here(batches, *_) -> None:
         for batch in batches:
@@ -126,7 +121,7 @@ def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(check_module, "run_here", run_here)
     plan = CheckPlan(tasks=("click_bell", "lift_pot"), seeds=1)
-    bell, pot = check(plan, default_pack(), Hearing())
+    bell, pot = check(plan, default_pack(), heard := Ears())
     assert bell.rate("idle") == 1 and pot.rate("idle") is None and not pot.accepted
     assert ran == [
         "click_bell, clean (expert)",
@@ -135,7 +130,8 @@ def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPat
         "lift_pot, clean (expert, determinism check)",
         *(f"click_bell, clean ({role})" for role in BASELINES),
     ]
-    assert said == ["the baselines skip 1 pair of task and protocol, where the expert solves none"]
+    (said,) = heard.notices
+    assert said == "the baselines skip 1 pair of task and protocol, where the expert solves none"
 
 
 @pytest.mark.parametrize(

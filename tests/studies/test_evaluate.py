@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
@@ -15,13 +14,14 @@ from pathlib import Path
 import pytest
 import synthetic
 from collected import collect
+from counting import Ears
 from evaluations import FINGERPRINT, instances, write_results
 from still_life import FEW
 from typer.testing import CliRunner
 
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import Pack
 from rtphys.campaign.pool import WorkerError, WorkerFailure
-from rtphys.campaign.series import Listener, Progress
+from rtphys.campaign.series import Listener
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset
@@ -48,8 +48,7 @@ from rtphys.results.instances import (
     write_lists,
 )
 from rtphys.results.statistics import Rate
-from rtphys.results.summary import Counts as CountsOf
-from rtphys.results.summary import summarise
+from rtphys.results.summary import Counts, summarise
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import evaluate as module
 from rtphys.studies.certify import CertificationTask, CertifyWorker
@@ -68,11 +67,6 @@ from rtphys.task.spec import load_task
 
 TASK, PROTOCOLS = "click_bell", ("clean", "phys_random")
 SEEDS = (FIRST_SEED, FIRST_SEED + 2)  # the one between them is infeasible
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 # ---- one task under one protocol -----------------------------------------------------------------
@@ -360,17 +354,6 @@ def run(
 CLEAN = {"protocols": ("clean",)}
 
 
-class Counts(Listener):
-    def __init__(self) -> None:
-        self.notes: list[str] = []
-
-    def started(self, progresses: Sequence[Progress]) -> None:
-        self.progresses = progresses
-
-    def noticed(self, text: str) -> None:
-        self.notes.append(text)
-
-
 def files_of(out: Path) -> dict[str, bytes]:
     """What must be the same on every run."""
     places = [*sorted(out.rglob("*.ledger")), *sorted(out.rglob("*.jsonl")), out / SUMMARY]
@@ -391,7 +374,7 @@ def test_records_do_not_depend_on_workers_or_on_a_crash_between_them(
     ledger_file(cut, "clean", TASK).write_bytes(head + lines[0] + lines[1][:90])
     ledger_file(cut, "phys_random", TASK).unlink()
     (cut / SUMMARY).unlink()
-    counts = Counts()
+    counts = Ears()
     run(cut, lists, pack, listener=counts, workers=2)
     assert [one.accepted - one.new_accepted for one in counts.progresses] == [1, 0]
     assert files_of(cut) == whole
@@ -410,9 +393,9 @@ def test_an_option_that_no_worker_has_read_is_said_once(
     """Each seed's own is read by the worker that plays it, `actions` by both."""
     options = {"actions": "2", str(SEEDS[0]): "", str(SEEDS[1]): "", "height": "0.03"}
     for notes in ([f"note: {FEW} never read the option height"], []):  # then nothing is played
-        heard = Counts()
+        heard = Ears()
         run(tmp_path, lists, pack, listener=heard, options=options, workers=2, **CLEAN)
-        assert [one for one in heard.notes if one.startswith("note")] == notes
+        assert [one for one in heard.notices if one.startswith("note")] == notes
 
 
 @pytest.mark.sim
@@ -545,7 +528,7 @@ def test_the_rejects_of_a_dataset_are_those_of_its_protocol_alone(tmp_path: Path
     )
     assert own.instances == other.instances and not own.certified
     assert (own.tried_under, other.tried_under) == ("", "phys_random")
-    counts = [CountsOf.of([], [one]) for one in (own, other)]
+    counts = [Counts.of([], [one]) for one in (own, other)]
     assert [(one.feasible, one.tried) for one in counts] == [(3, 4), (3, None)]
     collect(tmp_path / "data", 1, synthetic.header(overrides={"friction": 0.2}))  # listed before
     assert module.certified(wish, "phys_random", TASK, FINGERPRINT).instances == own.instances

@@ -1,11 +1,14 @@
 """A dataset drawn again: what was there comes out byte for byte, what is added is right."""
 
+from collections import namedtuple
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import synthetic
+from collected import collect as collect_synthetic
+from collected import content, keep, write
 
 from rtphys.assets.pack import default_pack
 from rtphys.campaign.series import Listener, Progress
@@ -53,11 +56,6 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return collected(folder, RecordingSpec(senses=("depth", "states"), layout="legacy"))
 
 
-def files(folder: Path) -> dict[str, bytes]:
-    paths = [path for path in folder.rglob("*") if path.is_file() and path.suffix != ".lock"]
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
-
-
 @pytest.mark.sim
 @pytest.mark.render
 @pytest.mark.slow
@@ -72,7 +70,7 @@ class TestDrawnAgain:
             done = render(RenderSpec(data=source, out=out, workers=1), listener)
             assert [(one.new_accepted, one.done) for one in heard] == [(1, True)]
             assert done.compared == 3 * len(Dataset(source)[0]) and done.differing == 0
-            assert files(out) == files(source)
+            assert content(out) == content(source)
 
     def test_stored_states_are_drawn_without_simulating(
         self, stored: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -171,9 +169,7 @@ def test_missing_assets_are_named_with_their_digest(tmp_path: Path) -> None:
 
 def test_what_a_policy_did_is_drawn_from_states_alone(tmp_path: Path) -> None:
     """It was said that rtphys had changed: the expert's states were compared with the policy's."""
-    with DatasetWriter(tmp_path / "data") as dataset:
-        task = dataset.task(synthetic.header(policy="random"))
-        task.record(stage_episode(task.staging(0), synthetic.episode(0)))
+    write(tmp_path / "data", synthetic.episode(0), what=synthetic.header(policy="random"))
     with pytest.raises(LostStates, match="without `states` of the policy random"):
         render(RenderSpec(data=tmp_path / "data", out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
@@ -228,8 +224,6 @@ def test_a_cloud_without_the_head_camera_is_refused(
 
 
 def test_a_disk_that_is_too_small_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from collections import namedtuple
-
     usage = namedtuple("usage", "total used free")(10**12, 10**12 - 10**8, 10**8)
     data = synthetic_dataset(tmp_path / "data")
     monkeypatch.setattr(module, "pack_with", lambda digest: object())
@@ -274,8 +268,6 @@ def test_space_is_needed_for_what_is_not_drawn_yet(tmp_path: Path, needed: list[
 
 
 def test_space_is_needed_for_the_chosen_episodes_alone(tmp_path: Path, needed: list[float]) -> None:
-    from collected import collect as collect_synthetic
-
     collect_synthetic(tmp_path / "data", 4)  # of seeds 0, 1, 3, 4
     for seeds in ("", "3,4", "0"):
         plan = RenderSpec(data=tmp_path / "data", out=tmp_path / "out", part=Selection(seed=seeds))
@@ -285,8 +277,6 @@ def test_space_is_needed_for_the_chosen_episodes_alone(tmp_path: Path, needed: l
 
 
 def test_space_is_needed_for_kept_failures_too(tmp_path: Path, needed: list[float]) -> None:
-    from collected import keep
-
     for name, kept in (("all", "all"), ("few", None)):
         keep(tmp_path / name, kept)
         module._check(

@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from collected import content
 from forger import Forger, forge
 from typer.testing import CliRunner
 
@@ -14,36 +15,14 @@ from rtphys.data.faults import DatasetLocked
 from rtphys.data.layout import EpisodePaths
 from rtphys.data.lock import FolderLock
 from rtphys.data.verify import verify
-from rtphys.spec.collection import CollectionSpec
-from rtphys.spec.episode import EpisodeSpec
-from rtphys.spec.recording import RecordingSpec
-from rtphys.studies.collect import collect
 from rtphys.studies.reproduce import OtherVersions, damage, repair
-from rtphys.studies.requests import Run
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
-# Its seed 0 is rejected; 1 and 2 are its episodes.
-PLAN = CollectionSpec(
-    EpisodeSpec("press_stapler", "phys_random_all"),
-    RecordingSpec(("head",)),
-    episodes=2,
-)
-
-
-@pytest.fixture(scope="module")
-def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("honest")
-    collect([PLAN], Run(out, workers=1))
-    return out
 
 
 @pytest.fixture
 def copied(honest: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(honest, tmp_path / "data"))
-
-
-def contents(out: Path) -> dict[str, bytes]:
-    return {p.relative_to(out).as_posix(): p.read_bytes() for p in out.rglob("*") if p.is_file()}
 
 
 def spoil(paths: EpisodePaths) -> None:
@@ -64,7 +43,7 @@ def test_what_is_damaged_comes_back_to_the_last_byte(honest: Path, copied: Path)
     done = repair(copied, damage(copied), workers=1)
     made = {*first.paths.all(), copied / "manifest.json"}
     assert (set(done.files), done.problems) == (made, [])
-    assert contents(copied) == contents(honest)
+    assert content(copied) == content(honest)
     assert sound == {path: path.stat().st_mtime_ns for path in second.paths.all()}
     assert verify(copied).sound
 
@@ -74,7 +53,7 @@ def test_a_sound_dataset_needs_no_simulation(
 ) -> None:
     monkeypatch.setattr("rtphys.studies.reproduce.run_here", None)
     assert repair(copied, damage(copied)).files == []
-    assert contents(copied) == contents(honest)
+    assert content(copied) == content(honest)
 
 
 def test_other_versions_are_refused_by_name(copied: Path) -> None:
@@ -85,10 +64,10 @@ def test_other_versions_are_refused_by_name(copied: Path) -> None:
     forge(copied, change)
     first, _ = Dataset(copied)
     first.paths.video.unlink()
-    before = contents(copied)
+    before = content(copied)
     with pytest.raises(OtherVersions, match=r"sapien was '2.0', now .*; assets.digest was '000"):
         repair(copied, damage(copied))
-    assert contents(copied) == before
+    assert content(copied) == before
 
 
 def test_what_comes_out_otherwise_is_not_written(copied: Path) -> None:

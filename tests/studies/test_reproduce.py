@@ -10,12 +10,13 @@ import h5py
 import numpy as np
 import pytest
 import synthetic
+from collected import write
 from forger import Forger, forge
 from forgeries import FORGERIES
 
 from rtphys.assets.pack import Pack
 from rtphys.campaign.pool import WorkerFailure
-from rtphys.data.attempts import Rejected, read_attempts
+from rtphys.data.attempts import Rejected
 from rtphys.data.check_episode import Effort, Problem
 from rtphys.data.dataset import Dataset
 from rtphys.data.manifest import read_manifest
@@ -43,18 +44,6 @@ from rtphys.task.spec import Task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 Forge = Callable[[Callable[[Forger], None]], Path]
-# Its seed 0 is rejected, since clutter does not come to rest; 1 and 2 have 74 frames each.
-HEAD = RecordingSpec(("head",))
-PLAN = CollectionSpec(EpisodeSpec("press_stapler", "phys_random_all"), HEAD, episodes=2)
-
-
-@pytest.fixture(scope="module")
-def honest(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    out = tmp_path_factory.mktemp("honest")
-    collect([PLAN], Run(out, workers=1))
-    (ledger,) = out.rglob("ledger.jsonl")
-    assert [row.verdict for row in read_attempts(ledger)] == ["rejected", "accepted", "accepted"]
-    return out
 
 
 @pytest.fixture(scope="module")
@@ -163,9 +152,7 @@ def test_what_cannot_be_made_again_is_named(forged: Forge) -> None:
 
 
 def test_what_a_policy_did_is_left_out(tmp_path: Path) -> None:
-    with DatasetWriter(tmp_path) as dataset:
-        task = dataset.task(synthetic.header(policy="random"))
-        task.record(stage_episode(task.staging(0), synthetic.episode(0)))
+    write(tmp_path, synthetic.episode(0), what=synthetic.header(policy="random"))
     found = Reproduction()
     assert not [*recorded_attempts(tmp_path, read_manifest(tmp_path), found)]
     assert not found.problems and "what random did cannot be made again" in found.notes[0]
@@ -274,6 +261,8 @@ def test_an_untouched_dataset_is_equal_to_the_last_bit(honest: Path, tmp_path: P
     assert all(pictures in note and "in 0.00% of its pixels" in note for note in found.notes)
 
 
+HEAD = RecordingSpec(("head",))
+PLAN = CollectionSpec(recording=HEAD, episodes=2)
 BELL = EpisodeSpec("click_bell", "phys_random")
 KINDS = {
     "twin": replace(PLAN, episode=EpisodeSpec("place_phone_stand", "phys_random"), twin="clean"),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import Pack
 from rtphys.core.errors import UnknownName
 from rtphys.studies.worker import LoadedTasks, StudyWorker
 
@@ -22,11 +22,6 @@ class Namer(StudyWorker[str, str]):
 
     def do(self, job: str) -> str:
         return f"{self.prefix}{self.tasks[job].name}"
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 def test_a_task_is_loaded_once_and_when_it_is_asked_for() -> None:

@@ -14,8 +14,7 @@ PAGE, TICK = os.sysconf("SC_PAGE_SIZE"), os.sysconf("SC_CLK_TCK")
 
 def cores() -> int:
     """CPU cores that this process may use: those it is bound to, and its container's quota."""
-    bound = hasattr(os, "sched_getaffinity")
-    counts: list[float] = [len(os.sched_getaffinity(0)) if bound else os.cpu_count() or 1]
+    counts: list[float] = [len(os.sched_getaffinity(0))]
     for folder in _own_groups(""):
         with suppress(OSError, ValueError):  # ValueError: "max", nothing is bounded
             quota, period = (folder / "cpu.max").read_text().split()

@@ -263,8 +263,7 @@ def _flow(rule: object) -> str:
 def domain_named(name: str) -> Domain:
     """The domain of a task, a domain by its own name, or a domain file.
 
-    Raises:
-        UnknownName: neither a task nor a domain; names the nearest match.
+    Raises `UnknownName`: neither a task nor a domain; names the nearest match.
     """
     known, of_tasks = library.names("domains"), library.names("tasks", None)
     if name in known or name.endswith((".yaml", ".yml")):

@@ -130,12 +130,10 @@ def _show_facts(episode: Episode, moved: dict[str, float], stages: "Sequence[Sta
         "says": "; ".join(episode.instructions.seen[:2]),
         "frames": f"{len(episode)}, {time[-1] - time[0]:.2f} s, 16.67 Hz",
         "cameras": ", ".join(episode.cameras),
-        "success": "-" if after is None else f"after {after:.2f} s",
-        "still true": f"{'yes' if verdict.held else 'no'}, 0.5 s after the end",
+        "success": "never" if after is None else f"after {after:.2f} s",
     }
-    if after is None:
-        rows |= {"success": "never"}
-        del rows["still true"]
+    if after is not None:
+        rows["still true"] = f"{'yes' if verdict.held else 'no'}, 0.5 s after the end"
     strain = verdict.strain
     met, joint = (f" ({name})" if name else "" for name in (strain.pair, strain.joint))
     torque = f"largest torque {100 * strain.torque:.0f} % of its motor's{joint}"
@@ -234,8 +232,7 @@ def view(shown: ShownInRerun, which: One) -> None:
 def check_viewer(version: str) -> None:
     """Puts the viewer on PATH, where Rerun looks for it; it lies beside this Python.
 
-    Raises:
-        RtphysError: there is none, or it has another version than what writes the recording.
+    Raises `RtphysError`: there is none, or it has another version than what writes the recording.
     """
     os.environ["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     viewer = shutil.which(VIEWER)

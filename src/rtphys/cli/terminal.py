@@ -67,8 +67,7 @@ class Interrupted(RtphysError):
 def resumable() -> Iterator[None]:
     """Lets Ctrl-C, SIGTERM and SIGHUP end the command with a sentence that says how to continue.
 
-    Raises:
-        Interrupted: by one of them.
+    Raises `Interrupted`: by one of them.
     """
     signal.signal(signal.SIGTERM, _as_interrupt)
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # as under `nohup`

@@ -130,8 +130,7 @@ def ledgers_below(out: Path) -> dict[Path, TaskHeader]:
 
     A ledger without a whole first line is left out: its run was killed before it began.
 
-    Raises:
-        BadFile: one is damaged, lies where another belongs, or is reached through a link.
+    Raises `BadFile`: one is damaged, lies where another belongs, or is reached through a link.
     """
     paths = [*out.glob(f"*/*/*/{LEDGER}"), *out.glob(f"*/*/{LEDGER}")]
     found: dict[Path, TaskHeader] = {}

@@ -75,7 +75,7 @@ def check_episode(
     header: TaskHeader,
     row: Row,
     effort: Effort,
-    pack: Pack | None = None,
+    pack: Pack | None,
 ) -> tuple[PhysMeta | None, list[Problem]]:
     """The label, when it is readable, and what is wrong.
 

@@ -93,9 +93,8 @@ def open_read(path: Path) -> Iterator[h5py.File]:
     A file is a tree of groups and arrays that lie in the file itself. Nothing in it leads to
     another file, back to a group above, or twice to the same place.
 
-    Raises:
-        BadFile: it is not HDF5, is too large, or is no such tree. What HDF5 itself raises while the
-            file is open becomes a `BadFile` too.
+    Raises `BadFile`: it is not HDF5, is too large, or is no such tree. What HDF5 itself raises
+    while the file is open becomes a `BadFile` too.
     """
     try:
         with os.fdopen(open_ordinary(path), "rb", buffering=0) as ordinary:

@@ -28,8 +28,7 @@ class Model(BaseModel):
 def plain(value: object, where: str = "value") -> JSON:
     """Copy with numpy values, tuples and paths turned into what JSON knows.
 
-    Raises:
-        BadValue: a number that is not finite, or a type that JSON has not; names its place.
+    Raises `BadValue`: a number that is not finite, or a type that JSON has not; names its place.
     """
     if isinstance(value, np.generic | np.ndarray):
         return plain(value.tolist(), where)

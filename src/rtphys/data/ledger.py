@@ -63,8 +63,7 @@ def chained(previous: str, text: bytes) -> str:
 def read_lines(path: Path) -> Iterator[Line]:
     """Every whole line in order, its check verified; memory does not grow with the file.
 
-    Raises:
-        BadFile: unreadable, or a line other than a torn last one is damaged; names the line.
+    Raises `BadFile`: unreadable, or a line other than a torn last one is damaged; names the line.
     """
     check, end, number = START, 0, 0
     with files.open_binary(path) as file:

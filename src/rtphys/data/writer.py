@@ -129,8 +129,7 @@ class TaskWriter:
     def _unlisted(self) -> list[Path]:
         """Files of episodes and failures beyond those that the ledger lists: of a killed run.
 
-        Raises:
-            BadFile: one that it lists is missing. What files hold is for `verify`.
+        Raises `BadFile`: one that it lists is missing. What files hold is for `verify`.
         """
         found: list[Path] = []
         for place, count in (

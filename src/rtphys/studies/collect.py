@@ -100,7 +100,7 @@ def pool_of(
     worker: CollectWorker,
     specs: Sequence[CollectionSpec],
     size: int,
-    listener: Listener = QUIET,
+    listener: Listener,
 ) -> WorkerPool[CollectionTask, Results]:
     """Workers that do all, or, on a machine with a GPU, many that simulate and few that draw."""
     if run.runner == "ray":
