@@ -10,6 +10,7 @@ from collecting import PLAN, Striker, complete, content, kill_one, worker_proces
 from killing import survive
 
 from rtphys.assets.pack import default_pack
+from rtphys.core.poses import Pose
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
 from rtphys.data.verify import verify
@@ -76,6 +77,20 @@ def test_an_episode_holds_what_happened(undisturbed: Path) -> None:
     assert head[0].std() > 10, "the picture shows something"
     assert set(episode.cameras) == {"head_camera", "left_camera", "right_camera"}
     assert np.abs(head[0].astype(int) - head[-1].astype(int)).max() > 50, "the arm has moved"
+
+
+def test_a_wrist_camera_is_rigid_to_its_hand(undisturbed: Path) -> None:
+    """Order of quaternions, frames and times in one: the camera never moves in the ee frame."""
+    frames = Dataset(undisturbed)[0].frames
+    for side in ("left", "right"):
+        camera = frames.cameras[f"{side}_camera"].cam2world_gl
+        hand = getattr(frames, f"{side}_endpose")
+        seen = [np.linalg.inv(matrix(pose)) @ X for pose, X in zip(hand, camera, strict=True)]
+        assert np.ptp(np.array(seen), axis=0).max() < 1e-4
+
+
+def matrix(pose: np.ndarray) -> np.ndarray:
+    return Pose(pose[:3], pose[3:]).matrix
 
 
 def test_a_label_tells_what_was_in_force(undisturbed: Path) -> None:
