@@ -20,7 +20,7 @@ from rtphys.sim import world
 
 @pytest.fixture
 def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of a robot in a library of one's own."""
+    """The folder of a robot in a user's library."""
     folder = tmp_path / "robots" / "mine"
     copytree(builtin_pack().embodiment_folder("piper"), folder)
     text = (folder / "config.yml").read_text()

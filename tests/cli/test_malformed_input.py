@@ -170,7 +170,7 @@ task = replace(load_task("click_bell"), phrases=load_task("click_bell").phrases)
 
 @pytest.fixture
 def sandbox(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A dataset and a library of one's own, in the working folder."""
+    """A dataset and a user's library, in the working folder."""
     collect(tmp_path / "dataset", 1)
     (tmp_path / "library/tasks").mkdir(parents=True)
     (tmp_path / "library/protocols").mkdir()

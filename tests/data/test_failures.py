@@ -8,6 +8,7 @@ from collected import FAILURE, FRAMES, collect, content, content_but_pictures, k
 from rtphys.core.errors import BadFile
 from rtphys.data.attempts import Rejected, read_attempts
 from rtphys.data.dataset import Dataset, find_episode
+from rtphys.data.faults import DatasetMismatch
 from rtphys.data.rewrite import convert
 from rtphys.data.verify import verify
 
@@ -74,6 +75,12 @@ def test_what_a_kill_leaves_is_removed_and_made_again(kept: Path, tmp_path: Path
     assert verify(tmp_path).problems == []
     keep(tmp_path)
     assert content(tmp_path) == content(kept)
+
+
+@pytest.mark.parametrize("other", [None, "3"])
+def test_another_number_is_another_collection(kept: Path, other: str | None) -> None:
+    with pytest.raises(DatasetMismatch, match="keep_failures was 'all'"):
+        keep(kept, other)
 
 
 def test_conversion_keeps_them_and_comes_back(kept: Path, tmp_path: Path) -> None:

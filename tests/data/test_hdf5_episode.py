@@ -184,12 +184,29 @@ def _by_ffmpeg(stream: bytes) -> np.ndarray:
     return np.frombuffer(done.stdout, np.uint8).reshape(synthetic.HEIGHT, synthetic.WIDTH, 3)
 
 
+def _by_imageio(stream: bytes) -> np.ndarray:
+    return pytest.importorskip("imageio.v3").imread(stream, extension=".jpg")
+
+
+def _by_torchvision(stream: bytes) -> np.ndarray:
+    torch = pytest.importorskip("torch")
+    decode = pytest.importorskip("torchvision.io").decode_jpeg
+    return decode(torch.frombuffer(bytearray(stream), dtype=torch.uint8)).numpy().transpose(1, 2, 0)
+
+
+def _by_tensorflow(stream: bytes) -> np.ndarray:
+    return pytest.importorskip("tensorflow").io.decode_jpeg(stream).numpy()
+
+
 DECODERS = {
     "Pillow": _by_pillow,
     "OpenCV": _by_opencv,
     "simplejpeg": simplejpeg.decode_jpeg,
     "PyAV": _by_pyav,
     "ffmpeg": _by_ffmpeg,
+    "imageio": _by_imageio,
+    "torchvision": _by_torchvision,
+    "tensorflow": _by_tensorflow,
 }
 
 
@@ -211,9 +228,15 @@ def test_what_others_see_of_both_generations(file: h5py.File, layout: str, decod
     assert blue[2] > 150 > 60 > blue[0]
 
 
-def test_pillow_tells_both_generations_apart(file: h5py.File, layout: str) -> None:
-    comment = Image.open(io.BytesIO(_first_picture(file, layout))).info.get("comment")
+def test_what_is_marked_says_so_and_what_we_see_is_what_opencv_sees(
+    file: h5py.File, layout: str
+) -> None:
+    stream = _first_picture(file, layout)
+    comment = Image.open(io.BytesIO(stream)).info.get("comment")
     assert comment == (b"XPL-RGB1" if layout == "native" else None)
+    of_standard = _by_opencv(stream)
+    seen = of_standard if layout == "native" else of_standard[..., ::-1]
+    np.testing.assert_array_equal(jpeg.decode(stream), seen)
 
 
 @native
@@ -261,6 +284,13 @@ def test_nothing_is_stored_twice(file: h5py.File, made, layout: str) -> None:
 
     file.visititems(look)
     assert len(seen) > 10
+
+
+def test_same_input_same_bytes(made, layout: str) -> None:
+    frames, images = made
+    again = encode_images(synthetic.pictures(3, T), layout)
+    first, second = (episode_bytes(layout, frames, i, SEEN) for i in (images, again))
+    assert first == second
 
 
 @native

@@ -438,10 +438,10 @@ def test_a_model_is_told_how_many_joints_the_robot_has(
     config = root / "task_config" / "clean.yml"
     text = config.read_text()
     config.write_text(text.replace("- aloha-agilex", "- piper\n- franka-panda\n- 0.7"))
-    told = list[object]()
+    sizes = list[object]()
 
     def get_model(usr_args: dict[str, object]) -> None:
-        told.extend(usr_args[key] for key in ("left_arm_dim", "right_arm_dim"))
+        sizes.extend(usr_args[key] for key in ("left_arm_dim", "right_arm_dim"))
         raise Asked
 
     stub = SimpleNamespace(get_model=get_model)
@@ -451,7 +451,7 @@ def test_a_model_is_told_how_many_joints_the_robot_has(
     usr_args = {"instruction_type": "seen", "task_name": "click_bell", "task_config": "clean"}
     with pytest.raises(Asked):
         evaluate({**usr_args, "policy_name": "asks"}, 1)
-    assert told == [6, 7]
+    assert sizes == [6, 7]
 
 
 def test_overrides_are_literals_or_text() -> None:

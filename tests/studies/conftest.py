@@ -1,4 +1,4 @@
-"""The pack, a library of one's own, and a dataset to be made again, for tests of all studies."""
+"""The asset pack, a user's library, and a dataset to reproduce, for tests of all studies."""
 
 from collections.abc import Callable
 from pathlib import Path

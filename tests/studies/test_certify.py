@@ -15,7 +15,7 @@ from evaluations import FINGERPRINT
 from quick_pool import J, QuickPool, R
 from typer.testing import CliRunner
 
-from rtphys.assets.pack import Pack
+from rtphys.assets.pack import Pack, default_pack
 from rtphys.campaign import local
 from rtphys.cli.main import app
 from rtphys.core.errors import BadValue, UnknownName
@@ -46,6 +46,11 @@ from rtphys.task.spec import load_task
 TASK, PROTOCOL = "click_bell", "phys_random"
 BOTH = ("replay", "twin")
 LOST = FIRST_SEED + 4  # the seed whose worker gets into trouble, when clean
+
+
+@pytest.fixture(scope="module")
+def pack() -> Pack:
+    return default_pack()
 
 
 Wish = tuple[CertificationSpec, CertificationRun]
@@ -115,6 +120,16 @@ def test_results_are_kept_in_the_order_of_seeds(tmp_path: Path) -> None:
     # The third feasible seed ends the list: what was begun to be on the safe side is dropped.
     assert listed(tmp_path).instances == (bad(0), good(1), good(2), good(3))
     assert not list(tmp_path.rglob("*.ledger"))
+
+
+def test_it_goes_on_after_the_last_seed_that_was_written(tmp_path: Path) -> None:
+    take(opened(tmp_path), good(0), bad(1), good(3))  # seed 2 was under way when it was killed
+    second = opened(tmp_path)
+    assert second.instances.instances == (good(0), bad(1))
+    assert second.begin() == FIRST_SEED + 2
+    take(second, good(2), good(3))
+    whole = opened(tmp_path)
+    assert whole.whole and whole.progress.done and not whole.wants(1)
 
 
 def test_a_finished_list_can_be_made_longer(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Twins: each seed under two protocols, recorded under both or under neither."""
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,8 @@ from rtphys.assets.pack import default_pack
 from rtphys.data.attempts import Rejected, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
+from rtphys.data.json_text import compact
+from rtphys.data.ledger import chained, read_lines
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
 from rtphys.episode.assemble import rejection
@@ -75,6 +78,26 @@ def test_a_kill_between_the_two_commits_is_mended(
     (out / "manifest.json").unlink()
     assert complete(collect([TWINNED], Run(out, workers=1)))
     assert content(out) == content(pairs)
+
+
+def test_a_leaf_without_twins_is_not_continued_with_them(undisturbed: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    shutil.copytree(undisturbed, out)
+    with pytest.raises(DatasetMismatch, match="twin was None, now 'clean'"):
+        collect([TWINNED], Run(out, workers=1))
+    assert content(out) == content(undisturbed)
+
+
+def test_pairs_of_other_seeds_are_found(pairs: Path, tmp_path: Path) -> None:
+    out = tmp_path / "data"
+    shutil.copytree(pairs, out)
+    ledger = out / TWIN / "ledger.jsonl"
+    *kept, last = read_lines(ledger)
+    text = compact({**json.loads(last.text), "seed": 99})
+    check = chained(kept[-1].check, text).encode()
+    ledger.write_bytes(ledger.read_bytes()[: kept[-1].end] + check + b" " + text + b"\n")
+    problems = [str(problem) for problem in verify(out).problems]
+    assert any("pair other seeds" in problem for problem in problems), problems
 
 
 HARD = '''
