@@ -118,6 +118,7 @@ def test_a_picture_that_differs_is_named(
 
 
 def test_a_file_that_is_cut_short_is_named(exported: Path, dataset: Dataset) -> None:
+    assert verify_export(exported, dataset) == []
     for path in (max((exported / "videos").rglob("*.mp4")), *(exported / "data").rglob("*.parq*")):
         whole = path.read_bytes()
         path.write_bytes(whole[: len(whole) // 2])
