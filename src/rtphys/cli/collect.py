@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from rtphys.assets.pack import default_pack
 from rtphys.cli.datasets import say_digest
 from rtphys.cli.derived import AsJson, refuse_others, takes
 from rtphys.cli.screen import (
@@ -145,9 +146,12 @@ def _repair(run: Run) -> None:
 
 def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> None:
     """Prints each task dataset, what is there already, and what this machine would refuse."""
+    from rtphys.plan.kinematics import check_robot
     from rtphys.studies.collect import check, check_machine
 
     check(specs, run)
+    for robot in dict.fromkeys(spec.episode.embodiment for spec in specs):
+        check_robot(default_pack(), robot)
     table = fitting_table(["folder"], ("episodes", "there", "seeds from", "cameras", "domain"))
     rows, missing = list[dict[str, object]](), Counter[tuple[str, str]]()
     wanted, there_not = 0, list[CollectionSpec]()

@@ -6,7 +6,7 @@ episodes get new numbers. Repeated after an interruption, the same call continue
 
 import heapq
 import shutil
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -124,6 +124,9 @@ def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) ->
         for name, entry in read_manifest(part).task_datasets.items():
             groups.setdefault(name, []).append((part, entry))
     joined = [_Part(_joined(name, group), group, _copied) for name, group in groups.items()]
+    for part in joined:
+        if len(part.sources) > 1:  # a seed that two have is refused before anything is written
+            deque(part.rows(), maxlen=0)
     return _write(joined, parts, out, progress)
 
 

@@ -299,7 +299,7 @@ class _TaskCheck:
     def _check_unlisted(self) -> None:
         """What lies in the folder that nothing lists."""
         report, place = self.report, self.place
-        if place.staging.exists():
+        if running := place.staging.exists():
             report.notes.append(f"{self.name}: a run was cut off or still goes on ({STAGING})")
         known, folders = {place.ledger}, dict[Path, tuple[TaskDataset, int]]()
         for one, count in ((place, self.totals.episodes), (place.failures, self.totals.failures)):
@@ -313,7 +313,9 @@ class _TaskCheck:
                 listed = () if number is None or number >= count else of.episode(number).all()
                 if path in known or path in listed:
                     continue
-                if path.suffix == files.TEMPORARY or number == count:
+                # A kill leaves one episode ahead of the ledger; a run that goes on makes more.
+                ahead = number is not None and (number == count or (running and number > count))
+                if path.suffix == files.TEMPORARY or ahead:
                     report.notes.append(f"{path}: {CUT_OFF}")
                 else:
                     report.problem(path, "is in no manifest")

@@ -159,6 +159,7 @@ def test_parts_that_do_not_fit(tmp_path: Path) -> None:
         merge(whole, tmp_path / "joined")
     with pytest.raises(BadValue, match="it is a dataset that is read; name another folder"):
         merge([one, two, three], one)
+    assert not (tmp_path / "joined").exists()  # refused before anything is written
 
 
 def test_parts_of_different_versions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
