@@ -267,7 +267,7 @@ FORGERIES: dict[str, tuple[Forge, str]] = {
     "an unseen sentence": (lambda f: _words(f, "unseen"), "episode_0000001.json: unseen is"),
     "scene_info": (
         _ledger(1, "scene_info", "info", "{A}", value="001_bottle/base0"),
-        "scene_info.json: episode_1",
+        "scene_info.info.{A} is",
     ),
     "physics in the ledger": (
         _ledger(1, "physics", "friction", value=lambda v: v * 1.01),

@@ -9,8 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 
 from rtphys.assets.pack import Pack, default_pack, pack_with
-from rtphys.core.errors import BadFile, BadValue, NoRenderer, RtphysError
-from rtphys.core.untrusted import JSON, parse_mapping
+from rtphys.core.errors import BadValue, NoRenderer, RtphysError
+from rtphys.core.untrusted import JSON
 from rtphys.data import files, schema
 from rtphys.data.attempts import Accepted, Rejected
 from rtphys.data.compare import Comparison, RegeneratedEpisode, compare_episode, json_differences
@@ -44,23 +44,11 @@ class RecordedAttempt:
         return TaskDataset.of(self.out, self.header.spec)
 
     @property
-    def files(self) -> TaskDataset:
-        """Where its files lie, if there are any."""
-        return self.place if isinstance(self.row, Accepted) else self.place.failures
-
-    @property
-    def number(self) -> int | None:
-        """Number of its files among the episodes or the failures; None where there are none."""
-        if isinstance(self.row, Accepted):
-            return self.row.episode
-        return self.row.kept.number if self.row.kept is not None else None
-
-    @property
     def paths(self) -> EpisodePaths:
         """Its files. Raises `ValueError`: there are none."""
-        if self.number is None:
+        if self.row.on_disk is None:
             raise ValueError(f"{self.name} has no files")
-        return self.files.episode(self.number)
+        return self.row.on_disk.paths(self.place)
 
     @property
     def name(self) -> str:
@@ -162,7 +150,6 @@ def _accepted(scene: Scene, row: Accepted) -> Comparison:
     assert again.recording is not None
     expected: dict[str, JSON] = {
         "frames": len(made.frames),
-        "scene_info": {**made.scene_info},
         "physics": plain(values(again.instance.physics, again.instance.props)),
         "recovered": again.recording.recovered,
     }
@@ -240,7 +227,8 @@ def _as_labelled(made: RegeneratedEpisode, recorded: RecordedAttempt) -> dict[st
     header = recorded.header
     # The domain is stored beside the spec; the recipe in a label names it as the user did.
     recipe = stored(header.spec.episode.at(recorded.row.seed))
-    label = {**made.label, "episode": recorded.number, "recipe": recipe}
+    number = recorded.row.on_disk and recorded.row.on_disk.number
+    label = {**made.label, "episode": number, "recipe": recipe}
     return {**label, "versions": {**header.resolved.versions}}
 
 
@@ -249,12 +237,11 @@ def _compared(made: RegeneratedEpisode, scene: Scene) -> Comparison:
     recorded, header = scene.recorded, scene.recorded.header
     labelled = replace(made, label=_as_labelled(made, recorded))
     found = compare_episode(recorded.paths, recorded.place.layout, labelled)
-    path, key = recorded.files.scene_info, f"episode_{recorded.number}"
-    try:
-        said = parse_mapping(files.read(path), path).get(key)
-        found.problems += [(path, t) for t in json_differences(said, {**made.scene_info}, key)]
-    except BadFile as error:
-        found.problems.append((path, error.problem))
+    # scene_info.json follows from the ledger, which `verify` compares with it as a whole.
+    assert recorded.row.on_disk is not None
+    said, ledger = recorded.row.on_disk.scene_info, recorded.place.ledger
+    texts = json_differences(said, {**made.scene_info}, "scene_info")
+    found.problems += [(ledger, f"seed {recorded.row.seed}: {text}") for text in texts]
     own, name = replace(scene.recipe.spec, ranges=None).domain, recorded.place.name
     if own.digest != header.resolved.domain.get("digest"):
         text = "drawn from the manifest's domain, which is not the task's own here"
