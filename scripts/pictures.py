@@ -1,6 +1,6 @@
 """Draw pictures of the documents into docs/images: `pictures.py NAME...`.
 
-contact_sheet.png: six moments of every task; physics_suite.png: of that suite. moving.webp: four
+contact_sheet.webp: five moments of every task; physics_suite.webp: of that suite. moving.webp: four
 tasks at real speed. protocols.jpg: one seed of eight tasks under each protocol. maps: figures of
 docs/maps.md. first_task.png: frames, and the episode of docs/first_task.md.
 """
@@ -34,7 +34,7 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.task.spec import load_task, task_names
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
-COLUMNS, SHEET_SIZE, STRIP = 6, (240, 180), 16  # pictures of a task, their size, the title [px]
+COLUMNS, SHEET_SIZE, STRIP = 5, (192, 144), 16  # pictures of a task, their size, the title [px]
 MAX_SEEDS = 20  # tried for the contact sheet
 MOVING = ("stack_bowls_two", "handover_block", "open_laptop", "hanging_mug")
 MOVING_SIZE = (208, 156)  # [px] of each of the four
@@ -51,6 +51,7 @@ PROTOCOL_SEEDS = {
     "handover_block": 7,
     "move_stapler_pad": 9,
 }
+FRAMED_SIZE = (240, 180)
 FRAMED = (("043_book", 0), ("057_toycar", 0), ("074_displaystand", 0))
 PROTOCOL_SIZE, HEAD = (256, 192), 22  # [px] of a picture; height of the protocols' names
 
@@ -90,9 +91,7 @@ def contact_sheet(names: Sequence[str], protocol: str, file: str) -> None:
             small = picture.resize(SHEET_SIZE, Image.Resampling.LANCZOS)
             row.paste(small, (column * width, STRIP))
         rows.append(np.asarray(row))
-    # 256 colours suffice for renderings and need a third of the bytes.
-    sheet = Image.fromarray(np.vstack(rows)).quantize(256, dither=Image.Dither.NONE)
-    sheet.save(IMAGES / file, optimize=True)
+    Image.fromarray(np.vstack(rows)).save(IMAGES / file, quality=65, method=6)
 
 
 def moving() -> None:
@@ -151,7 +150,7 @@ def maps() -> None:
 
 def first_task() -> None:
     """Models with the axes of their own frames and points; below, moments of an episode."""
-    models = [tile(default_pack(), name, model, SHEET_SIZE[0]) for name, model in FRAMED]
+    models = [tile(default_pack(), name, model, FRAMED_SIZE[0]) for name, model in FRAMED]
     text = (IMAGES.parent / "first_task.md").read_text()
     code = re.search(r"```python\n(# my_lab/tasks/(\w+)\.py\n.*?)```", text, re.DOTALL)
     assert code is not None
@@ -164,15 +163,15 @@ def first_task() -> None:
         recipe, recording = found
         moments = np.linspace(0, len(recording.rows) - 1, len(FRAMED)).round().astype(int)
         pictures = head_camera(recipe, recording, moments.tolist())
-    row = [np.asarray(p.resize(SHEET_SIZE, Image.Resampling.LANCZOS)) for p in pictures]
+    row = [np.asarray(p.resize(FRAMED_SIZE, Image.Resampling.LANCZOS)) for p in pictures]
     sheet = Image.fromarray(np.vstack([np.hstack(models), np.hstack(row)]))
     sheet.quantize(256, dither=Image.Dither.NONE).save(IMAGES / "first_task.png", optimize=True)
 
 
 PICTURES: dict[str, Callable[[], None]] = {
-    "contact_sheet": lambda: contact_sheet(task_names(), "phys_random", "contact_sheet.png"),
+    "contact_sheet": lambda: contact_sheet(task_names(), "phys_random", "contact_sheet.webp"),
     "physics_suite": lambda: contact_sheet(
-        library.suites()["physics"], "clean", "physics_suite.png"
+        library.suites()["physics"], "clean", "physics_suite.webp"
     ),
     "moving": moving,
     "protocols": protocols,
