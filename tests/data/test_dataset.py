@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import types
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -25,6 +26,7 @@ from rtphys.data.rewrite import convert
 from rtphys.data.selection import One, Selection, seed_set
 from rtphys.physics import attributes
 from rtphys.physics.values import REDRAWS
+from rtphys.spec.sweep import swept
 
 
 @pytest.fixture(scope="module", params=["native", "legacy"])
@@ -134,6 +136,18 @@ def test_the_files_are_those_of_the_episodes_that_are_meant(tmp_path: Path) -> N
         assert {tmp_path / name for name, _ in part.files()} == {*paths}
         assert all(facts_of(tmp_path / name) == facts for name, facts in part.files())
     assert [len([*data.where(seeds=seeds).files()]) for seeds in ([1, 2], [9])] == [8, 0]
+
+
+def test_a_sweep_that_was_cut_off_has_the_seeds_that_have_all_values(tmp_path: Path) -> None:
+    """One value was ahead of the other when the run ended."""
+    header = synthetic.header()
+    specs = swept(header.spec, "friction=0.1,0.3")
+    for count, spec in zip((2, 1), specs, strict=True):
+        collect(tmp_path, count, replace(header, spec=spec))
+    data = Dataset(tmp_path)
+    assert [[*group] for group in data.sweep()] == [[0.1, 0.3]]
+    alone = data.where(config=specs[0].name).sweep()
+    assert [one.seed for group in alone for one in group.values()] == [0, 1]
 
 
 def test_what_is_newer_than_the_manifest_is_not_there_yet(ahead: Path, tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from rtphys.core.errors import BadFile
 from rtphys.data import faults, files
 from rtphys.data.attempts import Accepted, Totals, read_attempts
 from rtphys.data.dataset import Dataset
-from rtphys.data.lock import check_unlocked
+from rtphys.data.lock import FolderLock, check_unlocked
 from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter, Rejection
@@ -197,6 +197,46 @@ def test_a_file_system_without_locks(
             DatasetWriter(tmp_path)
     collect(tmp_path, 1)
     assert verify(tmp_path).sound and not list(tmp_path.glob(".rtphys*"))
+
+
+def test_a_run_leaves_the_lock_of_a_folder_that_was_made_anew(tmp_path: Path) -> None:
+    """Somebody removed the folder under the first run, and began a second one."""
+    out = tmp_path / "data"
+    out.mkdir()
+    first = FolderLock(out)
+    shutil.rmtree(out)
+    out.mkdir()
+    with FolderLock(out):
+        first.release()
+        with pytest.raises(faults.DatasetLocked):
+            FolderLock(out)
+    assert not list(out.iterdir())
+
+
+def test_a_lock_that_is_released_while_another_run_looks_at_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flock, fstat, path = fcntl.flock, os.fstat, tmp_path / ".rtphys.lock"
+    other = [b"of another run"]
+
+    def replaced(handle: int, kind: int) -> None:
+        flock(handle, kind)
+        if other:  # the owner of this file ended, and a third run made its own
+            path.unlink()
+            path.write_bytes(other.pop())
+
+    def removed(handle: int) -> os.stat_result:
+        if path.read_bytes():
+            path.unlink()
+        return fstat(handle)
+
+    monkeypatch.setattr("fcntl.flock", replaced)
+    monkeypatch.setattr(os, "fstat", removed)
+    lock = FolderLock(tmp_path)
+    monkeypatch.undo()
+    assert path.read_text().startswith(f"process {os.getpid()} on ")
+    lock.release()
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_file_system_that_syncs_no_folders(

@@ -96,6 +96,17 @@ def test_a_file_nobody_listed(copy: Path) -> None:
     assert words(verify(copy)) == f"{extra}: is in no manifest"
 
 
+@pytest.mark.parametrize("name", ["data/.staging/episode_0000000.hdf5", "data/more", "more"])
+def test_nothing_hides_in_a_folder_or_behind_a_link(copy: Path, tmp_path: Path, name: str) -> None:
+    extra = copy / FOLDER / name
+    if extra.suffix:
+        extra.parent.mkdir()
+        extra.write_bytes(b"")
+    else:
+        extra.symlink_to(tmp_path, target_is_directory=True)
+    assert words(verify(copy)) == f"{extra}: is in no manifest"
+
+
 def test_files_of_a_run_that_goes_on_are_notes(copy: Path) -> None:
     """What was made since the ledger was read is nobody's fault, however many episodes."""
     extra = copy / FOLDER / "data" / "episode_0000009.hdf5"
@@ -107,9 +118,11 @@ def test_files_of_a_run_that_goes_on_are_notes(copy: Path) -> None:
 
 def test_a_file_beside_the_datasets_is_noted(copy: Path) -> None:
     (copy / "report.html").write_text("<html>")
-    (copy / "notes.txt").write_text("mine")
+    mine = [copy / name for name in ("notes.txt", f"{FOLDER.partition('/')[0]}/notes.txt")]
+    for path in mine:
+        path.write_text("mine")
     report = verify(copy)
-    assert report.sound and f"{copy / 'notes.txt'}: no manifest covers it" in report.notes
+    assert report.sound and {f"{one}: no manifest covers it" for one in mine} <= {*report.notes}
     assert not any("report.html" in note for note in report.notes)
 
 

@@ -1,7 +1,9 @@
 """An export is compared with its source, number by number and picture by picture."""
 
+import json
 import re
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -125,6 +127,64 @@ def test_a_file_that_is_cut_short_is_named(exported: Path, dataset: Dataset) -> 
         with pytest.raises(BadFile, match=re.escape(str(path))):
             verify_export(exported, dataset)
         path.write_bytes(whole)
+
+
+def change_tables(exported: Path, change: Callable[[pa.Table], pa.Table]) -> None:
+    for path in (exported / "data").rglob("*.parquet"):
+        pq.write_table(change(pq.read_table(path)), path)
+
+
+def test_lists_of_another_kind_hold_the_same_numbers(exported: Path, dataset: Dataset) -> None:
+    """As another tool may write them."""
+
+    def change(table: pa.Table) -> pa.Table:
+        place, values = table.column_names.index("action"), table["action"].combine_chunks()
+        return table.set_column(place, "action", values.cast(pa.list_(pa.float32())))
+
+    change_tables(exported, change)
+    assert verify_export(exported, dataset) == []
+
+
+def test_a_column_that_was_added_is_named(exported: Path, dataset: Dataset) -> None:
+    change_tables(exported, lambda table: table.append_column("note", pa.array(["a"] * len(table))))
+    problems = verify_export(exported, dataset)
+    assert len(problems) == len(dataset)
+    assert all(one.endswith("note is not the dataset's") for one in problems)
+
+
+@pytest.mark.parametrize(
+    "change", [lambda table: table.drop_columns(["index"]), lambda table: table.slice(0, 0)]
+)
+def test_a_table_without_frames_is_named(
+    exported: Path, dataset: Dataset, change: Callable[[pa.Table], pa.Table]
+) -> None:
+    change_tables(exported, change)
+    with pytest.raises(BadFile, match="holds no index of its frames"):
+        verify_export(exported, dataset)
+
+
+@pytest.mark.parametrize("said", [None, 7, "data/{nothing}.parquet", "data/{0}.parquet"])
+def test_a_path_that_leads_nowhere_is_named(exported: Path, dataset: Dataset, said: object) -> None:
+    path = exported / "meta/info.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "data_path": said}))
+    with pytest.raises(BadFile, match=r"info\.json: data_path is .*names no file of an episode"):
+        verify_export(exported, dataset)
+
+
+def test_a_place_that_is_no_number_is_named(dataset: Dataset, tmp_path: Path) -> None:
+    out = export_lerobot(dataset, tmp_path / "lr")
+    table = out / "meta/episodes/chunk-000/file-000.parquet"
+    whole = pq.read_table(table)
+    begins = next(name for name in whole.column_names if name.endswith("from_timestamp"))
+    for name in ("data/chunk_index", begins):
+        pq.write_table(whole.drop_columns([name]), table)
+        with pytest.raises(BadFile, match=re.escape(f"{table}: {name} is None, not a number")):
+            verify_export(out, dataset)
+    pq.write_table(whole, table)
+    path = out / "meta/info.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "fps": "17"}))
+    with pytest.raises(BadFile, match=r"info\.json: fps is '17', not a number"):
+        verify_export(out, dataset)
 
 
 def test_what_was_made_of_another_dataset_is_refused(

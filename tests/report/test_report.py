@@ -55,6 +55,13 @@ def test_data_is_the_dataset(page: Path, dataset: Dataset) -> None:
     assert facts["attempts"][2][2 + friction] == 0.1, "a rejected attempt's physics is told"
 
 
+def test_what_is_read_of_an_episode_is_forgotten(dataset: Dataset, tmp_path: Path) -> None:
+    """0.3 MB each: a large dataset did not fit into memory."""
+    fresh = Dataset(dataset.path)
+    write_report(fresh, tmp_path / "report.html")
+    assert not any({"frames", "meta"} & {*vars(one)} for one in fresh)
+
+
 def test_failures_that_were_kept(tmp_path: Path) -> None:
     collect(tmp_path / "kept", 9, synthetic.header(keep_failures="all"), attempts=7)
     out = write_report(Dataset(tmp_path / "kept"), tmp_path / "report.html")

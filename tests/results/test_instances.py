@@ -9,6 +9,7 @@ from hostile import NAMES, RAW, VALUES
 from time_limit import at_most
 
 from rtphys.core.errors import BadFile, RtphysError
+from rtphys.results import instances as module
 from rtphys.results.instances import (
     FIRST_SEED,
     BenchmarkInstance,
@@ -186,6 +187,16 @@ def test_values_that_do_not_belong_there(tmp_path: Path) -> None:
         wrong += [complaint(path, text) for text in (raw + "\n", head + raw + "\n")]
     found = [text for text in wrong if text]
     assert not found, f"{len(found)} of {len(wrong)}:\n" + "\n".join(found)
+
+
+def test_what_would_not_be_read_is_not_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = (path := written(tmp_path)).read_bytes()
+    monkeypatch.setattr(module, "LIST_BYTES", len(before))
+    with pytest.raises(BadFile, match=r"phys_random\.jsonl: its lists would have .* MB"):
+        write_lists(path, [replace(LIST, task="press_bell")])
+    assert path.read_bytes() == before and read_list(path, LIST.task) == LIST
 
 
 def test_too_many_instances_are_refused_soon(tmp_path: Path) -> None:

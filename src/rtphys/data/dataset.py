@@ -452,6 +452,10 @@ class Dataset(Sequence[Episode]):
                 part, (_, value) = parts[id(spec)], spec.swept
                 for one in (*part.episodes(), *part.episodes(failed=True)):
                     by_seed.setdefault(one.seed, {})[value] = one
+            if family[0].paired:  # a run that was cut off leaves some values ahead of others
+                tried = [replace(parts[id(spec)], tests=()).rows() for spec in family]
+                common = set.intersection(*({row.seed for row in rows} for rows in tried))
+                by_seed = {seed: by_seed[seed] for seed in common & by_seed.keys()}
             found += [by_seed[seed] for seed in sorted(by_seed)]
         return tuple(found)
 

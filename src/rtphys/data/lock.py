@@ -4,6 +4,7 @@ import errno
 import fcntl
 import os
 import socket
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Self
 
@@ -59,21 +60,23 @@ class FolderLock:
                 try:
                     return open(held, "x", opener=files.unlinked)
                 except FileExistsError as there:
-                    raise DatasetLocked(out, held.read_text() or UNKNOWN, held) from there
+                    raise DatasetLocked(out, _owner(held), held) from there
                 except OSError as refused:
                     raise CannotWrite(held, refused) from refused
             if held.exists():
                 file.close()
-                raise DatasetLocked(out, held.read_text() or UNKNOWN, held)
+                raise DatasetLocked(out, _owner(held), held)
             # The last owner removes the file on release: a lock on a removed file guards nothing.
-            if self.path.exists() and os.fstat(file.fileno()).st_ino == self.path.stat().st_ino:
+            if _leads_to(self.path, file):
                 return file
             file.close()
 
     def release(self) -> None:
         """Idempotent."""
         if not self._file.closed:
-            self.path.unlink(missing_ok=True)
+            # Where somebody removed the folder, another run may hold the file of a new one.
+            if _leads_to(self.path, self._file):
+                self.path.unlink(missing_ok=True)
             self._file.close()
 
     def __enter__(self) -> Self:
@@ -81,6 +84,21 @@ class FolderLock:
 
     def __exit__(self, *_: object) -> None:
         self.release()
+
+
+def _leads_to(path: Path, file: IO[str]) -> bool:
+    """Whether a path still is that of an open file, which others may remove at any time."""
+    try:
+        return os.path.samestat(path.stat(), os.fstat(file.fileno()))
+    except FileNotFoundError:
+        return False
+
+
+def _owner(path: Path) -> str:
+    """Who wrote a file that is a lock, if it is still there."""
+    with suppress(FileNotFoundError):
+        return path.read_text() or UNKNOWN
+    return UNKNOWN
 
 
 def check_unlocked(out: Path) -> None:

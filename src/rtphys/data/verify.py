@@ -306,9 +306,11 @@ class _TaskCheck:
             known |= {one.scene_info, one.seed_txt, one.seeds_txt}
             folders |= {path.parent: (one, count) for path in one.episode(0).all()}
         for folder, inner, names in os.walk(place.folder):
-            inner[:] = [name for name in inner if name != STAGING]
+            if Path(folder) == place.folder and STAGING in inner:
+                inner.remove(STAGING)
             of, count = folders.get(Path(folder), (place, -1))
-            for path in (Path(folder, name) for name in names):
+            links = [name for name in inner if Path(folder, name).is_symlink()]  # are not followed
+            for path in (Path(folder, name) for name in (*names, *links)):
                 number = episode_number(path)
                 listed = () if number is None or number >= count else of.episode(number).all()
                 if path in known or path in listed:
@@ -376,10 +378,25 @@ def _check_manifest(
                 report.notes.append(f"{first}: some episodes are not in {other} yet; resume it")
 
 
+def _is_linked(out: Path, path: Path) -> bool:
+    """Whether a path below a dataset leads through a link, which its task datasets then refuse."""
+    try:
+        check_inside(out, path)
+    except BadFile:
+        return True
+    return False
+
+
 def _check_folder(out: Path, manifest: Manifest, report: Report) -> None:
-    for path in sorted(out.iterdir()):  # a README, a licence: a user may add what is no data
-        if path.is_file() and path.name not in OURS and path.suffix != files.TEMPORARY:
-            report.notes.append(f"{path}: no manifest covers it")
+    above = {out}  # the folders that hold task datasets, and those between
+    for entry in manifest.task_datasets.values():
+        parts = entry.below(out).name.split("/")[:-1]
+        above |= {out.joinpath(*parts[:depth]) for depth in range(1, len(parts) + 1)}
+    for folder in sorted(one for one in above if one.is_dir() and not _is_linked(out, one)):
+        for path in sorted(folder.iterdir()):  # a README, a licence: a user may add what is no data
+            ours = folder == out and path.name in OURS
+            if path.is_file() and not ours and path.suffix != files.TEMPORARY:
+                report.notes.append(f"{path}: no manifest covers it")
     try:
         for header in ledgers_below(out).values():
             name = TaskDataset.of(out, header.spec).name

@@ -5,9 +5,11 @@ Croissant lists every file of an episode with its SHA-256, and every episode wit
 
 import json
 from collections import Counter
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
 from datetime import date
 from itertools import pairwise
+from math import inf
 from pathlib import Path
 from typing import Annotated
 
@@ -113,18 +115,19 @@ def card(dataset: Dataset, text: CardText) -> str:
     counts = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
     made = ", ".join(f"{name} {' / '.join(sorted(v))}" for name, v in sorted(versions.items()))
     digest = dataset_digest((dataset.path / MANIFEST).read_bytes())
+    ranges = _ranges(dataset)
     layouts = [LAYOUTS[one] for one in dict.fromkeys(e.spec.recording.layout for e in entries)]
     parts = [
         "\n".join(front),
         f"# {text.name}",
         f"{counted(len(dataset), 'bimanual demonstrations')} ({frames} frames at 16.67 Hz) of "
         f"{counted(len(dataset.tasks), 'simulated tasks')}. Each episode "
-        f"stores the {_count(dataset)} as they were in force in the contact solver.",
+        f"stores the {_count(ranges)} as they were in force in the contact solver.",
         "## Episodes",
         _task_table(dataset),
         f"Attempts without an episode, by reason: {counts}." if counts else "",
         "## Physics",
-        _physics_table(dataset),
+        _physics_table(ranges),
         "## Files",
         "\n".join([FILES, *(FILES_OF.format(**layout) for layout in layouts)]),
         "\n".join([*(PICTURES.format(**layout) for layout in layouts), POSES]),
@@ -212,25 +215,39 @@ def _task_table(dataset: Dataset) -> str:
     return "\n".join(rows)
 
 
-def _keys(dataset: Dataset) -> list[str]:
-    """Every attribute that an episode has, those of single props too."""
-    return sorted({key for one in dataset for key in filter(is_attribute, one.meta.attributes)})
+@dataclass
+class _Range:
+    """Of an attribute in the episodes in which it could act."""
+
+    varied: int = 0  # episodes
+    low: float = inf
+    high: float = -inf
 
 
-def _count(dataset: Dataset) -> str:
-    return counted(len({split(key)[0] for key in _keys(dataset)}), "physical attributes")
+def _ranges(dataset: Dataset) -> dict[str, _Range]:
+    """Of every attribute that an episode has, those of single props too."""
+    found: dict[str, _Range] = {}
+    for episode in map(replace, dataset):  # copies, to forget what is read of them
+        for key, label in episode.meta.attributes.items():
+            if not is_attribute(key):
+                continue
+            of = found.setdefault(key, _Range())
+            if label.could_act:
+                of.varied += label.varied
+                numbers = [] if label.value is None else np.ravel(label.value).tolist()
+                of.low, of.high = min([of.low, *numbers]), max([of.high, *numbers])
+    return dict(sorted(found.items()))
 
 
-def _physics_table(dataset: Dataset) -> str:
+def _count(keys: Iterable[str]) -> str:
+    return counted(len({split(key)[0] for key in keys}), "physical attributes")
+
+
+def _physics_table(ranges: Mapping[str, _Range]) -> str:
     rows = ["| attribute | unit | varied in | smallest | largest |", "|---|---|---:|---:|---:|"]
-    labels = [episode.meta.attributes for episode in dataset]
-    for key in _keys(dataset):
-        given = [label[key] for label in labels if key in label and label[key].could_act]
-        numbers = [np.ravel(label.value) for label in given if label.value is not None]
-        values = np.concatenate(numbers) if numbers else np.array([])
-        low, high = (f"{values.min():.4g}", f"{values.max():.4g}") if len(values) else ("", "")
-        varied = sum(label.varied for label in given)
-        rows.append(f"| `{key}` | {attribute(key).unit} | {varied} | {low} | {high} |")
+    for key, of in ranges.items():
+        low, high = (f"{of.low:.4g}", f"{of.high:.4g}") if of.low <= of.high else ("", "")
+        rows.append(f"| `{key}` | {attribute(key).unit} | {of.varied} | {low} | {high} |")
     return "\n".join(rows)
 
 
@@ -245,7 +262,7 @@ def croissant(dataset: Dataset, text: CardText) -> dict[str, object]:
         "conformsTo": "http://mlcommons.org/croissant/1.1",
         "name": text.name,
         "description": f"{counted(len(dataset), 'simulated bimanual manipulation episodes')} "
-        f"with {_count(dataset)} each, as they were in force in the contact solver.",
+        f"with {_count(_ranges(dataset))} each, as they were in force in the contact solver.",
         **({"license": f"https://spdx.org/licenses/{text.license}"} if text.license else {}),
         "url": text.url or "https://example.org/not-published-yet",
         "version": "1.0.0",
@@ -286,7 +303,7 @@ def _episodes(dataset: Dataset) -> dict[str, object]:
             "trajectory": episode.paths.hdf5.relative_to(dataset.path).as_posix(),
             **physics_of(episode, acting=True),
         }
-        for episode in dataset
+        for episode in map(replace, dataset)  # copies, to forget what is read of them
     ]
     types = {
         key: next((TYPES[type(r[key])] for r in records if r.get(key) is not None), "sc:Float")

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from rtphys.core.errors import BadFile, BadValue
+from rtphys.core.errors import BadFile, BadValue, short_repr
 from rtphys.core.untrusted import parse_mapping
 from rtphys.data import files, video
 from rtphys.data.dataset import Dataset, Episode
@@ -23,7 +24,6 @@ from rtphys.export.lerobot_episode import (
     labels,
     pictures_of,
     sentences_of,
-    table_columns,
 )
 from rtphys.export.lerobot_plan import ExportSpec, Plan, plan_for
 from rtphys.spec.stored import load
@@ -73,11 +73,15 @@ def verify_export(out: Path, dataset: Dataset, progress: Progress | None = None)
 
 
 class _Export:
-    """An export's files, found by its own metadata. Raises `BadFile`: other episodes are there."""
+    """An export's files, found by its own metadata.
+
+    Raises `BadFile`: other episodes are there, or it does not say where one lies.
+    """
 
     def __init__(self, out: Path, version: str, episodes: int) -> None:
         self._out, self._table = out, lru_cache(maxsize=2)(_table)
-        self._info = parse_mapping(files.read(path := out / "meta/info.json"), path)
+        self._info_path = path = out / "meta/info.json"
+        self._info = parse_mapping(files.read(path), path)
         if (total := self._info.get("total_episodes")) != episodes:
             raise BadFile(path, f"holds {total} episodes, not {episodes}")
         self.robot = self._info.get("robot_type")
@@ -112,11 +116,14 @@ class _Export:
         wanted = columns_of(episode, at, plan)
         rows = len(wanted["index"])
         path = self._path("data", at.episode)
-        first = at.first - int(self._table(path)["index"][0].as_py())
-        found = table_columns(self._table(path).slice(first, rows))
-        for name in dict.fromkeys([*wanted, *found]):
-            same = name in found and name in wanted and np.array_equal(found[name], wanted[name])
-            if not same:
+        table = self._table(path)
+        begins = _numbers(table["index"][:1]) if "index" in table.column_names else None
+        if begins is None or begins.shape != (1,):
+            raise BadFile(path, "holds no index of its frames")
+        own = table.slice(max(at.first - int(begins[0]), 0), rows)
+        for name in dict.fromkeys([*wanted, *own.column_names]):
+            found = _numbers(own[name]) if name in own.column_names and name in wanted else None
+            if found is None or not np.array_equal(found, wanted[name]):
                 yield f"{name} is not the dataset's"
         for key, of in plan.videos.items():
             name = f"{of.camera}, depth" if of.depth else of.camera
@@ -128,17 +135,27 @@ class _Export:
         """The file of an episode's "data" or "video"."""
         chunk = {"episode_chunk": episode // CHUNK, "episode_index": episode}
         if self._v30:
-            row, place = self._rows[episode], f"videos/{key}" if key else kind
-            chunk = {one: row[f"{place}/{one}"] for one in ("chunk_index", "file_index")}
-        return self._out / str(self._info[f"{kind}_path"]).format(video_key=key, **chunk)
+            place = f"videos/{key}" if key else kind
+            both = ("chunk_index", "file_index")
+            chunk = {one: int(self._said(episode, f"{place}/{one}")) for one in both}
+        form = self._info.get(f"{kind}_path")
+        try:
+            return self._out / str.format(form, video_key=key, **chunk)  # type: ignore[arg-type]
+        except (TypeError, KeyError, IndexError, ValueError) as error:
+            problem = f"{kind}_path is {short_repr(form)}, which names no file of an episode"
+            raise BadFile(self._info_path, problem) from error
+
+    def _said(self, episode: int, key: str) -> float:
+        """What the table of episodes says of one. Raises `BadFile`: it is no number."""
+        return _number(self._rows[episode], key, self._out / EPISODES_V30)
 
     def _pictures(self, key: str, episode: int, rows: int) -> Iterator[Picture]:
         """An episode's pictures; a file that holds several is decoded once."""
         path = self._path("video", episode, key)
         start = 0
         if self._v30:
-            begins = float(str(self._rows[episode][f"videos/{key}/from_timestamp"]))
-            start = round(begins * float(str(self._info["fps"])))
+            begins = self._said(episode, f"videos/{key}/from_timestamp")
+            start = round(begins * _number(self._info, "fps", self._info_path))
         before, position, reel = self._reels.get(key, (None, 0, iter(())))
         if (before, position) != (path, start):
             reel = islice(_decoded(path), start, None)
@@ -173,6 +190,24 @@ def _decoded(path: Path) -> Iterator[Picture]:
         yield from video.decode(files.read(path))
     except video.BadVideo as error:
         raise BadFile(path, str(error)) from error
+
+
+def _number(said: Mapping[str, object], key: str, path: Path) -> float:
+    """A number from 0 on. Raises `BadFile`: it is none."""
+    value = said.get(key)
+    if not isinstance(value, int | float) or not (isfinite(value) and value >= 0):
+        raise BadFile(path, f"{key} is {short_repr(value)}, not a number from 0 on")
+    return value
+
+
+def _numbers(column: pa.ChunkedArray) -> NDArray[np.number] | None:
+    """Numbers (T,), or (T, n) of lists of any kind, as another tool may write them; None: neither
+    holds."""
+    try:
+        found = np.array(column.to_pylist())
+    except ValueError:  # lists of several lengths
+        return None
+    return found if found.dtype.kind in "iuf" else None
 
 
 def _table(path: Path) -> pa.Table:

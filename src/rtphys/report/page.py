@@ -4,7 +4,7 @@ import base64
 import json
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,7 @@ def write_report(
     total = 2 * len(dataset)
     facts = gather(dataset, lambda done: progress(done, total) if progress else None)
     embedded, drawn, rows = 0, 0, facts["episodes"] + facts["failures"]
-    episodes = (*dataset, *dataset.failures())
+    episodes = map(replace, (*dataset, *dataset.failures()))  # copies, to forget what is read
     for number, (row, episode) in enumerate(zip(rows, episodes, strict=True), start=1):
         open_binary(video := episode.paths.video).close()  # an ordinary file, no link
         embedded += video.stat().st_size
@@ -48,7 +48,7 @@ def write_report(
             row["video"] = _inline("video/mp4", read(video))
         else:
             row["video"] = quote(Path(os.path.relpath(video, out.parent)).as_posix())
-        failure, frames = episode.failure, [len(episode) // 2]
+        failure, frames = episode.failure, [row["frames"] // 2]
         if failure is not None:
             frames = [failure.frame + step for step in AROUND]
         pictures = [_thumbnail(episode, frame) for frame in frames] if drawn <= EMBEDDED else []
@@ -135,11 +135,14 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
             attempts.append([index, accepted, *(axis.of(row.physics) for axis in shown)])
     at = {entry.below(dataset.path).folder: n for n, entry in enumerate(entries)}
     episodes: list[JSON] = []
-    for done, episode in enumerate(dataset, start=1):
+    for done, episode in enumerate(map(replace, dataset), start=1):  # as above
         episodes.append(_episode(episode, at[episode.paths.hdf5.parents[1]], shown))
         if progress:
             progress(done)
-    failures = [_failure(one, at[one.paths.hdf5.parents[2]], shown) for one in dataset.failures()]
+    failures = [
+        _failure(one, at[one.paths.hdf5.parents[2]], shown)
+        for one in map(replace, dataset.failures())
+    ]
     return {
         "title": dataset.path.resolve().name,
         "axes": [{"title": axis.title, "unit": axis.unit} for axis in shown],

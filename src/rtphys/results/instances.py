@@ -170,7 +170,7 @@ def write_lists(path: Path, lists: Iterable[InstanceList]) -> None:
     """Writes lists into a protocol's file, each in its task's place; other tasks' stay as they are.
 
     The file is replaced atomically. Equal lists give equal bytes. Raises `CannotWrite`: the file
-    system refuses; `BadFile`: what is there is damaged.
+    system refuses; `BadFile`: what is there is damaged, or would be larger than is read.
     """
     texts = {header.task: lines for _, header, lines in _parts(path)} if path.exists() else {}
     for one in lists:
@@ -187,9 +187,12 @@ def write_lists(path: Path, lists: Iterable[InstanceList]) -> None:
         ).model_dump(mode="json", exclude_defaults=True)
         rows = [row if row.feasible else row[:2] for row in one.instances]
         texts[one.task] = [json.dumps(line).encode() for line in (header, *rows)]
-    files.make_folder(path.parent)
     lines = (line + b"\n" for _, text in sorted(texts.items()) for line in text)
-    files.replace_file(path, b"".join(lines))
+    if len(content := b"".join(lines)) > LIST_BYTES:
+        problem = f"its lists would have {len(content) / 1e6:.1f} MB, more than is read"
+        raise BadFile(path, f"{problem}; use another folder for some of the tasks")
+    files.make_folder(path.parent)
+    files.replace_file(path, content)
 
 
 def read_list(path: Path, task: str) -> InstanceList | None:
