@@ -190,7 +190,9 @@ def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -
 def shown(made: Summary, out: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """What the command prints of a summary."""
     monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
-    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
+    records = {(row.protocol, row.task): [] for row in made.tasks}
+    results = Results(out, {}, records, {})
+    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda _: results)
     options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(out)]
     done = CliRunner().invoke(app, ["evaluate", *options])
     assert done.exit_code == 0, done.output
