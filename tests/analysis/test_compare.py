@@ -293,7 +293,8 @@ def test_ranks_need_tasks_that_differ_under_one_protocol() -> None:
 def test_a_protocol_of_which_nothing_can_be_shown_is_refused(two: list[Path]) -> None:
     for words in (["--paper", "--protocol", "clean"], [*map(str, two), "--protocol", "cleen"]):
         done = CliRunner().invoke(app, ["compare", *words])
-        assert done.exit_code == 2 and "unknown protocol" in done.stderr
+        assert done.exit_code == 2 and "unknown evaluated protocol" in done.stderr
+        assert "--library" not in done.stderr  # no library's protocol would help
 
 
 def test_the_papers_methods_rank_tasks_alike() -> None:

@@ -34,6 +34,7 @@ COUNTS = Counts(feasible=500, infeasible=74, rollouts=500, successes=445, held=3
 LOADS = Loads((0.0, 21.4, 1012.0), (0.3, 0.89, 1.0), 12)
 REASONS = {"step_limit": 44, "policy_error": 11}
 TASK, BELL = "shake_bottle_horizontally", "click_bell"
+KEY = ("clean", TASK)
 CURVE = Curve(low=-0.0499, high=0.0499, slope=-12.34, error=10.01, levels=(1.0,), p=1.2e-14)
 SUMMARY = Summary(
     tasks=(TaskSummary("phys_random_all", TASK, COUNTS, LOADS, 100.0, REASONS),),
@@ -131,15 +132,25 @@ def test_the_first_error_of_a_policy_is_said_in_one_line(tmp_path: Path) -> None
         EpisodeRecord(TASK, "clean", 100000, success=True),
         EpisodeRecord(TASK, "clean", 100001, success=False, reason="policy_error", detail=trace),
     ]
-    results = Results(tmp_path, {}, {("clean", TASK): records}, {})
+    results = Results(tmp_path, {}, {KEY: records}, {})
     where = ledger_file(tmp_path, "clean", TASK)
     sentence = (
         "policy_error of seed 100001: ValueError: 14 actions, not 16; "
         f"the traceback is `detail` of its line in {where}"
     )
-    assert errors_of(results) == (sentence, False)
-    assert errors_of(Results(tmp_path, {}, {("clean", TASK): records[1:]}, {})) == (sentence, True)
-    assert errors_of(Results(tmp_path, {}, {("clean", TASK): records[:1]}, {})) == ("", False)
+    assert errors_of(results, [KEY]) == (sentence, False)
+    assert errors_of(replace(results, records={KEY: records[1:]}), [KEY]) == (sentence, True)
+    assert errors_of(replace(results, records={KEY: records[:1]}), [KEY]) == ("", False)
+
+
+def test_what_an_earlier_command_has_run_hides_no_error_and_is_none(tmp_path: Path) -> None:
+    bell, wrong = ("clean", BELL), "ValueError: x"
+    raised = EpisodeRecord(TASK, "clean", 1, False, reason="policy_error", detail=wrong)
+    earlier = EpisodeRecord(BELL, "clean", 1, success=True)
+    results = Results(tmp_path, {}, {bell: [earlier], KEY: [raised]}, {})
+    assert errors_of(results, [KEY])[1]
+    assert errors_of(results, [bell]) == ("", False)
+    assert not errors_of(results, [bell, KEY])[1]
 
 
 def test_the_message_of_an_error_may_have_several_lines(tmp_path: Path) -> None:
@@ -148,7 +159,7 @@ def test_the_message_of_an_error_may_have_several_lines(tmp_path: Path) -> None:
     )
     for trace in (f"{frames}ValueError: sizes\n[1 2\n 3]\n", f"{frames}ValueError: sizes\n"):
         wrong = EpisodeRecord(TASK, "clean", 1, False, reason="policy_error", detail=trace)
-        said, _ = errors_of(Results(tmp_path, {}, {("clean", TASK): [wrong]}, {}))
+        said, _ = errors_of(Results(tmp_path, {}, {KEY: [wrong]}, {}), [KEY])
         assert said.startswith("policy_error of seed 1: ValueError: sizes; ")
 
 
@@ -156,7 +167,7 @@ def test_a_long_message_of_an_error_is_cut(tmp_path: Path) -> None:
     wrong = EpisodeRecord(
         TASK, "clean", 1, False, reason="policy_error", detail="E: " + "x" * 10**6
     )
-    said, _ = errors_of(Results(tmp_path, {}, {("clean", TASK): [wrong]}, {}))
+    said, _ = errors_of(Results(tmp_path, {}, {KEY: [wrong]}, {}), [KEY])
     assert said.startswith("policy_error of seed 1: E: xxx") and len(said) < 1000
 
 
@@ -179,7 +190,9 @@ def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -
 def shown(made: Summary, out: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """What the command prints of a summary."""
     monkeypatch.setattr("rtphys.studies.evaluate.evaluate", lambda *_: made)
-    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda path: Results(path, {}, {}, {}))
+    records = {(row.protocol, row.task): [] for row in made.tasks}
+    results = Results(out, {}, records, {})
+    monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda _: results)
     options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(out)]
     done = CliRunner().invoke(app, ["evaluate", *options])
     assert done.exit_code == 0, done.output

@@ -9,10 +9,11 @@ from typer.testing import CliRunner
 
 from rtphys.cli.authoring import domains
 from rtphys.cli.main import app
-from rtphys.cli.physics import physics
+from rtphys.cli.physics import physics, worst
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.laws.lab import Lab
+from rtphys.laws.law import Trial
 from rtphys.physics import Domain, Physics, load_domain
 from rtphys.physics.values import plain_value
 
@@ -129,6 +130,13 @@ def test_unknown_names_are_refused_with_the_nearest(app, command, nearest):
     result = RUN.invoke(app, command.split())
     assert isinstance(result.exception, UnknownName)
     assert f"did you mean '{nearest}'" in str(result.exception)
+
+
+def test_a_law_may_allow_no_error_at_all():
+    exact, wrong = (Trial("x", 1.0, x, "m", tolerance=0.0, setting="a") for x in (1.0, 1.1))
+    assert worst([exact, wrong]) == worst([wrong, exact]) == [wrong]
+    near = Trial("y", 1.0, 1.01, "m", setting="a")
+    assert worst([exact, near]) == [near]
 
 
 @pytest.mark.sim

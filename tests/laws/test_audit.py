@@ -55,9 +55,11 @@ def test_blind_acceptance_shows_no_cut():
         assert one.distance < 0.1
 
 
-def test_few_rejections_and_no_acceptance():
+def test_few_rejections_few_acceptances_and_none():
     few = Selection("k", "1", MU, np.arange(N) > 2)
     assert (few.sentence, few.p) == ("too few rejections to tell", 1.0)
+    rare = Selection("k", "1", MU, np.arange(N) < 3)
+    assert (rare.sentence, rare.p) == ("too few acceptances to tell", 1.0)
     none = Selection("k", "1", MU, np.zeros(N, bool))
     assert (none.sentence, none.distance) == ("nothing was accepted", 1.0)
 

@@ -113,6 +113,37 @@ def test_every_action_has_an_observation_of_its_own_unless_a_chunk_is_to_share_o
     assert len(seen) == observations
 
 
+@pytest.mark.parametrize(
+    ("about", "most"),
+    [({"chunk_size": 4}, 4), ({"chunk_size": 4, "temporal_ensemble_coeff": 0.01}, 1), ({}, 9)],
+)
+def test_no_more_of_a_chunk_is_carried_out_than_it_has(
+    about: dict[str, float], most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """lerobot checks this when it reads a file, and not when the number is set afterwards."""
+
+    def config(path: str) -> SimpleNamespace:
+        return SimpleNamespace(type="act", device="cpu", n_action_steps=1, **about)
+
+    policy = SimpleNamespace(from_pretrained=lambda path, config: SimpleNamespace(config=config))
+    modules = {
+        "lerobot.configs.policies": {"PreTrainedConfig": SimpleNamespace(from_pretrained=config)},
+        "lerobot.policies.factory": {
+            "get_policy_class": lambda kind: policy,
+            "make_pre_post_processors": lambda config, **_: (None, None),
+        },
+        "torch": {},
+    }
+    for name, content in modules.items():
+        monkeypatch.setitem(sys.modules, name, SimpleNamespace(**content))
+    assert Checkpoint("act", "", most).config.n_action_steps == most
+    if about:
+        with pytest.raises(
+            ValueError, match=f"execute = {most + 1} is not allowed; at most {most}"
+        ):
+            Checkpoint("act", "", most + 1)
+
+
 LEROBOT = """
 import sys, types
 import numpy as np

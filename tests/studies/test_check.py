@@ -250,6 +250,19 @@ def test_where_nothing_can_be_drawn_the_verdict_stays(own_task, tmp_path: Path) 
     assert not [*tmp_path.glob("a.*")]
 
 
+@pytest.mark.render
+def test_a_sheet_that_cannot_be_written_is_refused_before_any_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtphys.studies.check.check", lambda *_: pytest.fail("it went to work"))
+    (tmp_path / "file").touch()
+    for sheet in ("a.png", "file"):  # one picture for two sheets, and a file in the way
+        words = ["check", "click_bell", "--protocol", "clean,phys_random", "--sheet"]
+        done = CliRunner().invoke(app, [*words, str(tmp_path / sheet)])
+        assert done.exit_code == 2 and sheet in done.stderr
+    assert not (tmp_path / "a.png").exists()
+
+
 @pytest.mark.parametrize("name", ["picture", "video"])
 def test_a_file_of_another_kind_is_refused(name: str, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["try", "click_bell", f"--{name}", str(tmp_path / "a.gif")])

@@ -115,7 +115,7 @@ def compare(evaluations: Sequence[Results], protocol: str | None, paper: bool) -
     columns, of_paper = columns_of(evaluations), paper_columns() if paper else []
     known = dict.fromkeys(column.protocol for column in columns or of_paper)
     if protocol is not None and protocol not in known:
-        raise UnknownName("protocol", protocol, known)
+        raise UnknownName("evaluated protocol", protocol, known)
     columns, of_paper = (
         [column for column in some if protocol in (None, column.protocol)]
         for some in (columns, of_paper)

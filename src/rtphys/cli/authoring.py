@@ -301,7 +301,8 @@ class Output(AsJson):
     """Where the results go beside the screen."""
 
     sheet: Annotated[
-        Path | None, Option("Write a contact sheet here: a .png for one task, else a folder.")
+        Path | None,
+        Option("Write a contact sheet here: a .png for one task under one protocol, or a folder."),
     ] = None
 
 
@@ -323,7 +324,11 @@ def check(plan: CheckPlan, output: Output) -> None:
         rtphys check 'stack_*' --protocol clean,phys_random --sheet sheets
     """
     if (sheet := output.sheet) is not None:
+        if (single := sheet.suffix == ".png") and len(plan.tasks) * len(plan.protocols) > 1:
+            allowed = "each task has a sheet under each protocol; name a folder"
+            raise BadValue("sheet", str(sheet), allowed)
         check_drawable()
+        make_folder(sheet.parent if single else sheet)  # refused before work of hours
     from rtphys.report.pictures import captioned
     from rtphys.studies.check import check as run_check
     from rtphys.studies.check import ends
@@ -335,10 +340,9 @@ def check(plan: CheckPlan, output: Output) -> None:
     else:
         _show_scores(scores)
     if sheet is not None:
-        single = len(scores) == 1 and sheet.suffix == ".png"
-        make_folder(sheet.parent if single else sheet)
         for score in scores:
-            path = sheet if single else sheet / f"{score.spec.task}_{score.spec.protocol}.png"
+            name = f"{score.spec.task}_{score.spec.protocol}.png"
+            path = sheet if sheet.suffix == ".png" else sheet / name
             try:
                 seed, stages, pictures = ends(pack, score)
             except Infeasible as problem:

@@ -1,6 +1,6 @@
 """Commands for policies: certified lists, evaluations, and comparisons of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated
@@ -170,7 +170,8 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
             for line in [*notes, *left_out_of(summary), *drawn_together_in(summary), TOGETHER]:
                 say(line)
     out = run.folder(spec.policy)
-    broken, every = errors_of(read_results(out))
+    played = [(row.protocol, row.task) for row in summary.tasks]
+    broken, every = errors_of(read_results(out), played)
     if broken:
         say(broken, err=True)
     written = "records, summary and figures" if any(out.glob("*.png")) else "records and summary"
@@ -179,9 +180,12 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         raise typer.Exit(1)
 
 
-def errors_of(results: Results) -> tuple[str, bool]:
-    """What the policy raised first, in one line, and where to read on; whether it always raised."""
-    played = [record for records in results.records.values() for record in records]
+def errors_of(results: Results, keys: Iterable[tuple[str, str]]) -> tuple[str, bool]:
+    """What the policy raised first, in one line, and where to read on; whether it always raised.
+
+    `keys`: protocol and task of what counts; others in the folder are of earlier commands.
+    """
+    played = [record for key in keys for record in results.records[key]]
     broken = [record for record in played if record.reason == "policy_error"]
     if not broken:
         return "", False

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -182,10 +182,17 @@ def stated(key: str, value: Value) -> str:
 
 def worst(trials: "Sequence[Trial]") -> "list[Trial]":
     """Of each setting, the trial that came nearest to failing."""
+
+    def used(trial: "Trial") -> float:
+        """Share of the tolerance; an experiment of a library may allow no error at all."""
+        if not trial.tolerance:
+            return 0.0 if trial.passed else inf
+        return trial.error / trial.tolerance
+
     worst_of: dict[str, Trial] = {}
     for trial in trials:
         known = worst_of.get(trial.setting)
-        if known is None or trial.error / trial.tolerance > known.error / known.tolerance:
+        if known is None or used(trial) > used(known):
             worst_of[trial.setting] = trial
     return list(worst_of.values())
 

@@ -62,6 +62,7 @@ class Checkpoint:
         config = configs.PreTrainedConfig.from_pretrained(path)
         config.device = device or config.device
         if execute:
+            check_execute(config, execute)
             config.n_action_steps = execute
         self.policy = factory.get_policy_class(config.type).from_pretrained(path, config=config)
         self.config, on = self.policy.config, {"device": config.device}
@@ -105,6 +106,15 @@ class Checkpoint:
             batch = self.before(batch)
             actions = [self.after(self.policy.select_action(batch)) for _ in range(count)]
         return self.torch.cat(actions).float().numpy()
+
+
+def check_execute(config: Any, count: int) -> None:
+    """Raises ValueError: a chunk has fewer actions, which lerobot checks where it reads a file."""
+    ensemble = getattr(config, "temporal_ensemble_coeff", None) is not None
+    most = 1 if ensemble else getattr(config, "chunk_size", count)
+    if count > most:
+        why = "with temporal ensembling" if ensemble else "of a chunk"
+        raise ValueError(f"execute = {count} is not allowed; at most {most} {why}")
 
 
 def serve(connection: Connection) -> None:

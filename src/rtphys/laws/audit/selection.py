@@ -58,8 +58,11 @@ class Selection:
     def sentence(self) -> str:
         """The result in one sentence."""
         kept, n = int(self.accepted.sum()), len(self.accepted)
+        if not kept:
+            return "nothing was accepted"
         if min(kept, n - kept) < MIN_ATTEMPTS:
-            return "too few rejections to tell" if kept else "nothing was accepted"
+            fewer = "rejections" if n - kept < MIN_ATTEMPTS else "acceptances"
+            return f"too few {fewer} to tell"
         if self.p >= UNLIKELY:
             return "no cut that shows"
         edges, rates = self.rates
