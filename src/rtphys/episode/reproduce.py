@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from rtphys.assets.pack import Pack, default_pack, pack_with
+from rtphys.core.bounds import LARGEST_EPISODE
 from rtphys.core.errors import BadValue, NoRenderer, RtphysError
 from rtphys.core.untrusted import JSON
 from rtphys.data import files, schema
@@ -217,7 +218,7 @@ def remade(recorded: RecordedAttempt, folder: Path) -> dict[Path, bytes]:
     label = pretty(_as_labelled(made, recorded))
     places = targets(recorded.paths)
     return {
-        path: label if name == PHYS_META else files.read(made.folder / name)
+        path: label if name == PHYS_META else files.read(made.folder / name, LARGEST_EPISODE)
         for name, path in places.items()
     }
 
