@@ -31,6 +31,7 @@ from rtphys.data.attempts import (
 )
 from rtphys.data.check_draws import DrawCheck
 from rtphys.data.check_episode import Effort, Problem, check_episode
+from rtphys.data.faults import CannotWrite, DatasetLocked
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import compact, pretty
 from rtphys.data.layout import (
@@ -44,6 +45,7 @@ from rtphys.data.layout import (
     episode_number,
 )
 from rtphys.data.ledger import parse_row, read_header, read_lines
+from rtphys.data.lock import check_unlocked
 from rtphys.data.manifest import (
     LedgerState,
     Manifest,
@@ -299,7 +301,7 @@ class _TaskCheck:
     def _check_unlisted(self) -> None:
         """What lies in the folder that nothing lists."""
         report, place = self.report, self.place
-        if running := place.staging.exists():
+        if place.staging.exists():
             report.notes.append(f"{self.name}: a run was cut off or still goes on ({STAGING})")
         known, folders = {place.ledger}, dict[Path, tuple[TaskDataset, int]]()
         for one, count in ((place, self.totals.episodes), (place.failures, self.totals.failures)):
@@ -315,10 +317,10 @@ class _TaskCheck:
                 listed = () if number is None or number >= count else of.episode(number).all()
                 if path in known or path in listed:
                     continue
-                # A kill leaves one episode ahead of the ledger; a run that goes on makes more.
-                ahead = number is not None and (number == count or (running and number > count))
-                if path.suffix == files.TEMPORARY or ahead:
+                if path.suffix == files.TEMPORARY or number == count:
                     report.notes.append(f"{path}: {CUT_OFF}")
+                elif number is not None and number > count and _goes_on(self.out):
+                    report.notes.append(f"{path}: newer than what was checked; a run goes on")
                 else:
                     report.problem(path, "is in no manifest")
 
@@ -376,6 +378,17 @@ def _check_manifest(
                 report.problem(path, f"{first} and {other} pair other seeds")
             elif len(seeds) != len(checks[other].seeds):  # a run that was cut off leaves one ahead
                 report.notes.append(f"{first}: some episodes are not in {other} yet; resume it")
+
+
+def _goes_on(out: Path) -> bool:
+    """Whether a run writes into a dataset now; one that was killed holds no lock."""
+    try:
+        check_unlocked(out)
+    except DatasetLocked:
+        return True
+    except CannotWrite:
+        return False
+    return False
 
 
 def _is_linked(out: Path, path: Path) -> bool:
