@@ -1,32 +1,54 @@
 """A fingerprint covers what decides a state: task, family, expert, simulation."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 import rtphys
-from rtphys.core.code_digest import imported_files
-from rtphys.episode.fingerprint import versions
+from rtphys.episode.fingerprint import shaping_files, versions
 from rtphys.task.spec import load_task
 
 PACKAGE = Path(rtphys.__file__).parent
-DECIDING = (
-    "expert/arm.py",
-    "plan/rrt.py",
-    "plan/trajectory.py",
-    "sim/feet.py",
-    "physics/domain.py",
-    "visual/clutter.py",
-    "task/success.py",
-)
 DRAWING = ("sim/renderer.py", "episode/render.py", "data/video.py", "cli/main.py")
+# Prints the files whose code runs in an attempt under every attribute, but for what it imports.
+FILES_THAT_RUN = """
+import sys
+from rtphys.assets.pack import default_pack
+from rtphys.episode.generate import attempt
+from rtphys.spec.episode import EpisodeSpec
+from rtphys.task.spec import load_task
+recipe, task, pack = EpisodeSpec("TASK", "phys_random_all").at(1), load_task("TASK"), default_pack()
+ran = set()
+sys.setprofile(lambda frame, event, given: ran.add(frame.f_code.co_filename))
+attempt(recipe, task, pack)
+sys.setprofile(None)
+print(*ran, sep="\\n")
+"""
 
 
-def test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not() -> None:
-    found = imported_files(PACKAGE / "episode" / "generate.py", PACKAGE)
-    names = {path.relative_to(PACKAGE).as_posix() for path in found}
-    assert names >= set(DECIDING)
-    assert names.isdisjoint(DRAWING)
+@pytest.mark.sim
+@pytest.mark.parametrize("task", ["lift_pot", "open_laptop"])
+def test_the_way_from_a_recipe_to_its_states_is_covered_and_pictures_are_not(task: str) -> None:
+    program = [sys.executable, "-c", FILES_THAT_RUN.replace("TASK", task)]
+    output = subprocess.run(program, check=True, capture_output=True, text=True).stdout
+    ran = {Path(line) for line in output.splitlines() if line.startswith(f"{PACKAGE}/")}
+    covered = shaping_files()
+    assert len(ran) > 50
+    assert ran - covered == set()
+    assert covered.isdisjoint(PACKAGE / name for name in DRAWING)
+
+
+def test_what_an_attribute_of_a_library_imports_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "attributes"
+    folder.mkdir()
+    (folder / "stickiness.py").write_text("from ._glue import STRENGTH\n")
+    (folder / "_glue.py").write_text("STRENGTH = 1.0\n")
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    assert {folder / "stickiness.py", folder / "_glue.py"} <= shaping_files()
 
 
 FAMILY = "LIFT = 0.1  # [m]\n"

@@ -9,7 +9,7 @@ from b1_arms import BENT, LIMITS
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.core.seeds import stream
-from rtphys.plan.collision import CollisionChecker, Obstacle
+from rtphys.plan.collision import CollisionChecker, Obstacle, Rules
 from rtphys.plan.robot_shapes import hull
 
 ZERO = np.zeros(6)
@@ -130,7 +130,7 @@ def test_links_alone_are_asked_where_fingers_and_loads_may_touch(checker, reach)
     checker.attach("right", "load", CUBE + np.array([TIP + 0.02, 0, 0]))
     checker.set_obstacles([Obstacle("post", post, Pose((0.2, -0.1, 0.77)))])
     assert not checker.clear(ZERO, q)
-    with checker.links_only():
+    with checker.under(Rules(links_only=True)):
         assert checker.clear(ZERO, q)  # the load and the post
         checker.set_obstacles([Obstacle("post", post, Pose((0.2, -0.1, 0.80 + TIP - 0.03)))])
         assert not checker.clear(ZERO, q)  # the palm and the post
@@ -157,8 +157,8 @@ def test_carried_body_may_rest_but_not_graze(checker, reach, gap, resting, trans
     q = reach((0.2, -0.1, 0.74 + 0.01 + gap))
     checker.attach("right", "cube", CUBE + np.array([TIP - 0.01, 0, 0]))
     assert checker.clear(ZERO, q, (0.045, 0.02)) == bool(resting)
-    checker.keep_carried_clear(0.005)
-    assert checker.clear(ZERO, q, (0.045, 0.02)) == bool(transfer)
+    with checker.under(Rules(carried_margin=0.005)):
+        assert checker.clear(ZERO, q, (0.045, 0.02)) == bool(transfer)
 
 
 def test_carried_body_may_be_handed_over(checker, reach) -> None:

@@ -17,7 +17,7 @@ from rtphys.laws.lab import Lab
 from rtphys.physics.handles import GRAVITY
 from rtphys.sim.body import shape_points
 from rtphys.sim.engine import RATE, TIME_STEP, from_sapien, new_scene
-from rtphys.sim.robot import RobotReading, SimArm, SimRobot
+from rtphys.sim.robot import SimArm, SimRobot
 from rtphys.sim.urdf import build_articulation
 from rtphys.sim.world import World
 from rtphys.spec.episode import EpisodeSpec
@@ -91,7 +91,7 @@ def test_it_does_not_move_on_with_the_robot() -> None:
     command[[1, 8]] += 0.2
     command[[6, 13]] = 0.4
     episode.act(command)
-    reading, again = RobotReading(robot), RobotReading(robot)
+    reading, again = episode.observe(), episode.observe()
     ends = {arm.side: arm.ee().flat for arm in robot.arms}
     openings = [arm.opening() for arm in robot.arms]
     arms = [arm.measured() for arm in robot.arms]
@@ -101,12 +101,12 @@ def test_it_does_not_move_on_with_the_robot() -> None:
     for found in (reading, again, again):
         for side, pose in ends.items():
             np.testing.assert_array_equal(found.endposes[side], pose)
-        np.testing.assert_array_equal(found.positions[[6, 13]], openings)
-        np.testing.assert_array_equal(np.delete(found.positions, [6, 13]), np.concatenate(arms))
+        np.testing.assert_array_equal(found.measured[[6, 13]], openings)
+        np.testing.assert_array_equal(np.delete(found.measured, [6, 13]), np.concatenate(arms))
         np.testing.assert_array_equal(found.velocities, velocities)
         np.testing.assert_array_equal(found.efforts[:6], efforts[robot.left.index])
         assert found.efforts[13] == efforts[robot.right.finger_index].mean()
-    assert not np.array_equal(RobotReading(robot).positions, reading.positions)
+    assert not np.array_equal(episode.observe().measured, reading.measured)
 
 
 MASS = 0.5  # [kg]

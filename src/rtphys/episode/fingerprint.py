@@ -62,7 +62,15 @@ def packages() -> dict[str, str]:
 @lru_cache(maxsize=1)
 def code() -> str:
     """Digest of the code between a recipe and its states: physics, simulation, planner, expert."""
-    path = imported_files(PACKAGE / "episode" / "generate.py", PACKAGE)
-    # Attributes are found by looking into folders, not imported by name.
-    found = (PACKAGE / "physics" / "attributes").glob("*.py")
-    return code_digest({*path, *found, *library.names("attributes").values()})
+    return code_digest(shaping_files())
+
+
+def shaping_files() -> frozenset[Path]:
+    """The files of that code: what `generate.py` and each attribute import, directly or not."""
+    # Attributes are found by looking into folders, so that nothing imports them by name.
+    found = [PACKAGE / "episode" / "generate.py", *(PACKAGE / "physics/attributes").glob("*.py")]
+    own = library.names("attributes").values()
+    return frozenset[Path]().union(
+        *(imported_files(path, PACKAGE) for path in found),
+        *(imported_files(path, library.top_of("attributes", path)) for path in own),
+    )

@@ -16,7 +16,7 @@ from rtphys.episode.generate import Instance, prepare
 from rtphys.senses import drawn
 from rtphys.senses.touch import Touch
 from rtphys.sim import renderer
-from rtphys.sim.robot import RobotReading
+from rtphys.sim.robot import SimRobot
 from rtphys.sim.scene_renderer import SceneRenderer, matrices
 from rtphys.spec.recording import CAMERAS, RecordingSpec
 
@@ -72,42 +72,66 @@ class ByCamera(dict[str, V]):
         raise UnknownName("camera", name, self)
 
 
-@dataclass(frozen=True, eq=False)
 class Observation:
     """One instant. Pictures show this instant; they are drawn when they are first asked for.
 
-    Openings are 0 closed .. 1 open. Poses are xyz [m] + wxyz, world frame.
+    Openings are 0 closed .. 1 open. Poses are xyz [m] + wxyz, world frame. What the robot measures
+    is read when this is made, and worked out when it is asked for: a blind policy asks for none.
+
+    Args:
+        time: [s] since the policy stage began.
+        draw: draws this instant.
+        feel: what the fingers felt; None: without that sense.
     """
 
-    time: float  # [s] since the policy stage began
-    embodiment: Embodiment
-    vector: Array  # (N,) drive targets [rad] and openings, in the embodiment's `action_layout`
-    reading: RobotReading = field(repr=False)  # of which the properties below tell
-    draw: Callable[[], View] = field(repr=False)
-    feel: Callable[[], Touch] | None = field(default=None, repr=False)  # None: without that sense
+    def __init__(
+        self,
+        time: float,
+        robot: SimRobot,
+        draw: Callable[[], View],
+        feel: Callable[[], Touch] | None = None,
+    ) -> None:
+        self.time = time
+        self._robot, self._draw, self._feel, art = robot, draw, feel, robot.articulation
+        self._qpos, self._qvel = art.qpos, art.qvel
+        self._forces = art.link_incoming_joint_forces
+        self._links = [arm.ee_link.entity_pose for arm in robot.arms]
+        self.vector: Array = np.array([x for arm in robot.arms for x in arm.commanded])
+        """(N,) drive targets [rad] and openings, in the embodiment's `action_layout`."""
 
     @property
+    def embodiment(self) -> Embodiment:
+        """The robot's description."""
+        return self._robot.embodiment
+
+    @cached_property
     def endposes(self) -> Mapping[str, Array]:
         """Measured poses (7,) of the ee frames, "left" and "right"."""
-        return self.reading.endposes
+        arms = zip(self._robot.arms, self._links, strict=True)
+        return {arm.side: arm.ee_on(link).flat for arm, link in arms}
 
-    @property
+    @cached_property
     def measured(self) -> Array:
         """(N,) joint positions [rad] and openings measured, in the order of `vector`."""
-        return self.reading.positions
+        qpos, arms = self._qpos.astype(float), self._robot.arms
+        return np.concatenate([np.append(qpos[a.index], a.opening_at(self._qpos)) for a in arms])
 
-    @property
+    @cached_property
     def velocities(self) -> Array:
         """(N - 2,) joint velocities measured, left then right [rad/s]."""
-        return self.reading.velocities
+        qvel = self._qvel.astype(float)
+        return np.concatenate([qvel[arm.index] for arm in self._robot.arms])
 
-    @property
+    @cached_property
     def efforts(self) -> Array:
         """(N,) what each joint exerts, measured [N m], and the mean of a hand's fingers [N].
 
         In the order of `vector`. That of fingers is negative when they press on something.
         """
-        return self.reading.efforts
+        effort, arms = self._robot.effort_of(self._forces), self._robot.arms
+        return np.concatenate(
+            [np.append(effort[a.index], effort[a.finger_index].mean()) for a in arms]
+        )
 
     @property
     def grippers(self) -> tuple[float, float]:
@@ -118,12 +142,12 @@ class Observation:
     @cached_property
     def view(self) -> View:
         """All that is drawn of this instant, senses included. Raises as `cameras`."""
-        return self.draw()
+        return self._draw()
 
     @cached_property
     def touch(self) -> Touch | None:
         """What the fingers felt since the last frame, at most 60 ms ago; T = 1."""
-        return None if self.feel is None else self.feel()
+        return None if self._feel is None else self._feel()
 
     @property
     def felt(self) -> Mapping[str, NDArray[Any]]:

@@ -2,8 +2,6 @@
 
 from functools import partial
 
-import numpy as np
-
 from rtphys.assets.pack import Pack
 from rtphys.core.poses import Array
 from rtphys.episode.assemble import describer
@@ -12,7 +10,6 @@ from rtphys.episode.generate import Instance, prepare, settle, start
 from rtphys.episode.observation import Mirror, Observation
 from rtphys.episode.touch import felt_now
 from rtphys.sim.recorder import FRAME_STEPS
-from rtphys.sim.robot import RobotReading
 from rtphys.sim.rollout import Keep, Outcome, Rollout, RolloutOptions
 from rtphys.spec.episode import Recipe
 from rtphys.spec.recording import RecordingSpec
@@ -112,13 +109,11 @@ class PolicyEpisode:
 
     def observe(self) -> Observation:
         """The world now; also after the end."""
-        rollout, robot = self.rollout, self.rollout.world.robot
+        rollout = self.rollout
         packed, touch = rollout.world.scene.pack_poses(), rollout.recorder.touch
         return Observation(
-            time=rollout.scene.time,
-            embodiment=robot.embodiment,
-            vector=np.array([number for arm in robot.arms for number in arm.commanded]),
-            reading=RobotReading(robot),
+            rollout.scene.time,
+            rollout.world.robot,
             draw=partial(self._mirror.view, packed, rollout.steps // FRAME_STEPS),
             feel=None if touch is None else partial(felt_now, touch.track, touch.last()),
         )

@@ -98,7 +98,7 @@ class DualArmPlanner:
             leaving: what touches at the start may, until it has parted; at the end it must have.
         """
         parting: frozenset[str] | None = None if leaving else frozenset()
-        with self.checker.links_only():
+        with self.checker.under(self.checker.rules._replace(links_only=True)):
             for postures in way:
                 # The first question is the cheaper one.
                 pairs = frozenset() if self.clear(postures) else self._contacts(postures)

@@ -12,6 +12,7 @@ from rtphys.expert.feasibility import Feasibility, Intent
 from rtphys.expert.hands import Hands
 from rtphys.expert.planner import ArmGoal, DualArmPlanner
 from rtphys.physics.values import Physics
+from rtphys.plan.collision import RESTING_MARGIN
 from rtphys.plan.trajectory import Trajectory
 from rtphys.sim.recorder import RECOVER
 from rtphys.sim.rollout import Rollout
@@ -123,13 +124,10 @@ class ExpertRobot(Robot):
         trajectory = None
         if goals:
             room = max((getattr(step, "room", 0.0) for step in steps.values()), default=0.0)
-            if room:
-                self.planner.checker.keep_carried_clear(room)
-            try:
+            checker = self.planner.checker
+            with checker.under(checker.rules._replace(carried_margin=room or RESTING_MARGIN)):
                 start = {side: self._feasibility.commanded(side) for side in SIDES}
                 trajectory = self.planner.motion(start, goals, self.hands.pace())
-            finally:
-                self.planner.checker.keep_carried_clear()
         touched = self._run(trajectory, steps, ramps)
         for side, step in steps.items():
             if isinstance(step, Shift) and step.must and side not in touched:

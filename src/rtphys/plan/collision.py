@@ -5,7 +5,7 @@ come back.
 """
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any, NamedTuple
@@ -38,7 +38,9 @@ class Rules(NamedTuple):
     """What the caller may change about pairs."""
 
     ignored: frozenset[tuple[str, str]] = frozenset()
-    carried_margin: float = RESTING_MARGIN  # [m]
+    # [m] from carried bodies to obstacles. The default lets them overlap, so that a body may leave
+    # and reach what it rests on; a transfer needs a positive one, or its shortcuts graze things.
+    carried_margin: float = RESTING_MARGIN
     links_only: bool = False  # fingers and loads may touch all but links that are no fingers
 
 
@@ -253,7 +255,7 @@ class CollisionChecker:
         self._obstacles: list[Shape] = []
         self._carried: list[Shape] = []
         self._hulls.clear()  # scaled objects differ in every episode: it would grow for ever
-        self._rules = Rules()
+        self.rules = Rules()
         self._model: PairModel | None = None  # None when items have changed since
 
     def set_obstacles(self, obstacles: Sequence[Obstacle]) -> None:
@@ -293,36 +295,22 @@ class CollisionChecker:
         self._model = None
 
     @contextmanager
-    def ignoring(self, *pairs: tuple[str, str]) -> Iterator[None]:
+    def under(self, rules: Rules) -> Iterator[None]:
+        """Within: other rules are in force."""
+        before, self.rules = self.rules, rules
+        try:
+            yield
+        finally:
+            self.rules = before
+
+    def ignoring(self, *pairs: tuple[str, str]) -> AbstractContextManager[None]:
         """Within: the fingers and the load of a pair's hand may touch the body.
 
         Bodies that the checker does not know are passed over: a mark has no collision shape.
         """
         known = {item.name for item in (*self._obstacles, *self._carried)}
-        before = self._rules
-        ignored = before.ignored.union(pair for pair in pairs if pair[1] in known)
-        self._rules = before._replace(ignored=ignored)
-        try:
-            yield
-        finally:
-            self._rules = before
-
-    @contextmanager
-    def links_only(self) -> Iterator[None]:
-        """Within: fingers and loads may touch everything but links that are no fingers."""
-        before, self._rules = self._rules, self._rules._replace(links_only=True)
-        try:
-            yield
-        finally:
-            self._rules = before
-
-    def keep_carried_clear(self, margin: float = RESTING_MARGIN) -> None:
-        """Set how far carried bodies stay from obstacles [m].
-
-        The default allows 2 mm of overlap, so that a body may leave and reach what it rests on.
-        Use a positive distance while a transfer is planned, or its shortcuts graze what is near.
-        """
-        self._rules = self._rules._replace(carried_margin=margin)
+        ignored = self.rules.ignored.union(pair for pair in pairs if pair[1] in known)
+        return self.under(self.rules._replace(ignored=ignored))
 
     def clear(
         self, q_left: Array, q_right: Array, fingers: tuple[float, float] | None = None
@@ -370,13 +358,13 @@ class CollisionChecker:
                 model = PairModel(robot, self._own, items)
             else:
                 model.put(items)
-            model.enforce(self._rules)
+            model.enforce(self.rules)
             self._models[kinds] = self._model = model
             while (
                 len(self._models) > 1 and sum(m.kept for m in self._models.values()) > _KEPT_PAIRS
             ):
                 del self._models[next(iter(self._models))]
-        self._model.enforce(self._rules)
+        self._model.enforce(self.rules)
         return self._model
 
     def _shape(self, vertices: Array) -> coal.CollisionGeometry:

@@ -7,12 +7,11 @@ of the two. No field is ever copied by hand.
 
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar, cast, get_type_hints
+from typing import TypeVar
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from rtphys.core.bounds import SHOWN_CHARACTERS
 from rtphys.core.errors import BadFile, RtphysError, shortened
@@ -22,10 +21,7 @@ T = TypeVar("T")
 
 MAX_PROBLEMS = SHOWN_CHARACTERS // 40  # that an error names
 CLOSED = ConfigDict(extra="forbid")  # an unknown key is a mistake, not an extension
-
-
-class Extent:
-    """Marks a field that says how much is made, not what: it is not stored and may change."""
+Extent = Field(exclude=True)  # how much is made, not what: it is not stored, and may change
 
 
 class SchemaError(RtphysError):
@@ -57,25 +53,9 @@ def adapter(kind: type[T]) -> TypeAdapter[T]:
     return TypeAdapter(kind)
 
 
-@lru_cache(maxsize=64)
-def _hints(kind: type) -> dict[str, Any]:
-    known = get_type_hints(kind, include_extras=True)
-    return {field.name: known[field.name] for field in fields(kind)}
-
-
 def stored(spec: object) -> dict[str, JSON]:
     """Plain JSON values of a spec by field, extents left out."""
-    found: dict[str, JSON] = adapter(type(spec)).dump_python(spec, mode="json")
-    _remove_extents(type(spec), found)
-    return found
-
-
-def _remove_extents(kind: type, found: dict[str, JSON]) -> None:
-    for name, hint in _hints(kind).items():
-        if Extent in getattr(hint, "__metadata__", ()):
-            del found[name]
-        elif is_dataclass(hint):
-            _remove_extents(cast(type, hint), cast(dict[str, JSON], found[name]))
+    return adapter(type(spec)).dump_python(spec, mode="json")
 
 
 def load(kind: type[T], value: object, path: str | Path) -> T:
