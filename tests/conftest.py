@@ -16,6 +16,9 @@ from rtphys import doctor
 settings.register_profile("any machine", deadline=None)  # a loaded one is slow, not wrong
 settings.load_profile("any machine")
 
+# No test pulls the plug; tests of what is on the disk by when replace this by their own.
+os.fsync = lambda handle: None
+
 # Helpers of several folders' tests: synthetic episodes, records, jobs of worker processes.
 for folder in ("data", "campaign", "physics", "results"):
     sys.path.insert(0, str(Path(__file__).parent / folder))

@@ -125,6 +125,7 @@ def test_what_the_signals_tell_is_found_and_what_they_do_not_is_not(tmp_path: Pa
     assert read_result(tmp_path / "out" / "Line.json").tasks.keys() == {*TASKS}
 
 
+@pytest.mark.processes
 def test_the_file_is_the_same_for_any_number_of_workers_and_after_interruptions(
     tmp_path: Path,
 ) -> None:

@@ -2,7 +2,13 @@
 
 from dataclasses import dataclass
 
-from rtphys.campaign.pool import J, Job, R, WorkerFailure, WorkerPool
+import pytest
+
+from rtphys.analysis import sensitivity
+from rtphys.campaign import local
+from rtphys.campaign.pool import J, Job, R, WorkerError, WorkerFailure, WorkerPool
+from rtphys.core.errors import RtphysError
+from rtphys.studies import collect
 
 
 @dataclass
@@ -24,11 +30,26 @@ class QuickPool(WorkerPool[J, R]):
 
     def wait(self, timeout: float = 1.0) -> None:
         job = self._jobs.pop()
-        reason = self.loss(job.content)
-        outcome = (
-            WorkerFailure(reason, "was killed by SIGKILL") if reason else self._do(job.content)
-        )
+        outcome: R | WorkerFailure | WorkerError
+        if reason := self.loss(job.content):
+            outcome = WorkerFailure(reason, "was killed by SIGKILL")
+        else:
+            try:
+                outcome = self._do(job.content)
+            except RtphysError as error:  # as a worker sends it
+                outcome = WorkerError(str(error), error.exit_code)
         job.end(outcome)
 
     def __exit__(self, *_: object) -> None:
         self._jobs.clear()
+
+
+@pytest.fixture(autouse=True)
+def in_process(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The jobs of a folder's tests are done in this process, unless one is marked `processes`.
+
+    To start workers takes longer than most of these tests.
+    """
+    if not request.node.get_closest_marker("processes"):
+        for module in (local, collect, sensitivity):
+            monkeypatch.setattr(module, "LocalPool", QuickPool)

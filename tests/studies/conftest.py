@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from quick_pool import in_process  # noqa: F401  (a fixture)
 
 from rtphys.assets.pack import Pack, default_pack
 from rtphys.data.attempts import read_attempts

@@ -384,6 +384,7 @@ def test_one_factor_has_lists_where_it_acts(tmp_path: Path) -> None:
 # ---- whole runs with the expert ------------------------------------------------------------------
 
 
+@pytest.mark.processes
 @pytest.mark.sim
 def test_lists_do_not_depend_on_workers_or_wishes_and_say_what_the_expert_does(
     tmp_path: Path, pack: Pack
@@ -411,6 +412,7 @@ def test_pictures_on_the_table_do_not_decide_what_is_feasible(pack: Pack) -> Non
     assert seen.recording.hash == unseen.recording.hash
 
 
+@pytest.mark.processes
 @pytest.mark.sim
 @pytest.mark.slow
 def test_a_killed_run_ends_up_with_the_same_lists(tmp_path: Path) -> None:

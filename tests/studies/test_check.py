@@ -166,6 +166,7 @@ def test_the_command_prints_the_numbers() -> None:
     assert 0 < numbers["cpu_seconds_mean"] < 60
 
 
+@pytest.mark.processes
 @pytest.mark.sim
 def test_scores_do_not_depend_on_the_number_of_workers() -> None:
     pack = default_pack()

@@ -362,6 +362,7 @@ def files_of(out: Path) -> dict[str, bytes]:
     return {str(path.relative_to(out)): path.read_bytes() for path in places}
 
 
+@pytest.mark.processes
 @pytest.mark.sim
 def test_records_do_not_depend_on_workers_or_on_a_crash_between_them(
     tmp_path: Path, lists: Path, pack: Pack
@@ -400,6 +401,7 @@ def test_an_option_that_no_worker_has_read_is_said_once(
         assert [one for one in heard.notices if one.startswith("note")] == notes
 
 
+@pytest.mark.processes
 @pytest.mark.sim
 def test_a_policy_that_is_gone_stops_the_run_and_can_be_resumed(
     tmp_path: Path, lists: Path, pack: Pack
@@ -416,6 +418,7 @@ def test_a_policy_that_is_gone_stops_the_run_and_can_be_resumed(
     assert [one.seed for one in left] == [SEEDS[0]]
 
 
+@pytest.mark.processes
 @pytest.mark.sim
 @pytest.mark.slow
 @pytest.mark.parametrize(
@@ -630,6 +633,7 @@ def test_a_policy_sees_when_it_asks_to(tmp_path: Path, pack: Pack, lists: Path) 
     assert states[0] != states[1]
 
 
+@pytest.mark.processes
 @pytest.mark.sim
 @pytest.mark.slow
 def test_a_killed_run_ends_up_with_the_same_summary(tmp_path: Path, lists: Path) -> None:

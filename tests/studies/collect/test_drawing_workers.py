@@ -22,7 +22,7 @@ from rtphys.studies.collect import collect, pool_of
 from rtphys.studies.collect_worker import CollectWorker, Drawer
 from rtphys.studies.requests import Run
 
-pytestmark = [pytest.mark.sim, pytest.mark.render]
+pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.processes]
 
 SMALL = RecordingSpec(("head", "left"), size="32x32")
 BELL = CollectionSpec(EpisodeSpec("click_bell", "phys_random_all"), episodes=3, recording=SMALL)

@@ -23,7 +23,7 @@ from rtphys.studies.collect import collect
 from rtphys.studies.render import render
 from rtphys.studies.requests import RenderSpec, Run, specs_for
 
-pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.slow]
+pytestmark = [pytest.mark.sim, pytest.mark.render, pytest.mark.processes, pytest.mark.slow]
 
 TASKS = ("click_bell", "dump_bin_bigbin", "lift_pot")
 REAL = tuple(

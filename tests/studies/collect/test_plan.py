@@ -169,6 +169,7 @@ def test_a_hopeless_task_is_given_up_and_its_rejections_are_kept(own_task, tmp_p
     assert leaf["episodes"] == 0
 
 
+@pytest.mark.processes
 def test_a_bug_in_a_script_stops_the_run_with_a_traceback_in_a_file(
     own_task, tmp_path: Path
 ) -> None:

@@ -24,6 +24,7 @@ from rtphys.task.spec import load_task
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
 
+@pytest.mark.processes
 def test_two_workers_one_of_them_killed_give_the_same_files(
     undisturbed: Path, tmp_path: Path
 ) -> None:
@@ -51,6 +52,7 @@ def test_a_complete_dataset_is_left_alone(undisturbed: Path, tmp_path: Path) -> 
     assert content(out) == content(undisturbed)
 
 
+@pytest.mark.processes
 @pytest.mark.slow
 def test_killed_runs_end_in_the_same_files(tmp_path: Path) -> None:
     """`python tests/studies/collect/killing.py 200` does it two hundred times."""

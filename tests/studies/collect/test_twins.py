@@ -59,6 +59,7 @@ def test_its_two_halves_are_what_each_protocol_gives_alone(pairs: Path, undistur
         assert physical.meta.state_hash == single.meta.state_hash
 
 
+@pytest.mark.processes
 def test_resumed_with_other_workers_it_is_the_same(pairs: Path, tmp_path: Path) -> None:
     out = tmp_path / "data"
     assert complete(collect([replace(TWINNED, episodes=1)], Run(out, workers=1)))

@@ -1,0 +1,3 @@
+"""Jobs are done in this process."""
+
+from quick_pool import in_process  # noqa: F401  (a fixture)
