@@ -89,11 +89,11 @@ def demonstrated(task: str, seed: int, **held: float) -> tuple[dict[str, Any], s
     ("task", "ever"),
     [
         ("turn_switch", False),
-        ("open_microwave", False),
-        ("grab_roller", False),
-        ("dump_bin_bigbin", True),
+        pytest.param("open_microwave", False, marks=pytest.mark.slow),
+        pytest.param("grab_roller", False, marks=pytest.mark.slow),
+        pytest.param("dump_bin_bigbin", True, marks=pytest.mark.slow),
         ("place_mouse_pad", True),
-        ("beat_block_hammer", True),
+        pytest.param("beat_block_hammer", True, marks=pytest.mark.slow),
     ],
 )
 def test_restitution_has_acted_unless_the_states_are_the_same_without_it(

@@ -62,6 +62,7 @@ SCENE = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.render
 def test_slim_draws_what_the_default_shader_draws(tmp_path: Path) -> None:
     pictures = {}
