@@ -1,11 +1,10 @@
-"""One builtin pack for all asset tests of a run."""
+"""The builtin pack, as it was made of the code at hand."""
 
 import pytest
 
-from rtphys.assets.build import build
-from rtphys.assets.pack import Pack
+from rtphys.assets.pack import Pack, builtin_pack
 
 
 @pytest.fixture(scope="session")
-def builtin(tmp_path_factory) -> Pack:
-    return Pack(build(tmp_path_factory.mktemp("builtin") / "pack"))
+def builtin() -> Pack:
+    return builtin_pack()

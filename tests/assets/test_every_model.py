@@ -2,23 +2,14 @@
 
 import numpy as np
 import pytest
+from every_model import NAMES, RIGID, made
 from official_sizes import SIZES
 
-from rtphys.assets.asset_model import ArticulatedModel, AssetModel
-from rtphys.assets.objects import catalogue
+from rtphys.assets.asset_model import AssetModel
 from rtphys.assets.write import bounds
 
 OPENING = 0.09  # [m] between the open fingers
 TOLERANCE = 1e-6  # [m] a micrometre, to which files are rounded
-
-NAMES = [(name, i) for name, makers in catalogue().items() for i in makers]
-MADE = {}
-
-
-def made(name: str, index: int) -> AssetModel | ArticulatedModel:
-    if (name, index) not in MADE:
-        MADE[name, index] = catalogue()[name][index]()
-    return MADE[name, index]
 
 
 def bodies(name: str, index: int):
@@ -101,11 +92,7 @@ def _width_between_fingers(thing: AssetModel, X: np.ndarray) -> float:
     return float(np.ptp(widths)) if widths else 0.0
 
 
-GRASPED = [
-    (n, i)
-    for n, i in NAMES
-    if isinstance(made(n, i), AssetModel) and made(n, i).contact_points and not n.startswith("050_")
-]
+GRASPED = [(n, i) for n, i in RIGID if made(n, i).contact_points and not n.startswith("050_")]
 
 
 @pytest.mark.parametrize(("name", "index"), GRASPED, ids=lambda v: str(v))

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from every_model import ARTICULATED, RIGID, made
 
 from rtphys.assets.asset_model import AssetModel
 from rtphys.assets.model import Model
-from rtphys.assets.objects import catalogue
 from rtphys.core.poses import Pose
 
 pytestmark = pytest.mark.sim
@@ -14,19 +14,13 @@ sapien = pytest.importorskip("sapien")
 from rtphys.sim.urdf import build_articulation  # noqa: E402
 
 UPRIGHT = (0.70710678, 0.70710678, 0, 0)  # y up to z up
-RIGID = [
-    (name, i)
-    for name, makers in catalogue().items()
-    for i, make in makers.items()
-    if isinstance(make(), AssetModel)
-]
 
 
 def scene():
-    made = sapien.Scene([sapien.physx.PhysxCpuSystem()])
-    made.set_timestep(1 / 250)
-    made.add_ground(0.0, render=False)
-    return made
+    new = sapien.Scene([sapien.physx.PhysxCpuSystem()])
+    new.set_timestep(1 / 250)
+    new.add_ground(0.0, render=False)
+    return new
 
 
 def put(world, model: Model, height: float):
@@ -56,9 +50,9 @@ def test_all_parts_cook_and_upright_models_rest(builtin, name, index):
     model, world = builtin.model(name, index), scene()
     bottom = model.center[1] - model.extents[1] / 2
     entity, body = put(world, model, 0.01 - bottom)
-    made = catalogue()[name][index]()
-    assert isinstance(made, AssetModel)
-    assert len(body.collision_shapes) == len(made.body.collision)
+    drawn = made(name, index)
+    assert isinstance(drawn, AssetModel)
+    assert len(body.collision_shapes) == len(drawn.body.collision)
     if not model.stable:
         return
     for _ in range(500):
@@ -67,14 +61,6 @@ def test_all_parts_cook_and_upright_models_rest(builtin, name, index):
     assert np.rad2deg(np.arccos(np.clip(up[2], -1, 1))) < 3
     assert np.linalg.norm(entity.pose.p[:2]) < 0.01
     assert np.linalg.norm(body.linear_velocity) < 0.005
-
-
-ARTICULATED = [
-    (name, i)
-    for name, makers in catalogue().items()
-    for i, make in makers.items()
-    if not isinstance(make(), AssetModel)
-]
 
 
 @pytest.mark.parametrize(("name", "index"), ARTICULATED, ids=lambda v: str(v))
