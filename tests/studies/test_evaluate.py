@@ -389,18 +389,6 @@ def test_records_do_not_depend_on_workers_or_on_a_crash_between_them(
 
 
 @pytest.mark.sim
-def test_an_option_that_no_worker_has_read_is_said_once(
-    tmp_path: Path, lists: Path, pack: Pack
-) -> None:
-    """Each seed's own is read by the worker that plays it, `actions` by both."""
-    options = {"actions": "2", str(SEEDS[0]): "", str(SEEDS[1]): "", "height": "0.03"}
-    for notes in ([f"note: {FEW} never read the option height"], []):  # then nothing is played
-        heard = Ears()
-        run(tmp_path, lists, pack, listener=heard, options=options, workers=2, **CLEAN)
-        assert [one for one in heard.notices if one.startswith("note")] == notes
-
-
-@pytest.mark.sim
 def test_a_policy_that_is_gone_stops_the_run_and_can_be_resumed(
     tmp_path: Path, lists: Path, pack: Pack
 ) -> None:

@@ -36,7 +36,6 @@ from rtphys.physics import attributes, could_act
 from rtphys.physics.attribute import attribute
 from rtphys.plan.kinematics import check_robot
 from rtphys.policies import PolicyBroken, PolicyGone, PolicySession, PolicySetup, files_digest
-from rtphys.policies.options import unread_options
 from rtphys.policies.registry import edited
 from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
@@ -128,8 +127,6 @@ def evaluate(
         run_here(
             studies, worker, run.workers, listener, out, user_seconds=run.timeout, committed=saved
         )
-        if note := unread_options(spec.policy, [one for study in studies for one in study.unread]):
-            listener.noticed(note)
         return _conclude(out, spec, studies)
 
 
@@ -189,7 +186,6 @@ class EvaluationResult(NamedTuple):
 
     record: EpisodeRecord
     outcome: StagedEpisode | Rejection | None = None
-    unread: frozenset[str] | None = None  # options that its policy had not read by then, if known
 
 
 class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
@@ -218,7 +214,6 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         self._out, self._video = out, video
         count = int(video) if video and video.isdecimal() else len(instances.feasible)
         self._shown = {one.seed for one in instances.feasible[:count]} if video else set[int]()
-        self.unread = list[frozenset[str]]()  # options, of each episode of this run
         self._all: list[EpisodeRecord] = []
         path = evaluation.ledger_file(out, *spec.key)
         self._ledger = Ledger(path, header, EpisodeRecord, self._all.append)
@@ -272,8 +267,6 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
             self.writer.sync()  # a crash of the machine must not leave the record alone
         self._ledger.append(result.record)
         self._all.append(result.record)
-        if result.unread is not None:
-            self.unread.append(result.unread)
         return ""
 
     def success(self, result: EvaluationResult) -> bool:
@@ -332,9 +325,6 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         Raises `RtphysError`: the policy cannot be opened, cannot be closed after its last episode,
         or is gone: no result of anybody's; `NoRenderer`: it needs pictures, and there is no device.
         """
-        return self._play(job)._replace(unread=self._session.unread)
-
-    def _play(self, job: EvaluationTask) -> EvaluationResult:
         recipe, task = job.recipe, self.tasks[job.recipe.task]
         policy = self._session.policy(job.setup)
         try:
