@@ -171,16 +171,6 @@ def test_a_long_message_of_an_error_is_cut(tmp_path: Path) -> None:
     assert said.startswith("policy_error of seed 1: E: xxx") and len(said) < 1000
 
 
-def test_names_that_are_too_long_are_broken_between_their_parts(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    row = replace(SUMMARY.tasks[0], protocol="only_gripper_joint_damping")
-    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,))))
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines())) <= 80
-    assert {"only_gripper_joint_", "damping", "shake_bottle_", "horizontally"} < {*printed.split()}
-
-
 @pytest.mark.parametrize("width", [80, 100])
 def test_no_interval_is_broken(width: int, capsys: pytest.CaptureFixture[str]) -> None:
     print_within(Screen(width=width), rates_table(SUMMARY))

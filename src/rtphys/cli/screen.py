@@ -1,23 +1,14 @@
 """Tables, bars and the display of a running campaign, on a terminal of any width or in a log."""
 
-import re
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from operator import gt
-from typing import Self
+from typing import Any, Self
 
 from rich.cells import cell_len
-from rich.console import (
-    Console,
-    ConsoleOptions,
-    Group,
-    HighlighterType,
-    JustifyMethod,
-    OverflowMethod,
-)
+from rich.console import Console, ConsoleOptions, Group, JustifyMethod
 from rich.console import RenderableType as Drawn
 from rich.live import Live as RichLive
 from rich.padding import Padding
@@ -25,7 +16,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemaini
 from rich.progress import Progress as ProgressBars
 from rich.progress_bar import ProgressBar
 from rich.segment import Segment
-from rich.style import Style
 from rich.table import Column, Table
 from rich.text import Text
 
@@ -36,8 +26,7 @@ from rtphys.core.errors import counted
 
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
 GAP = 2  # [characters] between two columns
-NARROWEST = 8  # [characters] of a column that wraps, before names wrap too
-BETWEEN = re.compile(r"(?<=[_/ ])")  # where a name may be broken
+NARROWEST = 8  # [characters] of a column that breaks words
 UNBROKEN = 16  # [characters] of a word that stays whole, if need be at the cost of the names
 
 
@@ -47,20 +36,10 @@ class Screen(Console):
     def __init__(self, *, stderr: bool = False, width: int | None = None) -> None:
         super().__init__(stderr=stderr, width=width, markup=False, emoji=False, highlight=False)
 
-    def render_str(
-        self,
-        text: str,
-        *,
-        style: str | Style = "",
-        justify: JustifyMethod | None = None,
-        overflow: OverflowMethod | None = None,
-        emoji: bool | None = None,
-        markup: bool | None = None,
-        highlight: bool | None = None,
-        highlighter: HighlighterType | None = None,
-    ) -> Text:
+    def render_str(self, text: str, **options: Any) -> Text:
         """Spelled before a column's width follows from it; markup is not read, even on request."""
-        return Text(printable(text), style, justify=justify, overflow=overflow)
+        plain = {"markup": False, "emoji": False, "highlight": False}
+        return super().render_str(printable(text), **{**options, **plain})
 
     def render(self, renderable: Drawn, options: ConsoleOptions | None = None) -> Iterable[Segment]:
         """Here all that is drawn comes by, whatever it was before."""
@@ -135,70 +114,24 @@ def print_rows(table: Table, rows: object, as_json: bool) -> None:
 
 
 def print_within(screen: Screen, table: Table) -> None:
-    """Prints a table in a screen's width. Where the names leave too little, they wrap too."""
-    kept = [column for column in table.columns if column.no_wrap]
-    others = [column for column in table.columns if not column.no_wrap]
-    words = [_widest(column, str.split) for column in others]
-    needed = sum(
-        min(_widest(column, str.splitlines), max(NARROWEST, min(word, UNBROKEN)))
-        for column, word in zip(others, words, strict=True)
-    )
-    space = screen.width - GAP * (len(table.columns) - 1)
-    room = space - sum(_widest(column, str.splitlines) for column in kept)
-    if room < needed:
-        for column in kept:
-            column.no_wrap, column.overflow = False, "fold"
-        parts = [_widest(column, BETWEEN.split) for column in kept]
-        narrowest = parts if sum(parts) <= space - needed else [NARROWEST] * len(kept)
-        if _shrink(kept, narrowest, space - needed):
-            room = needed
-    _shrink(others, words, room)
-    screen.print(_with_broken_names(table, kept) if kept and kept[0].width else table)
-
-
-def _shrink(columns: Sequence[Column], least: Sequence[int], room: int) -> bool:
-    """Sets widths of at least so many characters; whether there are any that fit.
-
-    A column's head wraps before its cells do, and the widest column first. Left alone, rich would
-    shrink all alike.
-    """
-    if sum(least) > room:
-        return False
+    """Prints a table in a screen's width: words stay whole as long as they can."""
+    columns = table.columns
     widths = [_widest(column, str.splitlines) for column in columns]
     cells = [_widest(column, str.splitlines, head=False) for column in columns]
-    for floor in (map(max, least, cells), least):
-        floors = [*floor]
-        while sum(widths) > room and any(map(gt, widths, floors)):
-            widths[max(range(len(widths)), key=lambda i: (widths[i] > floors[i], widths[i]))] -= 1
-    for column, width in zip(columns, widths, strict=True):
-        column.width = width
-    return True
-
-
-def _with_broken_names(table: Table, names: Sequence[Column]) -> Table:
-    """The same table; names that are wider than their column are broken between their parts."""
-    shown = fitting_table((), (), str(table.title) if table.title else None)
-    shown.caption = table.caption
-    columns = table.columns
-    for one in columns:
-        shown.add_column(one.header, justify=one.justify, overflow=one.overflow, width=one.width)
-    texts = (
-        [_broken(str(cell), one.width or 0) if one in names else cell for cell in one.cells]
-        for one in columns
-    )
-    for row, cells in zip(table.rows, zip(*texts, strict=True), strict=True):
-        shown.add_row(*cells, style=row.style)
-    return shown
-
-
-def _broken(name: str, width: int) -> str:
-    """A name in lines of a width, between its parts where that is possible."""
-    lines = [""]
-    for part in BETWEEN.split(name):
-        if cell_len(lines[-1] + part.rstrip()) > width:
-            lines.append("")
-        lines[-1] += part
-    return "\n".join(filter(None, lines))
+    words = [_widest(column, str.split) for column in columns]
+    heads = [*map(max, words, cells)]
+    short, shorter = ([min(word, most) for word in words] for most in (UNBROKEN, NARROWEST))
+    named = [
+        word if column.no_wrap else least
+        for column, word, least in zip(columns, words, short, strict=True)
+    ]
+    room = screen.width - GAP * (len(columns) - 1)
+    for floor in (heads, words, named, short, shorter):  # heads wrap first, names break last
+        while sum(widths) > room and (wide := [i for i, w in enumerate(widths) if w > floor[i]]):
+            widths[max(wide, key=widths.__getitem__)] -= 1
+    for column, column.width in zip(columns, widths, strict=True):
+        column.no_wrap, column.overflow = False, "fold"
+    screen.print(table)
 
 
 def _widest(column: Column, parts: Callable[[str], list[str]], head: bool = True) -> int:
