@@ -113,7 +113,7 @@ def tasks(
     pattern: Annotated[str, typer.Argument(help="Only names that match, such as 'stack_*'.")] = "*",
     as_json: Json = False,
 ) -> None:
-    """List the tasks: arms, mechanism, objects, step limit, domain, measured rates.
+    """List the tasks: arms, mechanism, objects, domain, rates.
 
     The rates are those of the expert in the certified lists.
 

@@ -34,7 +34,7 @@ SHOWN = 5  # attributes per protocol, those with the smallest p-values
 def certify(
     spec: CertificationSpec, run: CertificationRun, output: AsJson, context: typer.Context
 ) -> None:
-    """Find the seeds on which policies are evaluated: those that the expert solves.
+    """Find the seeds that the expert solves, to evaluate policies on.
 
     It writes one list for each task and protocol, with every seed that was tried, and draws no
     pictures. After an interruption, the same command continues where it stopped.
@@ -129,7 +129,7 @@ def _reprove(spec: CertificationSpec, run: CertificationRun, as_json: bool) -> N
     common=("policy", "protocols", "episodes", "out", "workers", "video", "record"),
 )
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
-    """Run a policy on certified instances and say how often it succeeds.
+    """Say how often a policy succeeds on certified instances.
 
     It searches for no seeds: the instances are those of a list that `rtphys certify` has made. The
     same policy gives the same records, with any number of workers. After an interruption, the same
@@ -301,7 +301,7 @@ def compare(
     figure: Annotated[Path | None, typer.Option(help="Also draw the rates into this PNG.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Compare evaluations with each other, and with the paper's results.
+    """Compare evaluations with each other and with the paper.
 
     It shows success by task and policy with 95 % intervals, and a paired test on common seeds.
     A second table says how similarly two policies rank the tasks.
