@@ -72,6 +72,7 @@ FORMER = {
 }
 NO_RESUME = "a folder of another run is refused without it, too"
 GONE = {
+    ("check", "--sheet"): "`rtphys try TASK --picture FILE` draws an attempt",
     ("collect", "--estimate"): "`--dry-run` says what the table in docs/scale.md knows",
     ("collect", "--no-resume"): NO_RESUME,
     ("compare", "--table"): "`--json` has the rates",
