@@ -92,7 +92,7 @@ def evaluate(
         for protocol in run.protocols
         for name, task in tasks.items()
     ]
-    lists = _every_list(run, cells)
+    lists = [certified(run, *cell.spec.key, cell.fingerprint) for cell in cells]
     if clauses := {clause for one in lists for clause in other_versions(one.fingerprint)}:
         text = "the lists were certified with other versions, last bits of states may differ: "
         listener.noticed(text + "; ".join(sorted(clauses)))
@@ -401,45 +401,14 @@ def _judged(episode: PolicyEpisode, trace: str, sees: bool) -> EpisodeRecord:
 # ---- which instances ------------------------------------------------------------------------
 
 
-class NotCertified(RtphysError):
-    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are).
-
-    Args:
-        cell: the task and the protocol.
-        more: others that lack a list as well, which the command to certify names too.
-    """
-
-    def __init__(
-        self,
-        where: Path,
-        problem: str,
-        cell: tuple[str, str],
-        wanted: int,
-        robot: str = DEFAULT,
-        more: Sequence[tuple[str, str]] = (),
-    ) -> None:
-        self.cell, self.but_others = cell, (where, problem, cell, wanted, robot)
-        tasks, protocols = (
-            ",".join(dict.fromkeys(names)) for names in zip(cell, *more, strict=True)
-        )
-        fields = f"task={tasks} protocol={protocols} feasible={wanted} out=FOLDER"
-        fields += f" embodiment={robot}" if robot != DEFAULT else ""
-        super().__init__(
-            f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
-        )
-
-
-def _every_list(run: EvaluationRun, cells: Sequence[EvaluationHeader]) -> list[InstanceList]:
-    """The instances of every cell; raises what `certified` raises, of all that lack a list."""
-    found, missing = list[InstanceList](), list[NotCertified]()
-    for cell in cells:
-        try:
-            found.append(certified(run, *cell.spec.key, cell.fingerprint))
-        except NotCertified as error:
-            missing.append(error)
-    if missing:
-        raise NotCertified(*missing[0].but_others, [one.cell for one in missing[1:]])
-    return found
+def _not_certified(
+    run: EvaluationRun, where: Path, problem: str, feasible: int, robot: str = DEFAULT
+) -> RtphysError:
+    """No list for the robot, or too short a one; its cure makes all, as they replace the others."""
+    fields = f"task={','.join(run.tasks)} protocol={','.join(run.protocols)} feasible={feasible}"
+    fields += " out=FOLDER" + (f" embodiment={robot}" if robot != DEFAULT else "")
+    cure = f"to certify: `rtphys certify {fields}`, then set `instances`"
+    return RtphysError(f"{where}: {problem}; {cure}")
 
 
 class ChangedSinceCertified(RtphysError):
@@ -452,12 +421,12 @@ def certified(
     """The instances to evaluate: the list up to the last episode that is asked for.
 
     They come from the file, folder or dataset that is given, else from the newest library. Raises
-    `NotCertified`: there is none for the robot, or too few in it; `ChangedSinceCertified`: and
+    `RtphysError`: there is none for the robot, or too few in it; `ChangedSinceCertified`: and
     `run.accept_changes` is false; `BadFile`: it is damaged, or another task's or protocol's.
     """
-    given, cell, least = run.instances, (task, protocol), run.episodes or 1
+    given, least = run.instances, run.episodes or 1
     if given is not None and (given / MANIFEST).is_file():
-        where, found = given, _of_dataset(given, *cell, fingerprint)
+        where, found = given, _of_dataset(given, task, protocol, fingerprint)
     else:
         folders = [given] if given else [lists_folder(root, task) for root in library.roots()]
         paths = [one if one.is_file() else list_file(one, protocol) for one in folders]
@@ -465,15 +434,15 @@ def certified(
         where, found = next((pair for pair in reversed(read) if pair[1]), (paths[0], None))
         if found is None:
             problem = f"has no list of {task}" if where.is_file() else "does not exist"
-            raise NotCertified(where, problem, cell, run.episodes or 100)
+            raise _not_certified(run, where, problem, run.episodes or 100)
         if found.protocol != protocol:  # accepted changes must not hide it
             raise BadFile(where, f"is the list of {found.task}, {found.protocol}")
         if (robot := found.fingerprint.embodiment) != (own := fingerprint.embodiment):
             problem = f"is certified for the robot {robot}, which says nothing of {own}"
-            raise NotCertified(where, problem, cell, run.episodes or 100, own)
+            raise _not_certified(run, where, problem, run.episodes or 100, own)
     if (feasible := len(found.feasible)) < least:
         problem = f"{task}, {protocol}: holds {feasible} feasible seeds, not {least}"
-        raise NotCertified(where, problem, cell, least)
+        raise _not_certified(run, where, problem, least)
     clauses = found.fingerprint.changes(fingerprint)
     if clauses and not run.accept_changes:
         raise ChangedSinceCertified(
