@@ -53,7 +53,6 @@ from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies import evaluate as module
 from rtphys.studies.certify import CertificationTask, CertifyWorker
 from rtphys.studies.evaluate import (
-    ChangedSinceCertified,
     EvaluateWorker,
     EvaluationResult,
     EvaluationSeries,
@@ -447,7 +446,7 @@ def test_a_list_with_another_fingerprint_is_refused(
     mine = tmp_path / "mine.jsonl"
     text = list_file(lists, "clean").read_text()
     mine.write_text(text.replace(pack.digest, "0" * 64))
-    with pytest.raises(ChangedSinceCertified, match=r"assets was '0+', now .*`accept_changes`"):
+    with pytest.raises(RtphysError, match=r"assets was '0+', now .*`accept_changes`"):
         run(tmp_path / "out", mine, pack, episodes=1, **CLEAN)
     run(tmp_path / "stale", mine, pack, episodes=1, accept_changes=True, **CLEAN)
     (mark,) = json.loads((tmp_path / "stale" / SUMMARY).read_text())["changed_since_certified"]

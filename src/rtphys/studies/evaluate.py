@@ -411,18 +411,15 @@ def _not_certified(
     return RtphysError(f"{where}: {problem}; {cure}")
 
 
-class ChangedSinceCertified(RtphysError):
-    """A list was certified with another task file, domain, look or asset pack."""
-
-
 def certified(
     run: EvaluationRun, protocol: str, task: str, fingerprint: Fingerprint
 ) -> InstanceList:
     """The instances to evaluate: the list up to the last episode that is asked for.
 
     They come from the file, folder or dataset that is given, else from the newest library. Raises
-    `RtphysError`: there is none for the robot, or too few in it; `ChangedSinceCertified`: and
-    `run.accept_changes` is false; `BadFile`: it is damaged, or another task's or protocol's.
+    `RtphysError`: there is none for the robot, or too few in it, or its task file, domain, look or
+    assets have changed and `run.accept_changes` is false; `BadFile`: it is damaged, or another
+    task's or protocol's.
     """
     given, least = run.instances, run.episodes or 1
     if given is not None and (given / MANIFEST).is_file():
@@ -445,7 +442,7 @@ def certified(
         raise _not_certified(run, where, problem, least)
     clauses = found.fingerprint.changes(fingerprint)
     if clauses and not run.accept_changes:
-        raise ChangedSinceCertified(
+        raise RtphysError(
             f"{where}: has another certification fingerprint: {'; '.join(clauses)}. What was "
             "feasible may not be so now: certify anew, or set `accept_changes`"
         )
