@@ -116,12 +116,8 @@ def evaluate(
             copied = [one for one in lists if one.protocol == protocol]
             write_lists(path, (one for one in copied if not one.begins(known.get(one.task))))
         if earlier := sum(study.progress.accepted for study in studies):
-            listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
-        if lacking := sum(study.without_video for study in studies):
-            text = (
-                f"{counted(lacking, 'episodes')} of an earlier run, made without video, have none"
-            )
-            listener.noticed(f"{text}; evaluate into another folder to have one of each")
+            text = f"{counted(earlier, 'episodes')} of an earlier run in {out} stand"
+            listener.noticed(text + "; they get no new videos" * (run.video is not None))
         worker = EvaluateWorker(pack, spec.policy, spec.recording)
         saved = dataset.checkpoint_if_due if dataset else lambda: None
         run_here(
@@ -235,17 +231,6 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
     def records(self) -> Sequence[EpisodeRecord]:
         """Those of the episodes asked for."""
         return self._all[: self.progress.wanted]
-
-    @property
-    def without_video(self) -> int:
-        """How many episodes that are there already should have a video, and have none."""
-        played = (one for one in self.records if one.state and one.seed in self._shown)
-        wanted = (one for one in played if not (one.success and self._video == "failures"))
-        paths = (
-            evaluation.video_file(self._out, *self.spec.key, one.seed, one.success)
-            for one in wanted
-        )
-        return sum(not path.is_file() for path in paths)
 
     def job(self, seed: int) -> EvaluationTask:
         # Absolute, since a policy may change the working directory.
