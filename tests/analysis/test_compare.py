@@ -210,7 +210,7 @@ def test_one_evaluation_has_no_next_table(tmp_path: Path) -> None:
 def test_a_folder_that_is_named_twice_counts_once(tmp_path: Path) -> None:
     folder = written(tmp_path / "one", "idle", {BELL: {0: True}})
     assert said(folder, folder) == said(folder)
-    assert "idle: 1 feasible seed of each task" in said(folder, "--paper")
+    assert "docs/benchmark.md says" in said(folder, "--paper")
 
 
 def test_a_figure_goes_where_it_was_asked_for_or_is_refused(

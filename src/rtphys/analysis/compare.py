@@ -274,25 +274,6 @@ def paper_means() -> dict[str, dict[str, float]]:
     }
 
 
-def limits_of_comparison(evaluations: Sequence[Results]) -> list[str]:
-    """What differs between the paper's numbers and these evaluations, a sentence each."""
-    sentences = [
-        "The paper ran RoboTwin's own assets and renderer, and 100 rollouts of each task under "
-        "Physical Random. Its Clean and Official Random are quoted from other evaluations.",
-    ]
-    for results in evaluations:
-        packs = ", ".join(sorted({one.fingerprint.assets[:8] for one in results.lists.values()}))
-        trials = [len(records) for records in results.records.values()]
-        least, most = min(trials), max(trials)
-        seeds = f"{least} to " * (least < most) + f"{counted(most, 'feasible seeds')} of each task"
-        sentences.append(f"{short_name(results.policy)}: {seeds}, on the asset pack {packs}.")
-    return [
-        *sentences,
-        "Where assets differ, drops between protocols and ranks of tasks can be compared, "
-        "success rates cannot.",
-    ]
-
-
 def _paper_table(name: str) -> list[dict[str, str]]:
     text = (resources("rtphys.analysis") / name).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
