@@ -428,9 +428,7 @@ def _show_identified(files: Mapping[Path, Result], as_json: bool) -> None:
     several = len({result.protocol for result in results}) > 1
     ends = [f", {result.protocol}" if several else "" for result in results]
     estimators = [short_name(r.estimator) + end for r, end in zip(results, ends, strict=True)]
-    names = analysis.told_apart(
-        [estimators, [f"{path}{end}" for path, end in zip(files, ends, strict=True)]]
-    )
+    names = analysis.told_apart(estimators, files)
     keys = sorted({key for r in results for task in tasks for key in r.tasks[task].scores})
     if as_json:
         columns = [
