@@ -16,7 +16,6 @@ from rtphys.cli.evaluate import (
     errors_of,
     failures_table,
     left_out_of,
-    loads_table,
     pairs_table,
     rates_table,
 )
@@ -55,7 +54,6 @@ RATES = [
 ]
 TOTAL = ["phys_random_all", "all, mean 50 %", *RATES[2:]]
 FAILURES = ["phys_random_all", TASK, "step_limit 44, policy_error 11"]
-LOADED = ["phys_random_all", TASK, "0.0, 21.4, 1012.0", "0.30, 0.89, 1.00", "12"]
 PAIRS = ["official_random", "phys_random_all", "5108", "4000", "1000", "101", "1.3e-186"]
 ATTRIBUTES = [
     "phys_random_all",
@@ -72,7 +70,6 @@ ATTRIBUTES = [
     [
         (rates_table, [RATES, TOTAL]),
         (failures_table, [FAILURES]),
-        (loads_table, [LOADED, ["phys_random_all", "all", *LOADED[2:]]]),
         (pairs_table, [PAIRS]),
         (attributes_table, [ATTRIBUTES]),
     ],

@@ -158,7 +158,6 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         for row in summary.tasks:
             if row.language:
                 say(f"{row.protocol}, {row.task}: {row.language}")
-        print_table(loads_table(summary))
         if summary.pairs:
             print_table(pairs_table(summary))
             for pair in summary.pairs:
@@ -218,19 +217,6 @@ def failures_table(summary: Summary) -> Table:
         if row.reasons:
             reasons = ", ".join(f"{name} {count}" for name, count in row.reasons.items())
             table.add_row(row.protocol, row.task, reasons)
-    return table
-
-
-def loads_table(summary: Summary) -> Table:
-    """Largest force and torque of the successful episodes, and how many were rough."""
-    title = "loads on the robot in successes (median, 90th percentile, maximum)"
-    columns = ("force on a link [N]", "torque [of the motor's]", "rough")
-    table = fitting_table(["protocol", "task"], columns, title)
-    rough = [(row.protocol, row.task, row.loads) for row in summary.tasks if row.loads.rough]
-    for protocol, task, loads in rough + [(t.protocol, "all", t.loads) for t in summary.overall]:
-        force = ", ".join(f"{x:.1f}" for x in loads.force or ()) or "-"
-        torque = ", ".join(f"{x:.2f}" for x in loads.torque or ()) or "-"
-        table.add_row(protocol, task, force, torque, str(loads.rough))
     return table
 
 
