@@ -178,9 +178,6 @@ docs/evaluate.md
     test_evaluate::test_what_was_run_without_recording_is_refused
   looks like a misspelling of one that your policy asked for when it was opened, the run is refused
     test_registry::test_a_misspelt_option_of_the_users_own_policy_is_named
-  Any other option that the policy never reads is named in a note at the end of the run
-    test_evaluate::test_an_option_that_no_worker_has_read_is_said_once
-    test_options::test_a_session_knows_what_was_never_read_however_often_it_opened
   An exception in the policy makes that episode a failure
     test_evaluate::test_a_crash_of_the_policy_is_its_failure
   If the policy cannot be reached at all, the run stops

@@ -16,7 +16,6 @@ from rtphys.cli.evaluate import (
     errors_of,
     failures_table,
     left_out_of,
-    loads_table,
     pairs_table,
     rates_table,
 )
@@ -55,7 +54,6 @@ RATES = [
 ]
 TOTAL = ["phys_random_all", "all, mean 50 %", *RATES[2:]]
 FAILURES = ["phys_random_all", TASK, "step_limit 44, policy_error 11"]
-LOADED = ["phys_random_all", TASK, "0.0, 21.4, 1012.0", "0.30, 0.89, 1.00", "12"]
 PAIRS = ["official_random", "phys_random_all", "5108", "4000", "1000", "101", "1.3e-186"]
 ATTRIBUTES = [
     "phys_random_all",
@@ -72,7 +70,6 @@ ATTRIBUTES = [
     [
         (rates_table, [RATES, TOTAL]),
         (failures_table, [FAILURES]),
-        (loads_table, [LOADED, ["phys_random_all", "all", *LOADED[2:]]]),
         (pairs_table, [PAIRS]),
         (attributes_table, [ATTRIBUTES]),
     ],
@@ -169,16 +166,6 @@ def test_a_long_message_of_an_error_is_cut(tmp_path: Path) -> None:
     )
     said, _ = errors_of(Results(tmp_path, {}, {KEY: [wrong]}, {}), [KEY])
     assert said.startswith("policy_error of seed 1: E: xxx") and len(said) < 1000
-
-
-def test_names_that_are_too_long_are_broken_between_their_parts(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    row = replace(SUMMARY.tasks[0], protocol="only_gripper_joint_damping")
-    print_within(Screen(width=80), rates_table(replace(SUMMARY, tasks=(row,))))
-    printed = capsys.readouterr().out
-    assert max(map(len, printed.splitlines())) <= 80
-    assert {"only_gripper_joint_", "damping", "shake_bottle_", "horizontally"} < {*printed.split()}
 
 
 @pytest.mark.parametrize("width", [80, 100])

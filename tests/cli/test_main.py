@@ -414,6 +414,7 @@ def test_an_error_of_the_library_names_the_flag() -> None:
     ("line", "said"),
     [
         ("collect click_bell --estimate", "--estimate is gone: `--dry-run` says what the table"),
+        ("check click_bell --sheet a.png", "--sheet is gone: `rtphys try TASK --picture"),
         ("verify data --shader=rt", "--shader is gone: a dataset says itself"),
         ("verify-manifest data --signed-by me", "--signed-by is gone: `ssh-keygen -Y verify`"),
         ("evaluate click_bell --set friction=0.2", "evaluate has no --set: physics follows from"),

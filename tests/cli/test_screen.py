@@ -99,19 +99,6 @@ def test_columns_without_room_follow_below(terminal: bool, monkeypatch: pytest.M
     assert cells == [word for n in range(9) for word in (f"{n}0", f"({n}0-100)")]
 
 
-def test_broken_names_lose_nothing_of_their_table(capsys: pytest.CaptureFixture[str]) -> None:
-    table = fitting_table(["protocol", "task"], ["what"], "title")
-    table.add_row(
-        "only_gripper_joint_damping", "shake_bottle_horizontally", "policy_error", style="dim"
-    )
-    table.caption = "caption"
-    print_within(Screen(width=56), table)
-    first, *_, last = said = capsys.readouterr().out.splitlines()
-    assert (first.strip(), last.strip()) == ("title", "caption")
-    words = {"only_gripper_joint_", "damping", "shake_bottle_", "horizontally", "policy_error"}
-    assert words < {*" ".join(said).split()} and max(map(len, said)) <= 56
-
-
 def test_a_pipe_gets_one_line_a_row(capsys: pytest.CaptureFixture[str]) -> None:
     table = fitting_table(["name"], ["what", "code"], "title")
     table.add_row(*ROW)

@@ -10,6 +10,7 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.policies import (
     BUILTIN,
     PolicyGone,
+    PolicySession,
     PolicySetup,
     check_options,
     check_task,
@@ -124,6 +125,27 @@ def test_a_misspelt_option_of_the_users_own_policy_is_named(tmp_path: Path) -> N
         said = f"unknown option of the policy '{wrong}'; did you mean '{right}'"
         with pytest.raises(UnknownName, match=said):
             open_policy(spec, PolicySetup(options={wrong: "0.9"}))
+
+
+AWAY = """
+import os
+class Away:
+    needs_images = False
+    def __init__(self, setup): ...
+    def play(self, episode): os.chdir("/")
+    def close(self): ...
+"""
+
+
+def test_a_session_finds_its_file_again_though_the_policy_has_changed_the_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "away.py").write_text(AWAY)
+    monkeypatch.chdir(tmp_path)
+    session = PolicySession("python:away.py:Away")
+    for task in ("one", "two"):
+        session.policy(PolicySetup(task)).play(None)  # type: ignore[arg-type]
+    assert Path.cwd() == Path("/")
 
 
 def test_a_policy_of_the_script_that_cannot_run_in_a_task_is_refused() -> None:

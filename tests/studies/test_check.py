@@ -239,29 +239,11 @@ def test_a_script_that_sticks_is_told_with_its_line_and_the_tilt(own_task) -> No
 @pytest.mark.render
 def test_where_nothing_can_be_drawn_the_verdict_stays(own_task, tmp_path: Path) -> None:
     own_task("too_full", TEMPLATE.replace("where=free", "where=lambda spot: False"))
-    shown = {"sheet": ["check", "too_full", "--seeds", "1", "--workers", "1", "--sheet"]}
-    shown |= {name: ["try", "too_full", f"--{name}"] for name in ("picture", "video")}
-    for name, words in shown.items():
-        file = "a.mp4" if name == "video" else "a.png"
-        done = CliRunner().invoke(app, [*words, str(tmp_path / file)])
+    for name, file in (("picture", "a.png"), ("video", "a.mp4")):
+        done = CliRunner().invoke(app, ["try", "too_full", f"--{name}", str(tmp_path / file)])
         assert done.exit_code == 1, (name, done.output)
         assert f"{file}: not drawn, " in done.stderr
-        if name == "sheet":
-            assert "the expert solves none of 1 seed" in done.stderr
     assert not [*tmp_path.glob("a.*")]
-
-
-@pytest.mark.render
-def test_a_sheet_that_cannot_be_written_is_refused_before_any_work(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("rtphys.studies.check.check", lambda *_: pytest.fail("it went to work"))
-    (tmp_path / "file").touch()
-    for sheet in ("a.png", "file"):  # one picture for two sheets, and a file in the way
-        words = ["check", "click_bell", "--protocol", "clean,phys_random", "--sheet"]
-        done = CliRunner().invoke(app, [*words, str(tmp_path / sheet)])
-        assert done.exit_code == 2 and sheet in done.stderr
-    assert not (tmp_path / "a.png").exists()
 
 
 @pytest.mark.parametrize("name", ["picture", "video"])

@@ -10,7 +10,7 @@ from rtphys.cli.main import app
 from rtphys.core.timing import PhaseTimer
 from rtphys.episode.generate import attempt
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.studies.cost import ATTEMPT, OUTSIDE, PICTURES, Cost, Spent, bench, means
+from rtphys.studies.cost import ATTEMPT, PICTURES, Cost, Spent, bench
 from rtphys.studies.requests import BenchPlan
 from rtphys.task.spec import load_task
 
@@ -23,16 +23,6 @@ def test_phases_and_the_rest_make_the_sum() -> None:
     assert spent.cpu_s() == {"a": 1.5, "b": 2.5, "other": 1.0, "sum": 5.0}
 
 
-def test_what_is_outside_counts_building_and_writing_alone() -> None:
-    cost = Cost("t", "p", accepted=1, images=10)
-    cost.attempts.count = 2
-    cost.attempts.timer.cpu_s.update(build=1.0, settle=1.0, plan=1.0, simulate=1.0)
-    cost.pictures.count = 1
-    cost.pictures.timer.cpu_s.update(build=0.5, render=4.0, encode=1.0, write=0.25, other=0.25)
-    assert cost.outside == pytest.approx((1.0 + 0.5 + 0.25 + 0.25) / 10)
-    assert cost.image_cpu_ms == pytest.approx(1000.0)
-
-
 @pytest.mark.sim
 def test_attempts_are_measured_in_full() -> None:
     options = ["bench", "--task", "click_bell", "--protocol", "clean", "--episodes", "1"]
@@ -41,7 +31,7 @@ def test_attempts_are_measured_in_full() -> None:
     content = json.loads(done.stdout)
     (row,) = content["rows"]
     assert (row["task"], row["protocol"], row["attempts"]) == ("click_bell", "clean", 1)
-    assert row["images"] == 0 and row["image_cpu_ms"] is None
+    assert row["images"] == 0
     for key, phases in (("attempt_cpu_s", ATTEMPT), ("pictures_cpu_s", PICTURES)):
         assert list(row[key]) == [*phases, "other", "sum"]
     for spent in (row["attempt_cpu_s"], row["attempt_wall_s"]):
@@ -74,6 +64,6 @@ def test_physics_planning_rendering_and_encoding_take_nine_tenths() -> None:
     assert cost.images % 3 == 0
     spent = cost.pictures.cpu_s()
     assert min(spent[phase] for phase in PICTURES) > 0
-    assert set(OUTSIDE) < {*ATTEMPT, *PICTURES, "other"}
-    assert cost.outside < MAX_OUTSIDE
-    assert means([cost])["clean"]["image_cpu_ms"] == cost.image_cpu_ms
+    both = (cost.attempts.timer.cpu_s, cost.pictures.timer.cpu_s)
+    outside = sum(each.get(phase, 0.0) for each in both for phase in ("build", "write", "other"))
+    assert outside < MAX_OUTSIDE * sum(sum(each.values()) for each in both)

@@ -2,12 +2,15 @@
 
 import importlib.util
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import yaml
 from evaluations import FINGERPRINT
 
 from rtphys.results.instances import BenchmarkInstance, InstanceList, list_file, write_lists
+from rtphys.spec.collection import CollectionSpec
+from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies.rates import PROTOCOL, SHARES, Rate, costs, expected, like
 from rtphys.task.spec import task_names
 
@@ -46,10 +49,13 @@ def test_a_file_of_check_gives_the_same_columns(tmp_path: Path) -> None:
 def test_every_task_has_a_measured_cost() -> None:
     known = costs()
     assert known.keys() >= {*task_names()}
-    cpu, unknown = expected({("click_bell", PROTOCOL): 10, ("no_task", "clean"): 3})
-    assert unknown == ["no_task"]
+    bell, none = (
+        CollectionSpec(EpisodeSpec(task, PROTOCOL), episodes=10) for task in ("click_bell", "none")
+    )
+    cpu, unknown = expected([bell, none])
+    assert unknown == ["none"]
     assert cpu == 10 * known["click_bell"].cpu > 0
-    plain, _ = expected({("click_bell", "clean"): 10})
+    plain, _ = expected([replace(bell, episode=EpisodeSpec("click_bell", "clean"))])
     assert plain < 0.9 * cpu
 
 

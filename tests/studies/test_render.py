@@ -26,8 +26,6 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import render as module
 from rtphys.studies.collect import collect
 from rtphys.studies.render import (
-    LostStates,
-    MissingPack,
     RenderSeries,
     RenderTask,
     RenderWorker,
@@ -162,7 +160,7 @@ def synthetic_dataset(folder: Path, more: int = 0) -> Path:
 
 def test_missing_assets_are_named_with_their_digest(tmp_path: Path) -> None:
     data = synthetic_dataset(tmp_path / "data")
-    with pytest.raises(MissingPack, match="a" * 64):
+    with pytest.raises(RtphysError, match="a" * 64):
         render(RenderSpec(data=data, out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
@@ -170,7 +168,7 @@ def test_missing_assets_are_named_with_their_digest(tmp_path: Path) -> None:
 def test_what_a_policy_did_is_drawn_from_states_alone(tmp_path: Path) -> None:
     """It was said that rtphys had changed: the expert's states were compared with the policy's."""
     write(tmp_path / "data", synthetic.episode(0), what=synthetic.header(policy="random"))
-    with pytest.raises(LostStates, match="without `states` of the policy random"):
+    with pytest.raises(RtphysError, match="without `states` of the policy random"):
         render(RenderSpec(data=tmp_path / "data", out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
@@ -182,7 +180,7 @@ def test_states_that_are_not_those_of_the_label_are_not_drawn(tmp_path: Path) ->
     paths, pack = data[0].paths, default_pack()
     job = RenderTask(paths, "native", {"info": {}}, RecordingSpec(), True, "a", tmp_path / "new")
     worker = RenderWorker(pack, {"a": pack}, "slim")
-    with pytest.raises(LostStates, match=r"simulated again it gives states \w+, not "):
+    with pytest.raises(RtphysError, match=r"simulated again it gives states \w+, not "):
         worker.do(job)
     assert not (tmp_path / "new").exists()
 

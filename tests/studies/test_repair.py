@@ -9,13 +9,13 @@ from forger import Forger, forge
 from typer.testing import CliRunner
 
 from rtphys.cli.main import app
-from rtphys.core.errors import BadFile
+from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetLocked
 from rtphys.data.layout import EpisodePaths
 from rtphys.data.lock import FolderLock
 from rtphys.data.verify import verify
-from rtphys.studies.reproduce import OtherVersions, damage, repair
+from rtphys.studies.reproduce import damage, repair
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
 
@@ -65,7 +65,7 @@ def test_other_versions_are_refused_by_name(copied: Path) -> None:
     first, _ = Dataset(copied)
     first.paths.video.unlink()
     before = content(copied)
-    with pytest.raises(OtherVersions, match=r"sapien was '2.0', now .*; assets.digest was '000"):
+    with pytest.raises(RtphysError, match=r"sapien was '2.0', now .*; assets.digest was '000"):
         repair(copied, damage(copied))
     assert content(copied) == before
 

@@ -10,16 +10,17 @@ things to know before citing these:
 """
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.resources import files as resources
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import scipy
 
 from rtphys.core.errors import UnknownName, counted
-from rtphys.results.evaluation import EpisodeRecord, Results, short_name
+from rtphys.results.evaluation import EpisodeRecord, Results
 from rtphys.results.statistics import Paired, Rate, paired
 
 MIN_RANKED = 3  # tasks; the ranks of two agree or disagree in full, whatever they are
@@ -224,32 +225,18 @@ def rank_agreements(columns: Sequence[Column]) -> list[RankAgreement]:
 
 
 def _labels(evaluations: Sequence[Results]) -> list[str]:
-    """Of each evaluation its policy; where two have the same, with its options, then its folder.
+    """Of each evaluation its policy with its options; the robot too, where they have several."""
+    several = len({results.robot for results in evaluations}) > 1
+    names = [results.spec.short_actor + f" ({results.robot})" * several for results in evaluations]
+    return told_apart(names, [results.path for results in evaluations])
 
-    The robot too, where they have several.
-    """
-    choices = [
-        [short_name(results.policy) for results in evaluations],
-        [results.spec.short_actor for results in evaluations],
-        [results.path.name for results in evaluations],
-        [str(results.path) for results in evaluations],
+
+def told_apart(names: Sequence[str], paths: Iterable[Path]) -> list[str]:
+    """Each name, and its path where two have it."""
+    return [
+        name if names.count(name) == 1 else f"{name} ({path})"
+        for name, path in zip(names, paths, strict=True)
     ]
-    labels, robots = told_apart(choices), [results.robot for results in evaluations]
-    if len({*robots}) == 1:
-        return labels
-    return [f"{label} ({robot})" for label, robot in zip(labels, robots, strict=True)]
-
-
-def told_apart(choices: Sequence[Sequence[str]]) -> list[str]:
-    """A label for each thing: its name from the first list in which that is unique, or the last.
-
-    All have those of the last list where one's name would be another's from another list.
-    """
-    labels = [
-        next((names[n] for names in choices if names.count(names[n]) == 1), choices[-1][n])
-        for n in range(len(choices[-1]))
-    ]
-    return labels if len({*labels}) == len(labels) else [*choices[-1]]
 
 
 def paper_columns() -> list[Column]:
@@ -272,25 +259,6 @@ def paper_means() -> dict[str, dict[str, float]]:
         row["method"]: {ours: float(row[theirs]) for theirs, ours in PAPER_PROTOCOLS.items()}
         for row in _paper_table("paper_table1.csv")
     }
-
-
-def limits_of_comparison(evaluations: Sequence[Results]) -> list[str]:
-    """What differs between the paper's numbers and these evaluations, a sentence each."""
-    sentences = [
-        "The paper ran RoboTwin's own assets and renderer, and 100 rollouts of each task under "
-        "Physical Random. Its Clean and Official Random are quoted from other evaluations.",
-    ]
-    for results in evaluations:
-        packs = ", ".join(sorted({one.fingerprint.assets[:8] for one in results.lists.values()}))
-        trials = [len(records) for records in results.records.values()]
-        least, most = min(trials), max(trials)
-        seeds = f"{least} to " * (least < most) + f"{counted(most, 'feasible seeds')} of each task"
-        sentences.append(f"{short_name(results.policy)}: {seeds}, on the asset pack {packs}.")
-    return [
-        *sentences,
-        "Where assets differ, drops between protocols and ranks of tasks can be compared, "
-        "success rates cannot.",
-    ]
 
 
 def _paper_table(name: str) -> list[dict[str, str]]:

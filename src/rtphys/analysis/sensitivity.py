@@ -34,7 +34,6 @@ from rtphys.policies import (
     check_task,
     files_digest,
 )
-from rtphys.policies.options import unread_options
 from rtphys.policies.policy import one_line
 from rtphys.policies.registry import edited
 from rtphys.results.statistics import wilson
@@ -187,13 +186,6 @@ def answer(sides: Sequence[Bisection]) -> dict[str, JSON]:
     }
 
 
-class SensitivityResult(NamedTuple):
-    """Whether the actor succeeded in an episode."""
-
-    success: bool
-    unread: frozenset[str] | None = None  # options that a policy had not read by then, if known
-
-
 class SensitivityTask(NamedTuple):
     """One episode; `axis` None: all is nominal."""
 
@@ -204,7 +196,7 @@ class SensitivityTask(NamedTuple):
 
 
 @dataclass
-class SensitivityWorker(StudyWorker[SensitivityTask, SensitivityResult]):
+class SensitivityWorker(StudyWorker[SensitivityTask, bool]):
     """Tries whether an actor succeeds; keeps the demonstrations that it replays."""
 
     search: SearchSpec
@@ -217,11 +209,8 @@ class SensitivityWorker(StudyWorker[SensitivityTask, SensitivityResult]):
     def finish(self) -> None:
         self._session.close()
 
-    def do(self, job: SensitivityTask) -> SensitivityResult:
+    def do(self, job: SensitivityTask) -> bool:
         """A policy's crash is its failure. Raises `PolicyGone`: it is not there."""
-        return SensitivityResult(self._succeeds(job), self._session.unread)
-
-    def _succeeds(self, job: SensitivityTask) -> bool:
         task, spec, axis = self.tasks[job.task], EpisodeSpec(job.task, NOMINAL), job.axis
         overrides = dict[str, Value]()
         try:
@@ -291,7 +280,6 @@ class TaskSensitivity:
         self.spec, self.search = spec, spec.search
         self.seeds: list[int] = []  # paired: the actor succeeds nominally
         self.outcomes: dict[tuple[str, float, int], bool] = {}
-        self.unread = list[frozenset[str]]()  # options, after each episode of this run
         self.path = plan.out / f"{spec.task}.json"
         self._ledger = self._open_ledger()
         domain, has = domain_for_task(spec.task), parts(first_props(load_task(spec.task)))
@@ -349,7 +337,7 @@ class TaskSensitivity:
         return result
 
 
-class LevelSeries(Series[SensitivityTask, SensitivityResult]):
+class LevelSeries(Series[SensitivityTask, bool]):
     """One level of one axis on the paired seeds; without a bisection, the search for these."""
 
     def __init__(
@@ -368,26 +356,23 @@ class LevelSeries(Series[SensitivityTask, SensitivityResult]):
     def job(self, seed: int) -> SensitivityTask:
         return SensitivityTask(self.task.spec.task, seed, self.axis, self.share)
 
-    def known(self, seed: int) -> SensitivityResult | None:
-        success = self.task.outcomes.get((self.name, self.share, seed))
-        return None if success is None else SensitivityResult(success)
+    def known(self, seed: int) -> bool | None:
+        return self.task.outcomes.get((self.name, self.share, seed))
 
-    def reason(self, result: SensitivityResult) -> str:
-        return "" if self.level or result.success else "failed"
+    def reason(self, result: bool) -> str:
+        return "" if self.level or result else "failed"
 
-    def commit(self, seed: int, result: SensitivityResult) -> str:
-        self.task.keep(SensitivityRow(self.name, self.share, seed, result.success))
-        if result.unread is not None:
-            self.task.unread.append(result.unread)
+    def commit(self, seed: int, result: bool) -> str:
+        self.task.keep(SensitivityRow(self.name, self.share, seed, result))
         if self.level:
             self.level.of += 1
-            self.level.successes += result.success
-        elif result.success:
+            self.level.successes += result
+        elif result:
             self.task.seeds.append(seed)
         return ""
 
-    def lost(self, seed: int, loss: WorkerFailure) -> SensitivityResult:
-        return SensitivityResult(False)
+    def lost(self, seed: int, loss: WorkerFailure) -> bool:
+        return False
 
 
 def sensitivity(
@@ -419,8 +404,6 @@ def sensitivity(
                     run_all(trials, pool, _WithinTask(listener), plan.out)
                 results.append(task.write())
                 progress.add("")
-        if note := unread_options(policy, [one for task in tasks for one in task.unread]):
-            listener.noticed(note)
     return results
 
 

@@ -5,7 +5,7 @@ import re
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -33,7 +33,6 @@ from rtphys.physics import Domain, Value, attributes, domain_for_task, load_doma
 from rtphys.physics.attribute import attribute
 from rtphys.physics.domain import AUXILIARY
 from rtphys.spec import protocol
-from rtphys.spec.option import Option
 from rtphys.studies.rates import rates
 from rtphys.studies.requests import CheckPlan, TryPlan
 from rtphys.studies.resources import check_drawable, mistakes_named, props_of
@@ -113,7 +112,7 @@ def tasks(
     pattern: Annotated[str, typer.Argument(help="Only names that match, such as 'stack_*'.")] = "*",
     as_json: Json = False,
 ) -> None:
-    """List the tasks: arms, mechanism, objects, step limit, domain, measured rates.
+    """List the tasks: arms, mechanism, objects, domain, rates.
 
     The rates are those of the expert in the certified lists.
 
@@ -296,18 +295,8 @@ def value_text(value: Value, form: str = "g") -> str:
     return value if isinstance(value, str) else format(value, form)
 
 
-@dataclass(frozen=True)
-class Output(AsJson):
-    """Where the results go beside the screen."""
-
-    sheet: Annotated[
-        Path | None,
-        Option("Write a contact sheet here: a .png for one task under one protocol, or a folder."),
-    ] = None
-
-
-@takes(CheckPlan, Output)
-def check(plan: CheckPlan, output: Output) -> None:
+@takes(CheckPlan, AsJson)
+def check(plan: CheckPlan, output: AsJson) -> None:
     """Try a task's expert over many seeds, without pictures.
 
     The expert's actions are replayed open loop. Two seeds are tried a second time and must give
@@ -321,17 +310,9 @@ def check(plan: CheckPlan, output: Output) -> None:
     Examples:
 
         rtphys check click_bell --seeds 20
-        rtphys check 'stack_*' --protocol clean,phys_random --sheet sheets
+        rtphys check 'stack_*' --protocol clean,phys_random
     """
-    if (sheet := output.sheet) is not None:
-        if (single := sheet.suffix == ".png") and len(plan.tasks) * len(plan.protocols) > 1:
-            allowed = "each task has a sheet under each protocol; name a folder"
-            raise BadValue("sheet", str(sheet), allowed)
-        check_drawable()
-        make_folder(sheet.parent if single else sheet)  # refused before work of hours
-    from rtphys.report.pictures import captioned
     from rtphys.studies.check import check as run_check
-    from rtphys.studies.check import ends
 
     with campaign("episodes") as (pack, listener):
         scores = run_check(plan, pack, listener)
@@ -339,17 +320,6 @@ def check(plan: CheckPlan, output: Output) -> None:
         say_json([score.to_json() for score in scores])
     else:
         _show_scores(scores)
-    if sheet is not None:
-        for score in scores:
-            name = f"{score.spec.task}_{score.spec.protocol}.png"
-            path = sheet if sheet.suffix == ".png" else sheet / name
-            try:
-                seed, stages, pictures = ends(pack, score)
-            except Infeasible as problem:
-                say(f"{path}: not drawn, {problem}", err=True)
-                continue
-            replace_file(path, encode_png(captioned(pictures, stages)))
-            say(f"{path}: seed {seed}", err=output.as_json)
     if wrong := complaints(scores):
         say("\n".join(wrong), err=True)
         raise typer.Exit(1)

@@ -1,9 +1,8 @@
 """`rtphys collect`: verified episodes of one or more tasks."""
 
 import time
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import Annotated
 
 import typer
@@ -21,14 +20,13 @@ from rtphys.cli.screen import (
 )
 from rtphys.cli.terminal import Incomplete, command_line, printable, resumable, say, say_json
 from rtphys.core.errors import BadValue, RtphysError, counted
-from rtphys.data.attempts import Accepted, read_attempts
 from rtphys.data.layout import TaskDataset
+from rtphys.data.manifest import entries_there
 from rtphys.senses import drawn
 from rtphys.spec.collection import CollectionSpec
 from rtphys.spec.option import Option, Tasks, checked_dataclass
-from rtphys.spec.protocol import load_protocol
 from rtphys.spec.varies import what_varies
-from rtphys.studies.rates import MOST, expected, like
+from rtphys.studies.rates import MOST, expected
 from rtphys.studies.requests import (
     Run,
     find_collection,
@@ -147,30 +145,21 @@ def _repair(run: Run) -> None:
 def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> None:
     """Prints each task dataset, what is there already, and what this machine would refuse."""
     from rtphys.plan.kinematics import check_robot
-    from rtphys.studies.collect import check, check_machine
+    from rtphys.studies.collect import check, check_machine, missing
 
     check(specs, run)
     for robot in dict.fromkeys(spec.episode.embodiment for spec in specs):
         check_robot(default_pack(), robot)
     table = fitting_table(["folder"], ("episodes", "there", "seeds from", "cameras", "domain"))
-    rows, missing = list[dict[str, object]](), Counter[tuple[str, str]]()
-    wanted, there_not = 0, list[CollectionSpec]()
-    for side in (side for spec in specs for side in spec.sides):
-        place = TaskDataset.of(run.out, side)
-        attempts = read_attempts(place.ledger) if place.ledger.exists() else ()
-        there = sum(isinstance(row, Accepted) for row in attempts)
-        wanted += side.episodes
-        if there < side.episodes:
-            visual, varied = side.episode.visual(), load_protocol(side.episode.protocol).physics
-            textured = visual is not None and visual.textures
-            missing[side.episode.task, like(textured, varied)] += side.episodes - there
-            rest = replace(side, twin=None, episodes=side.episodes - there, keep_failures=None)
-            there_not.append(rest)
+    rows, there = list[dict[str, object]](), entries_there(run.out)
+    sides = [side for spec in specs for side in spec.sides]
+    for side in sides:
+        name = TaskDataset.of(run.out, side).name
         rows.append(
             {
-                "folder": place.name,
+                "folder": name,
                 "episodes": side.episodes,
-                "there": there,
+                "there": there[name].episodes if name in there else 0,
                 "first_seed": side.first_seed,
                 "cameras": ", ".join(side.recording.cameras),
                 "domain": side.episode.domain.name,
@@ -183,8 +172,9 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
         workers = check_machine(specs, run)
     except RtphysError as problem:
         say(f"here and now it would be refused: {problem}", err=True)
-    cpu, unknown = expected(missing)
-    room = room_needed([one for one in there_not if one.episode.task not in unknown])
+    left = missing(specs, run.out)
+    cpu, unknown = expected(left)
+    room = room_needed([one for one in left if one.episode.task not in unknown])
     apart = f", not counting {', '.join(unknown)}" if unknown else ""
     wall = f" ({_seconds(cpu / workers)} with {counted(workers, 'workers')})" if workers else ""
     takes = (
@@ -194,11 +184,11 @@ def _show_specs(specs: Sequence[CollectionSpec], run: Run, as_json: bool) -> Non
     if unknown and not cpu:
         have = "this task has" if len(unknown) == 1 else "these tasks have"
         takes = f"no cost estimate: {have} not been measured"
-    if any(one.recording.size or drawn(one.recording.senses) for one in there_not):
+    if any(one.recording.size or drawn(one.recording.senses) for one in left):
         takes += "; its CPU time is that of pictures of 320x240 without depth and segmentation"
     say(
-        f"{counted(wanted, 'episodes')} in {run.out}, at most {_bytes(room_needed(specs, MOST))}"
-        f"; {takes}; nothing was collected",
+        f"{counted(sum(side.episodes for side in sides), 'episodes')} in {run.out}, at most "
+        f"{_bytes(room_needed(specs, MOST))}; {takes}; nothing was collected",
         err=as_json,
     )
 

@@ -205,7 +205,7 @@ class Checks:
 
 @takes(Checks)
 def verify(checks: Checks) -> None:
-    """Check every file of a dataset, and derive its physics again from the seeds.
+    """Check every file, and derive the physics again from the seeds.
 
     Prints one line per problem. Exit code 0: correct, 1: not. docs/trust.md says what each option
     proves.
@@ -331,7 +331,7 @@ def verify_export(
     export: Annotated[Path, typer.Argument(help="Folder that `rtphys export lerobot` wrote.")],
     dataset: Annotated[Path, typer.Argument(help="The dataset that it was made from.")],
 ) -> None:
-    """Compare a LeRobot export with its dataset, number by number.
+    """Compare a LeRobot export with its dataset.
 
     It also compares every picture. Exit code 1 if something differs.
 

@@ -34,7 +34,7 @@ SHOWN = 5  # attributes per protocol, those with the smallest p-values
 def certify(
     spec: CertificationSpec, run: CertificationRun, output: AsJson, context: typer.Context
 ) -> None:
-    """Find the seeds on which policies are evaluated: those that the expert solves.
+    """Find the seeds that the expert solves, to evaluate policies on.
 
     It writes one list for each task and protocol, with every seed that was tried, and draws no
     pictures. After an interruption, the same command continues where it stopped.
@@ -129,7 +129,7 @@ def _reprove(spec: CertificationSpec, run: CertificationRun, as_json: bool) -> N
     common=("policy", "protocols", "episodes", "out", "workers", "video", "record"),
 )
 def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
-    """Run a policy on certified instances and say how often it succeeds.
+    """Say how often a policy succeeds on certified instances.
 
     It searches for no seeds: the instances are those of a list that `rtphys certify` has made. The
     same policy gives the same records, with any number of workers. After an interruption, the same
@@ -158,7 +158,6 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         for row in summary.tasks:
             if row.language:
                 say(f"{row.protocol}, {row.task}: {row.language}")
-        print_table(loads_table(summary))
         if summary.pairs:
             print_table(pairs_table(summary))
             for pair in summary.pairs:
@@ -218,19 +217,6 @@ def failures_table(summary: Summary) -> Table:
         if row.reasons:
             reasons = ", ".join(f"{name} {count}" for name, count in row.reasons.items())
             table.add_row(row.protocol, row.task, reasons)
-    return table
-
-
-def loads_table(summary: Summary) -> Table:
-    """Largest force and torque of the successful episodes, and how many were rough."""
-    title = "loads on the robot in successes (median, 90th percentile, maximum)"
-    columns = ("force on a link [N]", "torque [of the motor's]", "rough")
-    table = fitting_table(["protocol", "task"], columns, title)
-    rough = [(row.protocol, row.task, row.loads) for row in summary.tasks if row.loads.rough]
-    for protocol, task, loads in rough + [(t.protocol, "all", t.loads) for t in summary.overall]:
-        force = ", ".join(f"{x:.1f}" for x in loads.force or ()) or "-"
-        torque = ", ".join(f"{x:.2f}" for x in loads.torque or ()) or "-"
-        table.add_row(protocol, task, force, torque, str(loads.rough))
     return table
 
 
@@ -301,7 +287,7 @@ def compare(
     figure: Annotated[Path | None, typer.Option(help="Also draw the rates into this PNG.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Compare evaluations with each other, and with the paper's results.
+    """Compare evaluations with each other and with the paper.
 
     It shows success by task and policy with 95 % intervals, and a paired test on common seeds.
     A second table says how similarly two policies rank the tasks.
@@ -345,8 +331,7 @@ def compare(
             table.add_row(method, *(f"{means[name]:.2f}" for name in protocols))
         print_table(table)
         say("By its Table 3 the means are 39.56 (Motus) and 31.50 (pi0.5), not as printed.")
-        for sentence in analysis.limits_of_comparison(evaluations):
-            say(sentence)
+        say("docs/benchmark.md says which of its numbers can be compared with an evaluation.")
     if differ and comparison.pairs:
         say("Not all were run on the same instances; the next table compares those they share.")
     _show_pairs(comparison)
@@ -429,9 +414,7 @@ def _show_identified(files: Mapping[Path, Result], as_json: bool) -> None:
     several = len({result.protocol for result in results}) > 1
     ends = [f", {result.protocol}" if several else "" for result in results]
     estimators = [short_name(r.estimator) + end for r, end in zip(results, ends, strict=True)]
-    names = analysis.told_apart(
-        [estimators, [f"{path}{end}" for path, end in zip(files, ends, strict=True)]]
-    )
+    names = analysis.told_apart(estimators, files)
     keys = sorted({key for r in results for task in tasks for key in r.tasks[task].scores})
     if as_json:
         columns = [

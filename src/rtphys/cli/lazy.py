@@ -23,29 +23,17 @@ GROUPS = {
         "merge": ("datasets", "Join datasets, such as the shards of a collection."),
         "subset": ("datasets", "Copy a part of a dataset, and renumber its episodes."),
         "convert": ("datasets", "Write a dataset again in the other official layout."),
-        "verify": (
-            "datasets",
-            "Check every file of a dataset, and derive its physics again from the seeds.",
-        ),
+        "verify": ("datasets", "Check every file, and derive the physics again from the seeds."),
         "export": ("datasets", "Write a dataset in the format of another tool."),
-        "verify-export": (
-            "datasets",
-            "Compare a LeRobot export with its dataset, number by number.",
-        ),
+        "verify-export": ("datasets", "Compare a LeRobot export with its dataset."),
     },
     "Look at it": {
         "show": ("show", "Show one episode in the terminal or as a picture."),
-        "view": (
-            "show",
-            "Show an episode in Rerun: cameras, 3D, forces, joints, physics, stages.",
-        ),
+        "view": ("show", "Show an episode in Rerun: cameras, 3D, forces, physics, stages."),
         "report": ("show", "Show a dataset, or an evaluation, on one HTML page."),
     },
     "Extend it: your own tasks and physics": {
-        "tasks": (
-            "authoring",
-            "List the tasks: arms, mechanism, objects, step limit, domain, measured rates.",
-        ),
+        "tasks": ("authoring", "List the tasks: arms, mechanism, objects, domain, rates."),
         "new-task": ("authoring", "Write a task file to start from; it already runs."),
         "try": ("authoring", "Try a task's expert once; show its stages and where it got stuck."),
         "check": ("authoring", "Try a task's expert over many seeds, without pictures."),
@@ -54,29 +42,14 @@ GROUPS = {
         "physics": ("physics", "Show sampled values, test their laws, and audit labels."),
     },
     "Evaluate policies": {
-        "certify": (
-            "evaluate",
-            "Find the seeds on which policies are evaluated: those that the expert solves.",
-        ),
-        "evaluate": (
-            "evaluate",
-            "Run a policy on certified instances and say how often it succeeds.",
-        ),
-        "compare": (
-            "evaluate",
-            "Compare evaluations with each other, and with the paper's results.",
-        ),
+        "certify": ("evaluate", "Find the seeds that the expert solves, to evaluate policies on."),
+        "evaluate": ("evaluate", "Say how often a policy succeeds on certified instances."),
+        "compare": ("evaluate", "Compare evaluations with each other and with the paper."),
         "robotwin-root": ("evaluate", "Write a folder in which RoboTwin's launch scripts run."),
     },
     "Studies": {
-        "sensitivity": (
-            "research",
-            "Measure how far each physical attribute may be from nominal before a task fails.",
-        ),
-        "identify": (
-            "research",
-            "Find which physics can be inferred from what a robot senses, and from which signal.",
-        ),
+        "sensitivity": ("research", "Measure how far physics may be off before a task fails."),
+        "identify": ("research", "Find which physics can be inferred from what a robot senses."),
     },
     "This machine": {
         "assets": ("machine", "Build, inspect or link the asset packs."),
@@ -99,6 +72,7 @@ FORMER = {
 }
 NO_RESUME = "a folder of another run is refused without it, too"
 GONE = {
+    ("check", "--sheet"): "`rtphys try TASK --picture FILE` draws an attempt",
     ("collect", "--estimate"): "`--dry-run` says what the table in docs/scale.md knows",
     ("collect", "--no-resume"): NO_RESUME,
     ("compare", "--table"): "`--json` has the rates",

@@ -83,18 +83,13 @@ def bench(plan: BenchPlan, output: AsJson) -> None:
     print_table(table)
     if not plan.pictures:
         return
-    columns = ("episodes", *PICTURES, "sum", "all, ms an image", "outside")
+    columns = ("episodes", *PICTURES, "sum")
     title = "CPU-seconds of an accepted episode's pictures"
     table = fitting_table(names, columns, title, "right")
     for cost in costs:
-        spent, ms = cost.pictures.cpu_s(), cost.image_cpu_ms
-        cells = [f"{spent[phase]:.2f}" for phase in (*PICTURES, "sum")]
-        last = "-" if ms is None else f"{ms:.1f}", f"{100 * cost.outside:.1f} %"
-        table.add_row(cost.task, cost.protocol, str(cost.pictures.count), *cells, *last)
-    for protocol, mean in means(costs).items():
-        ms = f"{mean['image_cpu_ms']:.1f}" if "image_cpu_ms" in mean else "-"
-        blank = [""] * (len(PICTURES) + 2)
-        table.add_row("mean", protocol, *blank, ms, f"{100 * mean['outside']:.1f} %", style="bold")
+        spent = cost.pictures.cpu_s()
+        cells = (f"{spent[phase]:.2f}" for phase in (*PICTURES, "sum"))
+        table.add_row(cost.task, cost.protocol, str(cost.pictures.count), *cells)
     print_table(table)
 
 

@@ -49,7 +49,7 @@ def draw_map(cells: "Cells", scale: "Scale", path: Path) -> None:
 
 @takes(IdentifyPlan, MapOutput)
 def identify(plan: IdentifyPlan, output: MapOutput) -> None:
-    """Find which physics can be inferred from what a robot senses, and from which signal.
+    """Find which physics can be inferred from what a robot senses.
 
     The expert's episodes are simulated without pictures. Their features are statistics of
     commands, measured joints, tracking, effort and touch in each stage; object states are not
@@ -125,7 +125,7 @@ def carriers(score: "Score") -> str:
 
 @takes(SensitivityPlan, MapOutput)
 def sensitivity(plan: SensitivityPlan, output: MapOutput) -> None:
-    """Measure how far each physical attribute may be from nominal before a task fails.
+    """Measure how far physics may be off before a task fails.
 
     One attribute at a time is moved away from its nominal value, on seeds that succeed nominally.
     The tolerance is the part of its range in which at least half of them still succeed. After an

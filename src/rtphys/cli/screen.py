@@ -1,12 +1,10 @@
 """Tables, bars and the display of a running campaign, on a terminal of any width or in a log."""
 
-import re
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from operator import gt
 from typing import Self
 
 from rich.cells import cell_len
@@ -36,8 +34,7 @@ from rtphys.core.errors import counted
 
 ONE_LINE = 10_000  # [characters] wide enough for a row of any table here
 GAP = 2  # [characters] between two columns
-NARROWEST = 8  # [characters] of a column that wraps, before names wrap too
-BETWEEN = re.compile(r"(?<=[_/ ])")  # where a name may be broken
+NARROWEST = 8  # [characters] of a column that breaks words
 UNBROKEN = 16  # [characters] of a word that stays whole, if need be at the cost of the names
 
 
@@ -135,70 +132,24 @@ def print_rows(table: Table, rows: object, as_json: bool) -> None:
 
 
 def print_within(screen: Screen, table: Table) -> None:
-    """Prints a table in a screen's width. Where the names leave too little, they wrap too."""
-    kept = [column for column in table.columns if column.no_wrap]
-    others = [column for column in table.columns if not column.no_wrap]
-    words = [_widest(column, str.split) for column in others]
-    needed = sum(
-        min(_widest(column, str.splitlines), max(NARROWEST, min(word, UNBROKEN)))
-        for column, word in zip(others, words, strict=True)
-    )
-    space = screen.width - GAP * (len(table.columns) - 1)
-    room = space - sum(_widest(column, str.splitlines) for column in kept)
-    if room < needed:
-        for column in kept:
-            column.no_wrap, column.overflow = False, "fold"
-        parts = [_widest(column, BETWEEN.split) for column in kept]
-        narrowest = parts if sum(parts) <= space - needed else [NARROWEST] * len(kept)
-        if _shrink(kept, narrowest, space - needed):
-            room = needed
-    _shrink(others, words, room)
-    screen.print(_with_broken_names(table, kept) if kept and kept[0].width else table)
-
-
-def _shrink(columns: Sequence[Column], least: Sequence[int], room: int) -> bool:
-    """Sets widths of at least so many characters; whether there are any that fit.
-
-    A column's head wraps before its cells do, and the widest column first. Left alone, rich would
-    shrink all alike.
-    """
-    if sum(least) > room:
-        return False
+    """Prints a table in a screen's width: words stay whole as long as they can."""
+    columns = table.columns
     widths = [_widest(column, str.splitlines) for column in columns]
     cells = [_widest(column, str.splitlines, head=False) for column in columns]
-    for floor in (map(max, least, cells), least):
-        floors = [*floor]
-        while sum(widths) > room and any(map(gt, widths, floors)):
-            widths[max(range(len(widths)), key=lambda i: (widths[i] > floors[i], widths[i]))] -= 1
-    for column, width in zip(columns, widths, strict=True):
-        column.width = width
-    return True
-
-
-def _with_broken_names(table: Table, names: Sequence[Column]) -> Table:
-    """The same table; names that are wider than their column are broken between their parts."""
-    shown = fitting_table((), (), str(table.title) if table.title else None)
-    shown.caption = table.caption
-    columns = table.columns
-    for one in columns:
-        shown.add_column(one.header, justify=one.justify, overflow=one.overflow, width=one.width)
-    texts = (
-        [_broken(str(cell), one.width or 0) if one in names else cell for cell in one.cells]
-        for one in columns
-    )
-    for row, cells in zip(table.rows, zip(*texts, strict=True), strict=True):
-        shown.add_row(*cells, style=row.style)
-    return shown
-
-
-def _broken(name: str, width: int) -> str:
-    """A name in lines of a width, between its parts where that is possible."""
-    lines = [""]
-    for part in BETWEEN.split(name):
-        if cell_len(lines[-1] + part.rstrip()) > width:
-            lines.append("")
-        lines[-1] += part
-    return "\n".join(filter(None, lines))
+    words = [_widest(column, str.split) for column in columns]
+    heads = [*map(max, words, cells)]
+    short, shorter = ([min(word, most) for word in words] for most in (UNBROKEN, NARROWEST))
+    named = [
+        word if column.no_wrap else least
+        for column, word, least in zip(columns, words, short, strict=True)
+    ]
+    room = screen.width - GAP * (len(columns) - 1)
+    for floor in (heads, words, named, short, shorter):  # heads wrap first, names break last
+        while sum(widths) > room and (wide := [i for i, w in enumerate(widths) if w > floor[i]]):
+            widths[max(wide, key=widths.__getitem__)] -= 1
+    for column, column.width in zip(columns, widths, strict=True):
+        column.no_wrap, column.overflow = False, "fold"
+    screen.print(table)
 
 
 def _widest(column: Column, parts: Callable[[str], list[str]], head: bool = True) -> int:

@@ -190,7 +190,7 @@ def _stages(episode: Episode) -> list[Stage]:
 
 @takes(ShownInRerun, One)
 def view(shown: ShownInRerun, which: One) -> None:
-    """Show an episode in Rerun: cameras, 3D, forces, joints, physics, stages.
+    """Show an episode in Rerun: cameras, 3D, forces, physics, stages.
 
     For a kept failure, the instant at which it went wrong is marked.
 

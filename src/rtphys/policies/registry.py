@@ -198,11 +198,7 @@ def open_policy(spec: str, setup: PolicySetup | None = None) -> Policy:
     installed; `PolicyBroken`: the policy raises, or lacks `needs_images`; `RtphysError`: the policy
     refuses its argument.
     """
-    return _opened(spec, setup or PolicySetup())[0]
-
-
-def _opened(spec: str, setup: PolicySetup) -> tuple[Policy, AskedOptions]:
-    """The policy, and what it has read of its options; errors are those of `open_policy`."""
+    setup = setup or PolicySetup()
     name, argument = parse_spec(spec)
     module, _, attribute = BUILTIN[name].partition(":")
     options = AskedOptions(setup.options)
@@ -223,7 +219,7 @@ def _opened(spec: str, setup: PolicySetup) -> tuple[Policy, AskedOptions]:
         raise
     except BaseException as error:  # a library may end the process, or panic
         raise PolicyBroken(spec, "opened", error) from error
-    return policy, options
+    return policy
 
 
 class PolicySession:
@@ -233,25 +229,17 @@ class PolicySession:
         self.spec = spec
         self._home = Path.cwd()  # what a user names is relative to it
         self._open: tuple[PolicySetup, Policy] | None = None
-        self._options: list[AskedOptions] = []  # one an opening
 
     def policy(self, setup: PolicySetup) -> Policy:
         """The open policy. Raises what `open_policy` and `close` raise."""
         if self._open is None or self._open[0] != setup:
             self.close()
             os.chdir(self._home)  # an earlier one may have left it
-            policy, options = _opened(self.spec, setup)
-            self._options.append(options)
+            policy = open_policy(self.spec, setup)
             if policy.needs_images:
                 renderer.hold_anchor()
             self._open = (setup, policy)
         return self._open[1]
-
-    @property
-    def unread(self) -> frozenset[str] | None:
-        """The options that the policy has not read so far, however often opened; None: never."""
-        left = [options.unread for options in self._options]
-        return frozenset.intersection(*left) if left else None
 
     def close(self) -> None:
         """Closes it; the next episode opens another. Raises `PolicyBroken`: it cannot be closed."""

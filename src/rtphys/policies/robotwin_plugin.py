@@ -21,14 +21,6 @@ ARM_SIZES = ("left_arm_dim", "right_arm_dim")  # arguments: joints of each arm
 SKIP = "skip_get_obs_within_replan"  # a plug-in's option to get no observation it will not use
 
 
-class BrokenPlugin(RtphysError):
-    """A plug-in cannot be imported, or its model cannot be created."""
-
-
-class StuckPlugin(RtphysError):
-    """A plug-in was called `IDLE_CALLS` times without acting."""
-
-
 @dataclass(frozen=True)
 class Plugin:
     """The three functions of a plug-in, and the folder that it must run in."""
@@ -42,7 +34,7 @@ class Plugin:
     def play(self, model: object, env: TaskEnv, skip_unwanted: bool = False) -> None:
         """Run it through the episode that `env` has begun. Its own errors pass through.
 
-        Raises `StuckPlugin`: it does not act.
+        Raises `RtphysError`: it does not act.
         """
         self.reset_model(model)
         wanted = getattr(model, "should_request_observation", None) if skip_unwanted else None
@@ -53,13 +45,13 @@ class Plugin:
             self.eval(env, model, observation)
             idle = idle + 1 if env.take_action_cnt == before else 0
             if idle >= IDLE_CALLS:
-                raise StuckPlugin(f"{self.name}: {IDLE_CALLS} calls of eval without an action")
+                raise RtphysError(f"{self.name}: {IDLE_CALLS} calls of eval without an action")
 
 
 def plugin_named(name: str, root: Path, file: Path | None = None) -> Plugin:
     """Import a plug-in by its dotted name, from a RoboTwin root as launchers do.
 
-    Raises `BrokenPlugin`: importing it fails, or finds another than `file`, or it lacks one of the
+    Raises `RtphysError`: importing it fails, or finds another than `file`, or it lacks one of the
     three functions.
     """
     for path in (root, root / "policy", root / "description" / "utils"):
@@ -73,18 +65,18 @@ def plugin_named(name: str, root: Path, file: Path | None = None) -> Plugin:
         try:
             module = importlib.import_module(candidate)
         except Exception as error:
-            raise BrokenPlugin(f"{where}: {type(error).__name__}: {error}") from error
+            raise RtphysError(f"{where}: {type(error).__name__}: {error}") from error
         if file is not None:  # Python silently imports another package of the same name
             places = [module.__file__] if module.__file__ else list(module.__path__)
             home = file.parent.resolve()
             if not any(Path(place).resolve().is_relative_to(home) for place in places):
                 problem = f"`import {candidate}` finds {places[0]} instead"
-                raise BrokenPlugin(f"{file}: {problem}; rename the plug-in's folder")
+                raise RtphysError(f"{file}: {problem}; rename the plug-in's folder")
         missing = [key for key in CONTRACT if not callable(getattr(module, key, None))]
         if not missing:
             return Plugin(name, root, *(getattr(module, key) for key in CONTRACT))
     lacking = ", ".join(missing)
-    raise BrokenPlugin(f"{where}: has no {lacking}; a plug-in defines {', '.join(CONTRACT)}")
+    raise RtphysError(f"{where}: has no {lacking}; a plug-in defines {', '.join(CONTRACT)}")
 
 
 def user_args(
@@ -104,7 +96,7 @@ def user_args(
 class RoboTwinPolicy:
     """A plug-in as a policy. It runs in its root folder, because its paths may be relative to it.
 
-    Raises `BrokenPlugin`: `get_model` fails.
+    Raises `RtphysError`: `get_model` fails.
     """
 
     needs_images = True
@@ -117,10 +109,10 @@ class RoboTwinPolicy:
                 self.model = plugin.get_model(usr_args)
         except Exception as error:
             problem = f"get_model: {type(error).__name__}: {error}"
-            raise BrokenPlugin(f"{plugin.name}: {problem}") from error
+            raise RtphysError(f"{plugin.name}: {problem}") from error
 
     def play(self, episode: PolicyEpisode) -> None:
-        """Play one episode. Raises `StuckPlugin`, and whatever the plug-in raises."""
+        """Play one episode. Raises `RtphysError`, and whatever the plug-in raises."""
         self.env.begin_episode(episode)
         with chdir(self._plugin.root):
             self._plugin.play(self.model, self.env, bool(self._args.get(SKIP)))
@@ -137,7 +129,7 @@ def open_robotwin(argument: str, setup: PolicySetup) -> RoboTwinPolicy:
     Options override the plug-in's YAML (`deploy_policy.yml` beside it, or `?config=PATH`);
     `?policy_name=a.b.c` is the dotted name under which a launcher would import it.
 
-    Raises `BadFile`: no such plug-in; `BrokenPlugin`: it cannot be imported, or its model cannot be
+    Raises `BadFile`: no such plug-in; `RtphysError`: it cannot be imported, or its model cannot be
     created.
     """
     path, texts = split_options(argument, setup.options)

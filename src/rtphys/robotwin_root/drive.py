@@ -71,8 +71,8 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     `eval_num_episodes` or `test_num` in `usr_args` override the number of episodes; the result is
     also written to its `eval_output_dir`.
 
-    Raises `BadFile`, `UnknownName`, `BrokenPlugin`: the configuration, task, policy or kind of
-    instruction does not exist; `RtphysError`: there are too few feasible seeds.
+    Raises `BadFile`, `UnknownName`: the configuration, task, policy or kind of instruction does not
+    exist; `RtphysError`: a plug-in that cannot be imported, or too few feasible seeds.
     """
     split = str(usr_args["instruction_type"])
     if split not in SPLITS:

@@ -24,7 +24,6 @@ from rtphys.episode.render import StateTrajectory, render_frames
 from rtphys.expert.grasp import HeldLoad, turn_of
 from rtphys.plan.kinematics import check_robot
 from rtphys.policies import open_policy
-from rtphys.sim import renderer
 from rtphys.sim.recorder import Recording
 from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.spec.protocol import load_protocol
@@ -32,7 +31,7 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.requests import CheckPlan
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.arm import Arm, Motion, Placing, Robot, Scene
-from rtphys.task.spec import Task, load_task
+from rtphys.task.spec import Task
 
 MAX_BASELINE = 20  # seeds of each baseline, unless more are asked for
 TWICE = 2  # seeds that the expert does twice, to compare the states
@@ -201,19 +200,6 @@ def solves(recipe: Recipe, task: Task, pack: Pack, role: str) -> bool:
         return False
     open_policy(role).play(episode)
     return episode.success
-
-
-def ends(
-    pack: Pack, score: Score
-) -> tuple[int, Sequence[str], Mapping[str, Sequence[NDArray[np.uint8]]]]:
-    """A seed, its stages, and by camera what is seen at the end of each; needs a renderer.
-
-    The seed is the lowest accepted one, or the first failure if there is none.
-    """
-    renderer.configure()  # before the first scene
-    seed = min(score.accepted or score.failures)
-    task = load_task(score.spec.task)
-    return seed, *stage_ends(attempt(score.spec.at(seed), task, pack), task, pack)
 
 
 SHEET_CAMERAS = ("head", "left", "right", "front")

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
+from statistics import fmean
 
 from rtphys.assets.pack import Pack
 from rtphys.core.timing import PhaseTimer
@@ -24,7 +25,6 @@ ATTEMPT = ("build", "settle", "plan", "simulate")
 PICTURES = ("build", "render", "encode", "write")
 """Phases after it is accepted: the world built once more, to be drawn; drawing; both encoders,
 which run beside the renderer; writing, syncing, re-reading."""
-OUTSIDE = ("build", "write", "other")  # neither physics nor planning, nor rendering, nor encoding
 
 
 @dataclass
@@ -34,11 +34,6 @@ class Spent:
     phases: tuple[str, ...]
     count: int = 0
     timer: PhaseTimer = field(default_factory=PhaseTimer)  # the rest is its phase "other"
-
-    @property
-    def cpu_total(self) -> float:
-        """CPU-seconds of all repetitions."""
-        return sum(self.timer.cpu_s.values())
 
     def cpu_s(self) -> dict[str, float]:
         """CPU-seconds of one repetition, by phase; they add up to "sum"."""
@@ -64,19 +59,6 @@ class Cost:
     images: int = 0
     bytes: int = 0  # on disk
 
-    @property
-    def image_cpu_ms(self) -> float | None:
-        """CPU-milliseconds a saved image, rejected attempts included; None without images."""
-        spent = self.attempts.cpu_total + self.pictures.cpu_total
-        return 1e3 * spent / self.images if self.images else None
-
-    @property
-    def outside(self) -> float:
-        """Share of CPU time spent neither on physics, planning, rendering nor encoding."""
-        both = (self.attempts, self.pictures)
-        spent = sum(s.count * sum(s.cpu_s().get(phase, 0.0) for phase in OUTSIDE) for s in both)
-        return spent / max(sum(s.cpu_total for s in both), 1e-9)
-
     def to_json(self) -> dict[str, object]:
         return {
             "task": self.task,
@@ -88,8 +70,6 @@ class Cost:
             "attempt_wall_s": self.attempts.mean(self.attempts.timer.wall_s),
             "pictures_cpu_s": self.pictures.cpu_s(),
             "pictures_wall_s": self.pictures.mean(self.pictures.timer.wall_s),
-            "image_cpu_ms": self.image_cpu_ms,
-            "outside": self.outside,
             "episode_bytes": self.bytes / max(self.pictures.count, 1),
         }
 
@@ -144,14 +124,8 @@ def _draw(tried: Attempt, pack: Pack, folder: Path, cost: Cost) -> None:
 
 
 def means(costs: Sequence[Cost]) -> dict[str, dict[str, float]]:
-    """Protocol -> means over its tasks: `attempt_cpu_s`, `outside`, `image_cpu_ms` if drawn."""
-    found: dict[str, dict[str, float]] = {}
-    for protocol in dict.fromkeys(cost.protocol for cost in costs):
-        rows = [cost for cost in costs if cost.protocol == protocol]
-        values = {
-            "attempt_cpu_s": [row.attempts.cpu_s()["sum"] for row in rows],
-            "outside": [row.outside for row in rows],
-            "image_cpu_ms": [ms for row in rows if (ms := row.image_cpu_ms) is not None],
-        }
-        found[protocol] = {key: sum(each) / len(each) for key, each in values.items() if each}
-    return found
+    """Protocol -> means over its tasks: `attempt_cpu_s`."""
+    spent: dict[str, list[float]] = {}
+    for cost in costs:
+        spent.setdefault(cost.protocol, []).append(cost.attempts.cpu_s()["sum"])
+    return {protocol: {"attempt_cpu_s": fmean(each)} for protocol, each in spent.items()}

@@ -36,7 +36,6 @@ from rtphys.physics import attributes, could_act
 from rtphys.physics.attribute import attribute
 from rtphys.plan.kinematics import check_robot
 from rtphys.policies import PolicyBroken, PolicyGone, PolicySession, PolicySetup, files_digest
-from rtphys.policies.options import unread_options
 from rtphys.policies.registry import edited
 from rtphys.report.figures import draw_breaks
 from rtphys.results import evaluation
@@ -93,7 +92,7 @@ def evaluate(
         for protocol in run.protocols
         for name, task in tasks.items()
     ]
-    lists = _every_list(run, cells)
+    lists = [certified(run, *cell.spec.key, cell.fingerprint) for cell in cells]
     if clauses := {clause for one in lists for clause in other_versions(one.fingerprint)}:
         text = "the lists were certified with other versions, last bits of states may differ: "
         listener.noticed(text + "; ".join(sorted(clauses)))
@@ -117,19 +116,13 @@ def evaluate(
             copied = [one for one in lists if one.protocol == protocol]
             write_lists(path, (one for one in copied if not one.begins(known.get(one.task))))
         if earlier := sum(study.progress.accepted for study in studies):
-            listener.noticed(f"{counted(earlier, 'episodes')} of an earlier run in {out} stand")
-        if lacking := sum(study.without_video for study in studies):
-            text = (
-                f"{counted(lacking, 'episodes')} of an earlier run, made without video, have none"
-            )
-            listener.noticed(f"{text}; evaluate into another folder to have one of each")
+            text = f"{counted(earlier, 'episodes')} of an earlier run in {out} stand"
+            listener.noticed(text + "; they get no new videos" * (run.video is not None))
         worker = EvaluateWorker(pack, spec.policy, spec.recording)
         saved = dataset.checkpoint_if_due if dataset else lambda: None
         run_here(
             studies, worker, run.workers, listener, out, user_seconds=run.timeout, committed=saved
         )
-        if note := unread_options(spec.policy, [one for study in studies for one in study.unread]):
-            listener.noticed(note)
         return _conclude(out, spec, studies)
 
 
@@ -189,7 +182,6 @@ class EvaluationResult(NamedTuple):
 
     record: EpisodeRecord
     outcome: StagedEpisode | Rejection | None = None
-    unread: frozenset[str] | None = None  # options that its policy had not read by then, if known
 
 
 class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
@@ -218,7 +210,6 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         self._out, self._video = out, video
         count = int(video) if video and video.isdecimal() else len(instances.feasible)
         self._shown = {one.seed for one in instances.feasible[:count]} if video else set[int]()
-        self.unread = list[frozenset[str]]()  # options, of each episode of this run
         self._all: list[EpisodeRecord] = []
         path = evaluation.ledger_file(out, *spec.key)
         self._ledger = Ledger(path, header, EpisodeRecord, self._all.append)
@@ -241,17 +232,6 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
         """Those of the episodes asked for."""
         return self._all[: self.progress.wanted]
 
-    @property
-    def without_video(self) -> int:
-        """How many episodes that are there already should have a video, and have none."""
-        played = (one for one in self.records if one.state and one.seed in self._shown)
-        wanted = (one for one in played if not (one.success and self._video == "failures"))
-        paths = (
-            evaluation.video_file(self._out, *self.spec.key, one.seed, one.success)
-            for one in wanted
-        )
-        return sum(not path.is_file() for path in paths)
-
     def job(self, seed: int) -> EvaluationTask:
         # Absolute, since a policy may change the working directory.
         video_folder = self._out.absolute() if seed in self._shown else None
@@ -272,8 +252,6 @@ class EvaluationSeries(Series[EvaluationTask, EvaluationResult]):
             self.writer.sync()  # a crash of the machine must not leave the record alone
         self._ledger.append(result.record)
         self._all.append(result.record)
-        if result.unread is not None:
-            self.unread.append(result.unread)
         return ""
 
     def success(self, result: EvaluationResult) -> bool:
@@ -332,9 +310,6 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
         Raises `RtphysError`: the policy cannot be opened, cannot be closed after its last episode,
         or is gone: no result of anybody's; `NoRenderer`: it needs pictures, and there is no device.
         """
-        return self._play(job)._replace(unread=self._session.unread)
-
-    def _play(self, job: EvaluationTask) -> EvaluationResult:
         recipe, task = job.recipe, self.tasks[job.recipe.task]
         policy = self._session.policy(job.setup)
         try:
@@ -411,49 +386,14 @@ def _judged(episode: PolicyEpisode, trace: str, sees: bool) -> EpisodeRecord:
 # ---- which instances ------------------------------------------------------------------------
 
 
-class NotCertified(RtphysError):
-    """There is no list for this robot, or it holds too few feasible seeds (`wanted` are).
-
-    Args:
-        cell: the task and the protocol.
-        more: others that lack a list as well, which the command to certify names too.
-    """
-
-    def __init__(
-        self,
-        where: Path,
-        problem: str,
-        cell: tuple[str, str],
-        wanted: int,
-        robot: str = DEFAULT,
-        more: Sequence[tuple[str, str]] = (),
-    ) -> None:
-        self.cell, self.but_others = cell, (where, problem, cell, wanted, robot)
-        tasks, protocols = (
-            ",".join(dict.fromkeys(names)) for names in zip(cell, *more, strict=True)
-        )
-        fields = f"task={tasks} protocol={protocols} feasible={wanted} out=FOLDER"
-        fields += f" embodiment={robot}" if robot != DEFAULT else ""
-        super().__init__(
-            f"{where}: {problem}; to certify: `rtphys certify {fields}`, then set `instances`"
-        )
-
-
-def _every_list(run: EvaluationRun, cells: Sequence[EvaluationHeader]) -> list[InstanceList]:
-    """The instances of every cell; raises what `certified` raises, of all that lack a list."""
-    found, missing = list[InstanceList](), list[NotCertified]()
-    for cell in cells:
-        try:
-            found.append(certified(run, *cell.spec.key, cell.fingerprint))
-        except NotCertified as error:
-            missing.append(error)
-    if missing:
-        raise NotCertified(*missing[0].but_others, [one.cell for one in missing[1:]])
-    return found
-
-
-class ChangedSinceCertified(RtphysError):
-    """A list was certified with another task file, domain, look or asset pack."""
+def _not_certified(
+    run: EvaluationRun, where: Path, problem: str, feasible: int, robot: str = DEFAULT
+) -> RtphysError:
+    """No list for the robot, or too short a one; its cure makes all, as they replace the others."""
+    fields = f"task={','.join(run.tasks)} protocol={','.join(run.protocols)} feasible={feasible}"
+    fields += " out=FOLDER" + (f" embodiment={robot}" if robot != DEFAULT else "")
+    cure = f"to certify: `rtphys certify {fields}`, then set `instances`"
+    return RtphysError(f"{where}: {problem}; {cure}")
 
 
 def certified(
@@ -462,12 +402,13 @@ def certified(
     """The instances to evaluate: the list up to the last episode that is asked for.
 
     They come from the file, folder or dataset that is given, else from the newest library. Raises
-    `NotCertified`: there is none for the robot, or too few in it; `ChangedSinceCertified`: and
-    `run.accept_changes` is false; `BadFile`: it is damaged, or another task's or protocol's.
+    `RtphysError`: there is none for the robot, or too few in it, or its task file, domain, look or
+    assets have changed and `run.accept_changes` is false; `BadFile`: it is damaged, or another
+    task's or protocol's.
     """
-    given, cell, least = run.instances, (task, protocol), run.episodes or 1
+    given, least = run.instances, run.episodes or 1
     if given is not None and (given / MANIFEST).is_file():
-        where, found = given, _of_dataset(given, *cell, fingerprint)
+        where, found = given, _of_dataset(given, task, protocol, fingerprint)
     else:
         folders = [given] if given else [lists_folder(root, task) for root in library.roots()]
         paths = [one if one.is_file() else list_file(one, protocol) for one in folders]
@@ -475,18 +416,18 @@ def certified(
         where, found = next((pair for pair in reversed(read) if pair[1]), (paths[0], None))
         if found is None:
             problem = f"has no list of {task}" if where.is_file() else "does not exist"
-            raise NotCertified(where, problem, cell, run.episodes or 100)
+            raise _not_certified(run, where, problem, run.episodes or 100)
         if found.protocol != protocol:  # accepted changes must not hide it
             raise BadFile(where, f"is the list of {found.task}, {found.protocol}")
         if (robot := found.fingerprint.embodiment) != (own := fingerprint.embodiment):
             problem = f"is certified for the robot {robot}, which says nothing of {own}"
-            raise NotCertified(where, problem, cell, run.episodes or 100, own)
+            raise _not_certified(run, where, problem, run.episodes or 100, own)
     if (feasible := len(found.feasible)) < least:
         problem = f"{task}, {protocol}: holds {feasible} feasible seeds, not {least}"
-        raise NotCertified(where, problem, cell, least)
+        raise _not_certified(run, where, problem, least)
     clauses = found.fingerprint.changes(fingerprint)
     if clauses and not run.accept_changes:
-        raise ChangedSinceCertified(
+        raise RtphysError(
             f"{where}: has another certification fingerprint: {'; '.join(clauses)}. What was "
             "feasible may not be so now: certify anew, or set `accept_changes`"
         )

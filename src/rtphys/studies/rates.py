@@ -1,11 +1,13 @@
 """How often the expert succeeds at each task, and what an episode costs; both as measured."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from rtphys.core import library
 from rtphys.core.errors import BadFile
+from rtphys.spec.collection import CollectionSpec
+from rtphys.spec.protocol import load_protocol
 
 T = TypeVar("T")
 
@@ -80,13 +82,13 @@ def like(textured: bool, varied: bool) -> str:
     return "phys_random" if varied else "clean"
 
 
-def expected(episodes: Mapping[tuple[str, str], int]) -> tuple[float, list[str]]:
-    """CPU-s of so many episodes by task and protocol, and the tasks that were not measured.
-
-    The protocol is one of `SHARES`, see `like`.
-    """
+def expected(specs: Sequence[CollectionSpec]) -> tuple[float, list[str]]:
+    """CPU-s of the specs' episodes, without twins, and the tasks that were not measured."""
     measured, cpu = costs(), 0.0
-    for (task, protocol), count in episodes.items():
-        if (cost := measured.get(task)) is not None:
-            cpu += count * SHARES[protocol][0] * cost.cpu
-    return cpu, [*dict.fromkeys(task for task, _ in episodes if task not in measured)]
+    for spec in specs:
+        if (cost := measured.get(spec.episode.task)) is not None:
+            visual, varied = spec.episode.visual(), load_protocol(spec.episode.protocol).physics
+            textured = visual is not None and visual.textures
+            cpu += spec.episodes * SHARES[like(textured, varied)][0] * cost.cpu
+    tasks = dict.fromkeys(spec.episode.task for spec in specs)
+    return cpu, [task for task in tasks if task not in measured]

@@ -40,10 +40,6 @@ from rtphys.studies.worker import StudyWorker
 from rtphys.task.spec import load_task
 
 
-class MissingPack(RtphysError):
-    """The assets that a dataset was collected with are not here."""
-
-
 @dataclass(frozen=True)
 class Rendered:
     """What came of a dataset that was drawn again."""
@@ -73,15 +69,11 @@ class Redrawn(NamedTuple):
     differing: int = 0
 
 
-class LostStates(RtphysError):
-    """An episode whose states are not stored, and not to be had by simulating it again."""
-
-
 def render(wanted: RenderSpec, listener: Listener = QUIET) -> Rendered:
     """Draws every episode again into a dataset of its own. Repeated, it continues.
 
-    Raises `MissingPack`: the assets of the collection are not on this machine; names their digest;
-    `RtphysError`: what else is refused before any work; states that cannot be had.
+    Raises `RtphysError`: what is refused before any work, such as assets of the collection that are
+    not on this machine; states that are not stored, and cannot be simulated again.
     """
     part = wanted.part.of(Dataset(wanted.data))
     packs = _check(wanted, part)
@@ -111,7 +103,7 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         recording, of, policy = wanted.recording(entry), entry.spec.episode, entry.spec.policy
         if policy is not None and "states" not in entry.spec.recording.senses:
             why = f"{wanted.data}: {of.task} was recorded without `states` of the policy {policy}"
-            raise LostStates(f"{why}, and what it did cannot be simulated again")
+            raise RtphysError(f"{why}, and what it did cannot be simulated again")
         shaders.add(recording.shader)
         check_fits(recording)
         if drawn(recording.senses):
@@ -127,7 +119,7 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
             pack_name = entry.resolved.assets.get("pack", "unknown")
             named = f"{digest} (pack {pack_name})"
             why = f"{of.task} was collected with assets of digest {named}"
-            raise MissingPack(f"{wanted.data}: {why}, which are not on this machine; link them")
+            raise RtphysError(f"{wanted.data}: {why}, which are not on this machine; link them")
         packs[digest] = pack
         load_task(of.task)
     if not packs:
@@ -239,7 +231,7 @@ class RenderWorker(StudyWorker[RenderTask, Redrawn]):
         renderer.ready(self.shader)
 
     def do(self, job: RenderTask) -> Redrawn:
-        """Draws, encodes and stages one. Raises `BadFile`, `LostStates`."""
+        """Draws, encodes and stages one. Raises `BadFile`, `RtphysError`."""
         stored = encoded_episode(job.paths, job.layout, job.scene)
         recipe = load(Recipe, stored.phys_meta["recipe"], job.paths.phys_meta)
         task, pack = self.tasks[recipe.task], self.packs[job.assets]
@@ -281,5 +273,5 @@ class RenderWorker(StudyWorker[RenderTask, Redrawn]):
         if recording is None or recording.hash != wanted:
             found = "no states" if recording is None else f"states {recording.hash[:12]}"
             why = f"holds no `states`, and simulated again it gives {found}, not {str(wanted)[:12]}"
-            raise LostStates(f"{path}: {why}; rtphys or its task has changed since")
+            raise RtphysError(f"{path}: {why}; rtphys or its task has changed since")
         return replace(StateTrajectory.of(recording), touch=touch)

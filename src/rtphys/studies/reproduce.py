@@ -153,10 +153,6 @@ def reproducer(shader: str) -> Callable[[RecordedAttempt], Comparison]:
 # ---- damaged and missing files are written -------------------------------------------------------
 
 
-class OtherVersions(RtphysError):
-    """What would be made here is not what the dataset holds."""
-
-
 class Damage(NamedTuple):
     """An attempt, and its files that are not what the ledger lists."""
 
@@ -182,7 +178,7 @@ def repair(
 
     Raises:
         BadFile: a ledger is damaged.
-        OtherVersions: code, a package or the assets are others than in the collection.
+        RtphysError: code, a package or the assets are others than in the collection.
         NoRenderer: no pictures can be drawn here.
         DatasetLocked: another run writes into the folder.
     """
@@ -253,12 +249,12 @@ def _check(damaged: Sequence[Damage]) -> None:
     """Refuses what cannot come out as it was, once for each task dataset, before any work."""
     for recorded in {one.recorded.place.name: one.recorded for one in damaged}.values():
         if (policy := recorded.header.spec.policy) is not None:
-            raise OtherVersions(
+            raise RtphysError(
                 f"{recorded.place.name} is a recording of the policy {policy}, which only "
                 "`rtphys evaluate` makes again, with the option `record`"
             )
         if clauses := changed_since(scene_of(recorded, Path())):
-            raise OtherVersions(
+            raise RtphysError(
                 f"{recorded.place.name} cannot be made again as it was: {'; '.join(clauses)}"
             )
 
