@@ -1,18 +1,16 @@
 """What `collect` refuses before any work, and tasks that do not work."""
 
 import json
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from collecting import PLAN, content
+from collecting import PLAN
 from typer.testing import CliRunner
 
 from rtphys.campaign.series import Bug
 from rtphys.cli.main import app
 from rtphys.core.errors import BadValue
-from rtphys.data.faults import DatasetMismatch
 from rtphys.data.verify import verify
 from rtphys.doctor import Finding
 from rtphys.spec.collection import CollectionSpec
@@ -110,23 +108,6 @@ def test_a_dry_run_answers_where_the_disk_is_too_small(tmp_path: Path) -> None:
 
 
 OTHER_SHADER = RecordingSpec(shader="default")
-
-
-@pytest.mark.parametrize(
-    ("spec", "clause"),
-    [
-        (replace(PLAN, first_seed=1), "first_seed was 0, now 1"),
-        (replace(PLAN, recording=OTHER_SHADER), "recording.shader was 'slim', now 'default'"),
-    ],
-)
-def test_a_folder_collected_under_other_conditions_is_refused(
-    spec: CollectionSpec, clause: str, undisturbed: Path, tmp_path: Path
-) -> None:
-    out = tmp_path / "data"
-    shutil.copytree(undisturbed, out)
-    with pytest.raises(DatasetMismatch, match=clause):
-        collect([spec], Run(out))
-    assert content(out) == content(undisturbed)
 
 
 def test_one_task_dataset_is_collected_once(tmp_path: Path) -> None:
