@@ -316,7 +316,7 @@ docs/protocols.md
     test_independent_worlds::test_paired_tasks_share_physics_and_look_but_no_layout
   `evaluate` cannot hold an attribute
     test_registry::test_no_option_is_taken_and_ignored
-    test_main::test_an_option_that_is_gone_says_what_there_is_now
+    test_main::test_what_cannot_work_is_one_clear_line
 docs/releases.md
   Those of versions 1 and 2 are refused, and the message names their version
     test_dataset_writer::test_foreign_manifest_is_refused

@@ -231,20 +231,6 @@ def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
     assert said.count(caution) == said.count("differ in looks") == 1
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--policy-option friction=0.05", "--policy-option = 'friction=0.05' is not allowed"),
-        ("--policy-option speed=2", "the policy idle has no options"),
-        ("--protocol clean", "--protocol = 'clean,clean' is not allowed; each protocol once"),
-    ],
-)
-def test_what_would_be_ignored_is_refused(words: str, said: str) -> None:
-    options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", *words.split()]
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    assert done.exit_code == 2 and said in done.output
-
-
 def test_a_protocol_that_is_named_twice_is_refused() -> None:
     for kind in (CheckPlan, BenchPlan):
         with pytest.raises(BadValue, match="each protocol once"):

@@ -410,6 +410,10 @@ def test_an_error_of_the_library_names_the_flag() -> None:
     assert "rtphys: --set = 'friction' is not allowed; write key=value" in result.stderr
 
 
+IDLE = "evaluate --policy idle --task click_bell --protocol clean"
+REPROVE = "certify click_bell --protocol clean --out nowhere --reprove 1"
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [
@@ -421,8 +425,26 @@ def test_an_error_of_the_library_names_the_flag() -> None:
         ("evaluate click_bell --no-resume", "--no-resume is gone: a folder of another run"),
         ("check click_bell --json found.json", "--json is a switch now"),
         ("compare a b --table", "--table is gone: `--json` has the rates"),
+        ("check click_bel", "did you mean 'click_bell'?"),
+        ("check click_bell --protocol cleen", "did you mean 'clean'?"),
+        ("check click_bell --domain globl", "did you mean 'global'?"),
+        ("check click_bell --domain global", "varies no physics"),
+        ("check click_bell --seeds 0", "--seeds = 0 is not allowed"),
+        ("try click_bell --picture a.gif", "a.gif' is not allowed; a name that ends in .png"),
+        ("try click_bell --video a.gif", "a.gif' is not allowed; a name that ends in .mp4"),
+        ("collect click_bell --embodiment frank --dry-run", "did you mean 'franka-panda'?"),
+        (f"{IDLE} --policy-option friction=0.05", "friction=0.05' is not allowed; physics follows"),
+        (f"{IDLE} --policy-option speed=2", "the policy idle has no options"),
+        (f"{IDLE} --protocol clean", "--protocol = 'clean,clean' is not allowed; each protocol"),
+        (f"{REPROVE} --first-seed=3", "with --reprove the lists say that"),
+        (f"{REPROVE} --feasible=3", "with --reprove the lists say that"),
+        (f"{REPROVE} --replays=none", "with --reprove the lists say that"),
     ],
 )
-def test_an_option_that_is_gone_says_what_there_is_now(line: str, said: str) -> None:
+def test_what_cannot_work_is_one_clear_line(
+    line: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     found = RUN.invoke(app, line.split())
-    assert found.exit_code == 2 and said in found.stderr
+    (told,) = [line for line in found.stderr.splitlines() if not line.startswith("note: ")]
+    assert found.exit_code == 2 and said in told

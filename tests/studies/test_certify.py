@@ -497,13 +497,6 @@ def test_a_list_that_differs_stays_stale_and_is_named(benchmark: Path) -> None:
     path.write_bytes(before)
 
 
-@pytest.mark.parametrize("option", ["--first-seed=3", "--feasible=3", "--replays=none"])
-def test_an_option_that_reproving_would_ignore_is_refused(option: str, tmp_path: Path) -> None:
-    words = ["certify", TASK, "--protocol", "clean", "--out", str(tmp_path), "--reprove", "1"]
-    done = CliRunner().invoke(app, [*words, option])
-    assert done.exit_code == 2 and "with --reprove the lists say that" in done.stderr
-
-
 def test_no_replay_beside_one_is_refused() -> None:
     with pytest.raises(BadValue, match="none stands alone"):
         CertificationSpec(replays=("none", "replay"))

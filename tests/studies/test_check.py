@@ -134,24 +134,6 @@ def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPat
     assert said == "the baselines skip 1 pair of task and protocol, where the expert solves none"
 
 
-@pytest.mark.parametrize(
-    ("options", "text"),
-    [
-        ("click_bel", "did you mean 'click_bell'?"),
-        ("click_bell --protocol cleen", "did you mean 'clean'?"),
-        ("click_bell --domain globl", "did you mean 'global'?"),
-        ("click_bell --domain global", "varies no physics"),
-        ("click_bell --seeds 0", "--seeds = 0 is not allowed"),
-        ("click_bell --json all.json", "--json is a switch now"),
-    ],
-)
-def test_what_cannot_work_is_one_clear_line(options: str, text: str) -> None:
-    done = CliRunner().invoke(app, ["check", *options.split()])
-    assert done.exit_code == 2
-    assert len(done.stderr.strip().splitlines()) == 1
-    assert text in done.stderr
-
-
 @pytest.mark.sim
 def test_the_command_prints_the_numbers() -> None:
     options = ["click_bell", "--seeds", "2", "--baselines", "0", "--workers", "2"]
@@ -261,9 +243,3 @@ def test_a_sheet_that_cannot_be_written_is_refused_before_any_work(
         done = CliRunner().invoke(app, [*words, str(tmp_path / sheet)])
         assert done.exit_code == 2 and sheet in done.stderr
     assert not (tmp_path / "a.png").exists()
-
-
-@pytest.mark.parametrize("name", ["picture", "video"])
-def test_a_file_of_another_kind_is_refused(name: str, tmp_path: Path) -> None:
-    done = CliRunner().invoke(app, ["try", "click_bell", f"--{name}", str(tmp_path / "a.gif")])
-    assert done.exit_code == 2 and "a.gif' is not allowed; a name that ends in ." in done.stderr

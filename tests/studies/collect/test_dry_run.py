@@ -265,10 +265,3 @@ def test_the_command_says_it_and_goes_on(option: str, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["collect", *words])
     assert done.exit_code == 0 and "click_bell" in done.stdout
     assert "object_mass could not act in click_bell" in done.stderr
-
-
-def test_an_unknown_robot_is_refused(tmp_path: Path) -> None:
-    line = ["collect", "click_bell", "--embodiment", "frank", "--dry-run", "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, line)
-    assert done.exit_code == 2
-    assert "franka-panda" in str(done.exception) + done.output
