@@ -47,7 +47,8 @@ docs/architecture.md
   a protocol that asks for both is refused
     test_protocol::test_a_wrong_file_is_refused_by_name
   so they do not depend on the table's tilt and height
-    test_every_task::test_physics_does_not_move_the_layout
+    test_audit_labels::test_a_world_follows_from_its_recipe_and_its_layout_from_the_seed_alone
+    test_protocols_in_force::test_the_layout_of_a_seed_is_the_same_in_all_four
     test_objects::test_a_tilted_table_carries_everything_that_stands_on_it
 docs/commands.md
   says what the collection would take, and does nothing
