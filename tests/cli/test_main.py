@@ -145,18 +145,6 @@ def test_who_chooses_a_configuration_is_told_which_is_plain_clean(line: str) -> 
     )
 
 
-def test_no_help_loads_the_simulator() -> None:
-    code = (
-        "import sys\nfrom rtphys.cli import lazy\n"
-        "for name in lazy.COMMANDS: lazy.load(name)\nprint(*sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    loaded = set(done.stdout.split())
-    heavy = {"sapien", "pinocchio", "coal", "toppra", "matplotlib", "sklearn", "scipy.stats"}
-    assert "rtphys.cli.collect" in loaded, done.stderr
-    assert not heavy & loaded and "scipy.spatial" not in loaded
-
-
 def test_unknown_command_names_the_nearest() -> None:
     result = RUN.invoke(app, ["verifi"])
     assert result.exit_code == 2
