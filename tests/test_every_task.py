@@ -2,7 +2,7 @@
 
 import pytest
 
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import Pack
 from rtphys.core import library
 from rtphys.core.poses import Pose
 from rtphys.episode.generate import attempt, prepare
@@ -19,11 +19,6 @@ PROTOCOLS = ("clean", "phys_random")
 QUICK = ("click_bell", "grab_roller", "open_laptop")  # the others are simulated by `make test-all`
 EVERY = list(library.names("tasks", None))
 SIMULATED = [pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow) for name in EVERY]
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 def layout(task: Task, seed: int) -> list[tuple[object, ...]]:

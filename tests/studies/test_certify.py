@@ -15,7 +15,7 @@ from evaluations import FINGERPRINT
 from quick_pool import J, QuickPool, R
 from typer.testing import CliRunner
 
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import Pack
 from rtphys.campaign import local
 from rtphys.cli.main import app
 from rtphys.core.errors import BadValue, UnknownName
@@ -46,11 +46,6 @@ from rtphys.task.spec import load_task
 TASK, PROTOCOL = "click_bell", "phys_random"
 BOTH = ("replay", "twin")
 LOST = FIRST_SEED + 4  # the seed whose worker gets into trouble, when clean
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 Wish = tuple[CertificationSpec, CertificationRun]
