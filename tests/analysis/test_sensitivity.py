@@ -188,7 +188,8 @@ def test_a_policy_that_crashes_fails_and_its_error_is_said(
     ):
         assert not worker.do(SensitivityTask("click_bell", seed)).success
         out = capsys.readouterr().out.encode().decode()
-        assert out == f"click_bell, seed {seed}: the policy fails by {said}\n"
+        assert out.startswith(f"click_bell, seed {seed}: the policy fails by ")
+        assert out.endswith(f"{said}\n")
 
 
 GIVES_UP = """
