@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 from quick_pool import J, QuickPool, R
-from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.analysis import features, identify
 from rtphys.analysis.features import FeaturesSpec, TaskEpisodes, sense
 from rtphys.analysis.identify import (
@@ -26,7 +26,6 @@ from rtphys.assets.pack import default_pack
 from rtphys.campaign import local
 from rtphys.campaign.pool import WorkerFailure
 from rtphys.campaign.series import FRUITLESS, Listener
-from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.core.seeds import stream
 from rtphys.data.faults import DatasetMismatch
@@ -231,8 +230,7 @@ def test_a_plan_that_cannot_be_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
         IdentifyPlan(("click_bell",), episodes=19)
     monkeypatch.setitem(sys.modules, "sklearn", None)
     monkeypatch.setitem(sys.modules, "sklearn.ensemble", None)
-    said = CliRunner().invoke(app, ["identify", "--task", "click_bell", "--out", str(tmp_path)])
-    assert said.exit_code == 3
+    said = ran(["identify", "--task", "click_bell", "--out", str(tmp_path)], 3)
     assert "rtphys[identify]" in said.output
     assert len(said.output.strip().splitlines()) == 1
 

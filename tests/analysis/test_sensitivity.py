@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.analysis import sensitivity as module
 from rtphys.analysis.sensitivity import (
     Axis,
@@ -31,7 +31,6 @@ from rtphys.campaign.local import limits_for_user_code
 from rtphys.campaign.pool import Limits
 from rtphys.campaign.series import Listener
 from rtphys.cli.authoring import TEMPLATE
-from rtphys.cli.main import app
 from rtphys.core import library
 from rtphys.core.errors import BadValue, UnknownName
 from rtphys.data.faults import DatasetMismatch
@@ -152,8 +151,7 @@ def test_a_camera_cannot_matter_open_loop_and_a_lower_table_must(tmp_path: Path)
     words = ["sensitivity", "--task", "click_bell", "--only", "camera_angle,table_height"]
     more = ["--seeds", "2", "--steps", "1", "--out", str(tmp_path / "one")]
     figure = tmp_path / "map.png"
-    done = CliRunner().invoke(app, [*words, *more, "--figure", str(figure), "--json"])
-    assert done.exit_code == 0, done.output
+    done = ran([*words, *more, "--figure", str(figure), "--json"])
     assert json.loads(done.stdout)[0]["attributes"] == attributes
     assert figure.read_bytes().startswith(b"\x89PNG")
     with pytest.raises(DatasetMismatch, match=r"search\.steps was 1, now 2"):

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from evaluations import FINGERPRINT, instances, record
 from rich.table import Table
-from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.cli.evaluate import (
     attributes_table,
     errors_of,
@@ -20,7 +20,6 @@ from rtphys.cli.evaluate import (
     pairs_table,
     rates_table,
 )
-from rtphys.cli.main import app
 from rtphys.cli.screen import Screen, print_within
 from rtphys.core.errors import BadValue
 from rtphys.results import summarise
@@ -194,8 +193,7 @@ def shown(made: Summary, out: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     results = Results(out, {}, records, {})
     monkeypatch.setattr("rtphys.cli.evaluate.read_results", lambda _: results)
     options = ["--policy", "idle", "--task", BELL, "--protocol", "clean", "--out", str(out)]
-    done = CliRunner().invoke(app, ["evaluate", *options])
-    assert done.exit_code == 0, done.output
+    done = ran(["evaluate", *options])
     return done.stdout
 
 
@@ -242,7 +240,6 @@ def test_a_protocol_that_is_named_twice_is_refused() -> None:
 
 def test_the_command_spells_what_certifies(tmp_path: Path) -> None:
     options = ["--task", BELL, "--protocol", "clean", "--instances", str(tmp_path)]
-    done = CliRunner().invoke(app, ["evaluate", "--policy", "idle", *options])
-    assert done.exit_code == 2
+    done = ran(["evaluate", "--policy", "idle", *options], 2)
     cure = f"`rtphys certify --task {BELL} --protocol clean --feasible 100 --out FOLDER`"
     assert f"does not exist; to certify: {cure}, then set --instances" in done.stderr

@@ -15,6 +15,7 @@ from evaluations import FINGERPRINT
 from quick_pool import J, QuickPool, R
 from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.assets.pack import Pack
 from rtphys.campaign import local
 from rtphys.cli.main import app
@@ -428,8 +429,7 @@ def test_a_killed_run_ends_up_with_the_same_lists(tmp_path: Path) -> None:
 @pytest.mark.sim
 def test_the_command(tmp_path: Path) -> None:
     options = ["--task", TASK, "--protocol", "clean", "--feasible", "1"]
-    done = CliRunner().invoke(app, ["certify", *options, "--out", str(tmp_path), "--workers", "1"])
-    assert done.exit_code == 0, done.output
+    done = ran(["certify", *options, "--out", str(tmp_path), "--workers", "1"])
     assert "1 / 1" in done.output  # replay
     assert len(listed(tmp_path, "clean").feasible) == 1
 
@@ -477,14 +477,12 @@ def test_a_list_that_differs_stays_stale_and_is_named(benchmark: Path) -> None:
     path = list_file(benchmark, "clean")
     damaged = path.read_bytes()
     words = ["certify", "--task", TASK, "--protocol", "clean", "--out", str(benchmark)]
-    done = CliRunner().invoke(app, [*words, "--reprove", "2", "--workers", "1"])
-    assert done.exit_code == 1, done.output
+    done = ran([*words, "--reprove", "2", "--workers", "1"], 1)
     assert "clean.jsonl: click_bell, seed 100000: now state" in done.stdout
     assert "0 of 1 list hold (2 instances solved again); 0 have a new header, 1 stay stale" in (
         " ".join(done.stdout.split())
     )
-    as_json = CliRunner().invoke(app, [*words, "--reprove", "2", "--workers", "1", "--json"])
-    assert as_json.exit_code == 1, as_json.output
+    as_json = ran([*words, "--reprove", "2", "--workers", "1", "--json"], 1)
     (row,) = json.loads(as_json.stdout)
     assert (row["task"], row["protocol"], row["solved"], row["stale"]) == (TASK, "clean", 2, True)
     assert len(row["differences"]) == 1 and not row["renewed"]

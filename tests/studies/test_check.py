@@ -8,6 +8,7 @@ import pytest
 from counting import Ears
 from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.assets.pack import default_pack
 from rtphys.cli.authoring import TEMPLATE, complaints
 from rtphys.cli.main import app
@@ -137,8 +138,7 @@ def test_baselines_try_only_what_the_expert_solves(monkeypatch: pytest.MonkeyPat
 @pytest.mark.sim
 def test_the_command_prints_the_numbers() -> None:
     options = ["click_bell", "--seeds", "2", "--baselines", "0", "--workers", "2"]
-    done = CliRunner().invoke(app, ["check", *options, "--json"])
-    assert done.exit_code == 0, done.stderr
+    done = ran(["check", *options, "--json"])
     (numbers,) = json.loads(done.stdout)
     assert list(numbers) == KEYS
     assert numbers["accepted"] == 2
@@ -224,8 +224,7 @@ def test_where_nothing_can_be_drawn_the_verdict_stays(own_task, tmp_path: Path) 
     shown |= {name: ["try", "too_full", f"--{name}"] for name in ("picture", "video")}
     for name, words in shown.items():
         file = "a.mp4" if name == "video" else "a.png"
-        done = CliRunner().invoke(app, [*words, str(tmp_path / file)])
-        assert done.exit_code == 1, (name, done.output)
+        done = ran([*words, str(tmp_path / file)], 1)
         assert f"{file}: not drawn, " in done.stderr
         if name == "sheet":
             assert "the expert solves none of 1 seed" in done.stderr
@@ -240,6 +239,6 @@ def test_a_sheet_that_cannot_be_written_is_refused_before_any_work(
     (tmp_path / "file").touch()
     for sheet in ("a.png", "file"):  # one picture for two sheets, and a file in the way
         words = ["check", "click_bell", "--protocol", "clean,phys_random", "--sheet"]
-        done = CliRunner().invoke(app, [*words, str(tmp_path / sheet)])
-        assert done.exit_code == 2 and sheet in done.stderr
+        done = ran([*words, str(tmp_path / sheet)], 2)
+        assert sheet in done.stderr
     assert not (tmp_path / "a.png").exists()

@@ -8,10 +8,8 @@ import pytest
 import robotless
 from collecting import content
 from robotless import plans
-from typer.testing import CliRunner
 
-from pages import ROOT
-from rtphys.cli.main import app
+from pages import ROOT, ran
 from rtphys.core.errors import BadValue
 from rtphys.doctor import Finding
 from rtphys.spec.collection import CollectionSpec
@@ -34,8 +32,7 @@ def a_renderer(monkeypatch: pytest.MonkeyPatch) -> None:
 def rows(*options: str) -> tuple[dict[str, list[str]], str]:
     """Folder -> its cells; and the last line."""
     line = ["collect", *options, "--dry-run"]
-    done = CliRunner().invoke(app, line, env={"COLUMNS": "200"})
-    assert done.exit_code == 0, done.output
+    done = ran(line, columns=200)
     *table, last = done.stdout.strip().splitlines()
     cells = [re.split(r" {2,}", row.strip()) for row in table]
     return {row[0]: row[1:] for row in cells if len(row) > 1 and row[0] != "folder"}, last
@@ -116,8 +113,7 @@ VARIATIONS = {  # options -> folder, and what the first line begins with after t
 def test_folder_and_first_line_say_what_varies(options: str, tmp_path: Path) -> None:
     folder, said = VARIATIONS[options]
     line = ["collect", "--task", "click_bell", *options.split(), "--dry-run"]
-    done = CliRunner().invoke(app, [*line, "--out", str(tmp_path / "data")], env={"COLUMNS": "200"})
-    assert done.exit_code == 0, done.output
+    done = ran([*line, "--out", str(tmp_path / "data")], columns=200)
     assert f"{folder}/click_bell/aloha_agilex " in done.stdout
     assert done.stdout.startswith(f"protocol {folder.partition('.')[0]}: {said}")
 
@@ -253,6 +249,6 @@ def test_what_nobody_asked_for_is_not_told() -> None:
 @pytest.mark.parametrize("option", ["--set=object_mass=2", "--only=object_mass"])
 def test_the_command_says_it_and_goes_on(option: str, tmp_path: Path) -> None:
     words = ["click_bell", option, "--dry-run", "--out", str(tmp_path / "data")]
-    done = CliRunner().invoke(app, ["collect", *words])
-    assert done.exit_code == 0 and "click_bell" in done.stdout
+    done = ran(["collect", *words])
+    assert "click_bell" in done.stdout
     assert "object_mass could not act in click_bell" in done.stderr
