@@ -40,6 +40,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
+def pack():
+    from rtphys.assets.pack import default_pack
+
+    return default_pack()
+
+
+@pytest.fixture(scope="session")
 def expert_actions() -> np.ndarray:
     """Recorded commands (n, 14) that solve click_bell, seed 0."""
     from rtphys.assets.pack import default_pack

@@ -1,12 +1,13 @@
-"""The documents taken apart: their pages, examples, and the command lines of rtphys in them."""
+"""The documents taken apart: their pages, examples and command lines; and how a command is run."""
 
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import typer
+from typer.testing import CliRunner, Result
 
 from rtphys.cli.main import app
 
@@ -22,6 +23,14 @@ PART = re.compile(
     r"^```(?P<language>\w*)\n(?P<text>.*?)^```|^(?: {4}|\| `)(?P<line>rtphys [^`\n]+)",
     re.MULTILINE | re.DOTALL,
 )
+
+
+def ran(words: Sequence[str], code: int = 0, columns: int | None = None) -> Result:
+    """What a command printed that ended with this code, and not by another exception."""
+    done = CliRunner().invoke(app, words, env={"COLUMNS": str(columns)} if columns else None)
+    assert done.exit_code == code, (done.output, done.exception)
+    assert isinstance(done.exception, SystemExit | None), done.exception
+    return done
 
 
 @dataclass(frozen=True)

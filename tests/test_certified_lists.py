@@ -6,7 +6,7 @@ import pytest
 from evaluations import FINGERPRINT
 
 from rtphys import doctor
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import Pack
 from rtphys.core import library
 from rtphys.episode.fingerprint import fingerprint_of, packages
 from rtphys.episode.generate import attempt
@@ -33,11 +33,6 @@ CELLS = [
     for task in lists
 ]
 QUICK = ("click_alarmclock", "place_shoe")
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 @pytest.fixture(scope="module")

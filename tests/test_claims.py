@@ -47,7 +47,8 @@ docs/architecture.md
   a protocol that asks for both is refused
     test_protocol::test_a_wrong_file_is_refused_by_name
   so they do not depend on the table's tilt and height
-    test_every_task::test_physics_does_not_move_the_layout
+    test_audit_labels::test_a_world_follows_from_its_recipe_and_its_layout_from_the_seed_alone
+    test_protocols_in_force::test_the_layout_of_a_seed_is_the_same_in_all_four
     test_objects::test_a_tilted_table_carries_everything_that_stands_on_it
 docs/commands.md
   says what the collection would take, and does nothing
@@ -313,7 +314,7 @@ docs/protocols.md
     test_independent_worlds::test_paired_tasks_share_physics_and_look_but_no_layout
   `evaluate` cannot hold an attribute
     test_registry::test_no_option_is_taken_and_ignored
-    test_main::test_an_option_that_is_gone_says_what_there_is_now
+    test_main::test_what_cannot_work_is_one_clear_line
 docs/releases.md
   Those of versions 1 and 2 are refused, and the message names their version
     test_dataset_writer::test_foreign_manifest_is_refused

@@ -242,12 +242,22 @@ def test_a_task_imports_only_the_task_vocabulary(path: Path) -> None:
     assert not wrong, f"{path.name} imports {sorted(wrong)}"
 
 
-def test_help_loads_nothing_heavy() -> None:
-    """`rtphys --help` answers at once because command modules are imported on call."""
-    code = (
-        "import sys, rtphys.cli.main\n"
-        "heavy = {'numpy', 'sapien', 'h5py', 'pinocchio', 'trimesh', 'cv2'} & set(sys.modules)\n"
-        "sys.exit(f'imported {heavy}' if heavy else 0)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+HEAVY = "sapien pinocchio trimesh"
+LIGHT = {  # code -> what it loads, and what it does not
+    "import rtphys.cli.main": ("rtphys.cli.main", f"{HEAVY} numpy h5py cv2"),
+    "from rtphys.cli import lazy; [lazy.load(name) for name in lazy.COMMANDS]": (
+        "rtphys.cli.collect",
+        "sapien pinocchio coal toppra matplotlib sklearn scipy.stats scipy.spatial",
+    ),
+    "import rtphys.gym": ("rtphys.gym", f"{HEAVY} h5py cv2"),
+    "import rtphys.studies.collect": ("toppra sapien", "matplotlib trimesh scipy.stats"),
+}
+
+
+@pytest.mark.parametrize("code", LIGHT)
+def test_what_is_not_needed_is_not_loaded(code: str) -> None:
+    """Help answers at once; and plots and statistics took a worker as long as an episode."""
+    words = [sys.executable, "-c", f"import sys; {code}; print(*sys.modules)"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    needed, heavy = (set(names.split()) for names in LIGHT[code])
+    assert needed <= (loaded := {*done.stdout.split()}) and not heavy & loaded

@@ -5,7 +5,7 @@ from itertools import islice
 
 import pytest
 
-from rtphys.assets.pack import Pack, default_pack
+from rtphys.assets.pack import Pack
 from rtphys.core import library
 from rtphys.core.poses import Pose
 from rtphys.episode.policy_episode import PolicyEpisode, begin
@@ -24,11 +24,6 @@ HIDDEN = {
 CHOICES = [name for name, keys in HIDDEN.items() if len({split(key)[0] for key in keys}) == 1]
 COMPARED = [name for name in CHOICES if len(HIDDEN[name]) > 1]
 OTHERS = [name for name in SUITE if name not in COMPARED]
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 def played(name: str, policy: str, seed: int, pack: Pack, protocol: str = "clean") -> PolicyEpisode:

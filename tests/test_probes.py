@@ -49,33 +49,22 @@ def test_the_expert_solves_a_probe(name: str) -> None:
 
 @pytest.mark.sim
 @pytest.mark.slow
+@pytest.mark.usefixtures("probes")
 def test_heft_tells_mass_and_the_same_file_comes_of_two_workers(tmp_path: Path) -> None:
     """A few episodes through real workers: the whole way from a seed to a score."""
     from rtphys.analysis.features import sense
     from rtphys.analysis.identify import IdentifyPlan, judge
 
-    monkeypatch = pytest.MonkeyPatch()
-    monkeypatch.setenv("RTPHYS_LIBRARY", str(FOLDER))
-    try:
-        written = []
-        for workers in (1, 2):
-            out = tmp_path / str(workers)
-            file = tmp_path / "nearest.py"
-            file.write_text(NEAREST)
-            plan = IdentifyPlan(
-                ("heft",),
-                episodes=20,
-                out=out,
-                estimator=f"python:{file}:Force",
-                workers=workers,
-            )
-            sense(plan, default_pack())
-            result = judge(plan)
-            written.append((out / "Force.json").read_bytes())
-        assert written[0] == written[1]
-        assert result.tasks["heft"].scores["object_mass"].importance["effort"] > 0
-    finally:
-        monkeypatch.undo()
+    (file := tmp_path / "nearest.py").write_text(NEAREST)
+    written = []
+    for workers in (1, 2):
+        out, estimator = tmp_path / str(workers), f"python:{file}:Force"
+        plan = IdentifyPlan(("heft",), episodes=20, out=out, estimator=estimator, workers=workers)
+        sense(plan, default_pack())
+        result = judge(plan)
+        written.append((out / "Force.json").read_bytes())
+    assert written[0] == written[1]
+    assert result.tasks["heft"].scores["object_mass"].importance["effort"] > 0
 
 
 NEAREST = """

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from evaluations import FINGERPRINT, write_results
 from matplotlib.figure import Figure
-from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.analysis.compare import (
     Column,
     columns_of,
@@ -20,7 +20,6 @@ from rtphys.analysis.compare import (
     paper_means,
     rank_agreements,
 )
-from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, UnknownName
 from rtphys.report import figures
 from rtphys.results import EpisodeRecord, read_results
@@ -178,8 +177,7 @@ def test_a_protocol_that_was_not_begun_is_named(tmp_path: Path) -> None:
 
 
 def said(*words: object) -> str:
-    done = CliRunner().invoke(app, ["compare", *map(str, words)], env={"COLUMNS": "300"})
-    assert done.exit_code == 0, done.output
+    done = ran(["compare", *map(str, words)], columns=300)
     return done.output
 
 
@@ -220,8 +218,8 @@ def test_a_figure_goes_where_it_was_asked_for_or_is_refused(
     assert (tmp_path / "rates.pdf").read_bytes().startswith(b"%PDF")
     for command in (["compare", *two], ["sensitivity", "--task", "click_bell"]):
         words = [*map(str, command), "--figure", str(tmp_path / "rates.xyz")]
-        done = CliRunner().invoke(app, words)
-        assert done.exit_code == 2 and "its name ends in .png" in done.stderr
+        done = ran(words, 2)
+        assert "its name ends in .png" in done.stderr
 
 
 def test_every_column_is_named_in_the_legend(
@@ -261,8 +259,7 @@ def test_the_paper_alone() -> None:
 def test_what_is_no_result_folder(tmp_path: Path) -> None:
     with pytest.raises(BadFile, match="rtphys evaluate"):
         read_results(tmp_path)
-    done = CliRunner().invoke(app, ["compare", str(tmp_path)])
-    assert done.exit_code == 2
+    done = ran(["compare", str(tmp_path)], 2)
     assert "holds no results" in done.output
 
 
@@ -289,8 +286,8 @@ def test_ranks_need_tasks_that_differ_under_one_protocol() -> None:
 
 def test_a_protocol_of_which_nothing_can_be_shown_is_refused(two: list[Path]) -> None:
     for words in (["--paper", "--protocol", "clean"], [*map(str, two), "--protocol", "cleen"]):
-        done = CliRunner().invoke(app, ["compare", *words])
-        assert done.exit_code == 2 and "unknown evaluated protocol" in done.stderr
+        done = ran(["compare", *words], 2)
+        assert "unknown evaluated protocol" in done.stderr
         assert "--library" not in done.stderr  # no library's protocol would help
 
 

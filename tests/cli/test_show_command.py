@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 import synthetic
 from collected import collect
-from typer.testing import CliRunner
 
-from rtphys.cli.main import app
+from pages import ran
 from rtphys.data.dataset import Dataset
 
 
@@ -23,8 +22,7 @@ def test_what_never_was_true_is_not_called_no_longer_true(
     meta["verdict"] |= {"first_success_time": succeeded, "held": False}
     path.write_text(json.dumps(meta))
     words = ["show", str(tmp_path), "--failure", "0"]
-    done = CliRunner().invoke(app, words, env={"COLUMNS": "120"})
-    assert done.exit_code == 0, done.output
+    done = ran(words, columns=120)
     shown = " ".join(done.stdout.split())
     assert ("success never" in shown) is (succeeded is None)
     assert ("still true no, 0.5 s after the end" in shown) is (succeeded is not None)
@@ -33,7 +31,6 @@ def test_what_never_was_true_is_not_called_no_longer_true(
 def test_json_stands_alone_on_standard_output(tmp_path: Path) -> None:
     collect(data := tmp_path / "data", 1)
     words = ["show", str(data), "--json", "--out", str(tmp_path / "pictures")]
-    done = CliRunner().invoke(app, words)
-    assert done.exit_code == 0, done.output
+    done = ran(words)
     assert json.loads(done.stdout)["frames"] > 0
     assert len(done.stderr.splitlines()) == len([*(tmp_path / "pictures").iterdir()]) == 2

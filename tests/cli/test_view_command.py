@@ -6,9 +6,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
 
-from rtphys.cli.main import app
+from pages import ran
 from rtphys.cli.show import check_viewer
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.faults import CannotWrite
@@ -41,8 +40,8 @@ def test_a_recording_is_whole_or_what_was_there_stays(
 
 
 def test_a_name_that_is_not_utf_8_is_refused(tmp_path: Path) -> None:
-    done = CliRunner().invoke(app, ["view", str(tmp_path), "--out", "b\udcff.rrd"])
-    assert done.exit_code == 2 and "it is not UTF-8" in done.stderr
+    done = ran(["view", str(tmp_path), "--out", "b\udcff.rrd"], 2)
+    assert "it is not UTF-8" in done.stderr
 
 
 def test_a_viewer_of_another_version_is_refused(

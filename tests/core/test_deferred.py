@@ -1,6 +1,5 @@
 """Imports that wait until something is used."""
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -39,13 +38,3 @@ def test_what_is_used_at_once_or_loaded_already_is_no_stand_in() -> None:
         assert colorsys.ONE_THIRD == 1 / 3
         assert json is sys.modules["json"] and json.loads("1") == 1
     assert sys.modules["colorsys"].rgb_to_hsv(0, 0, 0) == (0, 0, 0)
-
-
-def test_a_worker_loads_no_plots_and_no_statistics() -> None:
-    """They took as long as an episode."""
-    code = "import sys, rtphys.studies.collect; print(*sys.modules)"
-    loaded = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    ).stdout.split()
-    assert "toppra" in loaded and "sapien" in loaded
-    assert not {"matplotlib", "trimesh", "scipy.stats"}.intersection(loaded)

@@ -94,29 +94,6 @@ def test_yaml_is_read_anew_when_the_file_changes(tmp_path: Path) -> None:
     assert library.read_yaml(path) == {}
 
 
-@pytest.mark.parametrize(
-    ("content", "problem"),
-    [
-        (b"a: 1\nb: [", "broken YAML at line [23], column"),
-        (b"- 1\n", "must be a mapping of names to values"),
-        (b"1: 2\n", "must be a mapping of names to values"),
-        (b"a: \xff\n", "is not UTF-8 text"),
-        (b"[" * 100, "nested too deeply"),
-        (b"[" * 5000, "nested too deeply|maximum nesting depth"),  # PyYAML before, from 6.0.4
-    ],
-)
-def test_a_file_that_is_no_yaml_mapping_is_named(
-    tmp_path: Path, content: bytes, problem: str
-) -> None:
-    path = tmp_path / "bad.yaml"
-    path.write_bytes(content)
-    with pytest.raises(BadFile, match=problem) as caught:
-        library.read_yaml(path)
-    assert str(caught.value).startswith(str(path))
-    with pytest.raises(BadFile, match="no such file"):
-        library.read_yaml(tmp_path / "nowhere.yaml")
-
-
 def test_a_file_is_run_anew_and_never_taken_for_a_module_of_its_name(tmp_path: Path) -> None:
     path = tmp_path / "json.py"
     path.write_text("from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int = 1\n")

@@ -59,12 +59,13 @@ def wanting(episodes: int, what: TaskHeader | None = None) -> TaskHeader:
 
 def collect(
     out: Path, episodes: int, what: TaskHeader | None = None, attempts: int | None = None
-) -> None:
-    """Until there are so many episodes, or attempts."""
+) -> Path:
+    """Until there are so many episodes, or attempts. Returns the folder."""
     with DatasetWriter(out) as dataset:
         task = dataset.task(wanting(max(episodes, 1), what))
         while task.totals.episodes < episodes and task.totals.attempts != attempts:
             task.record(outcome(task, task.next_seed))
+    return out
 
 
 def write(out: Path, *episodes: Episode, what: TaskHeader | None = None) -> Dataset:

@@ -43,10 +43,12 @@ def sensed(seed: int, frames: int = 8, senses: tuple[str, ...] = SENSES) -> Sens
     return made
 
 
-def collect(out: Path, episodes: int, frames: int, senses: tuple[str, ...]) -> Dataset:
+def collect(
+    out: Path, episodes: int, frames: int, senses: tuple[str, ...] = SENSES, layout: str = "native"
+) -> Dataset:
     """Episodes of so many frames with these senses."""
     made = [
         replace(synthetic.episode(seed, frames), sensed=sensed(seed, frames, senses))
         for seed in range(episodes)
     ]
-    return write(out, *made, what=synthetic.header(senses=senses, episodes=episodes))
+    return write(out, *made, what=synthetic.header(layout, senses=senses))

@@ -16,7 +16,7 @@ from pages import ROOT, blocks
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.dataset import Dataset
-from rtphys.data.faults import DatasetMismatch, PartsMismatch
+from rtphys.data.faults import DatasetMismatch
 from rtphys.data.rewrite import convert, merge, subset
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter
@@ -237,12 +237,3 @@ def test_shards_of_one_task_dataset(tmp_path: Path) -> None:
             assert same.paths.video.read_bytes() == episode.paths.video.read_bytes()
     merge([first, second], tmp_path / "again")
     assert content(tmp_path / "again") == content(tmp_path / "all"), "in any order"
-
-
-def test_a_shard_that_is_not_there(tmp_path: Path) -> None:
-    first, second = shards(tmp_path)
-    with pytest.raises(PartsMismatch, match="shard 2 of 2 is not among the parts"):
-        merge([first], tmp_path / "all")
-    with pytest.raises(PartsMismatch, match="two of the parts are the same shard"):
-        merge([second, second], tmp_path / "all")
-    assert not (tmp_path / "all" / "manifest.json").exists()

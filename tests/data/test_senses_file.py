@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -140,18 +139,9 @@ def test_without_clouds_the_legacy_key_is_there_and_empty() -> None:
 # ---- our own reader, conversion, verification ----------------------------------------------------
 
 
-def dataset(folder: Path, layout: str = "native", senses: tuple[str, ...] = sensing.SENSES) -> Path:
-    made = [
-        replace(synthetic.episode(seed, T), sensed=sensing.sensed(seed, T, senses))
-        for seed in range(2)
-    ]
-    write(folder, *made, what=synthetic.header(layout, senses=senses))
-    return folder
-
-
 @pytest.mark.parametrize("layout", OFFICIAL)
 def test_our_reader_gives_metres_ids_and_names(tmp_path: Path, layout: str) -> None:
-    episode = Dataset(dataset(tmp_path, layout))[1]
+    episode = sensing.collect(tmp_path, 2, T, layout=layout)[1]
     made, senses = sensing.sensed(1, T), episode.senses
     assert senses.senses == sensing.SENSES
     for t in (0, T - 1, -1):
@@ -173,13 +163,13 @@ def test_our_reader_gives_metres_ids_and_names(tmp_path: Path, layout: str) -> N
 
 
 def test_what_was_not_recorded_is_named(tmp_path: Path) -> None:
-    episode = Dataset(dataset(tmp_path, senses=("depth",)))[0]
+    episode = sensing.collect(tmp_path, 1, T, ("depth",))[0]
     with pytest.raises(UnknownName, match="unknown sense 'pointcloud'"):
         episode.senses.cloud(0)
 
 
 def test_conversion_there_and_back_loses_nothing(tmp_path: Path) -> None:
-    native = dataset(tmp_path / "native")
+    native = sensing.collect(tmp_path / "native", 2, T).path
     convert(native, tmp_path / "legacy", "legacy")
     convert(tmp_path / "legacy", tmp_path / "back", "native")
     assert content_but_pictures(tmp_path / "back") == content_but_pictures(native)

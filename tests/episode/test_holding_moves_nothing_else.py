@@ -58,14 +58,6 @@ def test_what_a_held_size_does_not_hold_is_rejected() -> None:
             instance("move_playingcard_away", seed, {SCALE: 0.5})
 
 
-def test_arm_and_gripper_share_a_draw_and_are_held_apart() -> None:
-    spec = EpisodeSpec("click_bell", DRAWN)
-    drawn = spec.draw(1)
-    assert drawn["gripper_joint_damping"] == drawn["arm_joint_damping"]
-    held = EpisodeSpec("click_bell", DRAWN, overrides={"arm_joint_damping": 3.0})
-    assert held.draw(1)["gripper_joint_damping"] == drawn["gripper_joint_damping"]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("task", task_names())
 def test_in_every_task(task: str) -> None:

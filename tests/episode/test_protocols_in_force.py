@@ -23,7 +23,7 @@ def under(name: str, seed: int, protocol: str) -> Instance:
     return prepare(EpisodeSpec(name, protocol).at(seed), load_task(name), PACK)
 
 
-@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize("name", (*TASKS, "open_laptop"))
 def test_the_layout_of_a_seed_is_the_same_in_all_four(name: str) -> None:
     for seed in range(3):
         places = []

@@ -11,9 +11,8 @@ import pytest
 import sensing
 import synthetic
 from collected import FRAMES, collect, keep, write
-from typer.testing import CliRunner
 
-from rtphys.cli.main import app
+from pages import ran
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data import files, video
 from rtphys.data.dataset import Dataset
@@ -236,8 +235,7 @@ def test_the_command_says_which_format_a_converter_breaks(dataset: Dataset, tmp_
     said = {}
     for version in ("v2.1", "v3.0"):
         words = ["export", "lerobot", str(dataset.path), "--out", str(tmp_path / version)]
-        done = CliRunner().invoke(app, [*words, "--version", version], env={"COLUMNS": "300"})
-        assert done.exit_code == 0, done.output
+        done = ran([*words, "--version", version], columns=300)
         said[version] = "converter to v3.0 breaks it: export v3.0" in done.output
     assert said == {"v2.1": True, "v3.0": False}
 

@@ -51,16 +51,6 @@ def test_a_name_that_gymnasium_does_not_allow_hides_no_other_task(
     assert "my-bell" in own and {*known} == {env_id(name) for name in own}
 
 
-def test_registering_loads_nothing_heavy() -> None:
-    code = (
-        "import sys, rtphys.gym\n"
-        "heavy = {'sapien', 'h5py', 'pinocchio', 'trimesh', 'cv2'} & set(sys.modules)\n"
-        "sys.exit(f'imported {heavy}' if heavy else 0)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-
-
 def test_a_held_value_that_changes_nothing_is_warned_of() -> None:
     env = TaskEnv("heavy_below", physics={"object_mass": 2.0})
     with pytest.warns(UserWarning, match="object_mass could not act in heavy_below: every object"):

@@ -75,12 +75,6 @@ def test_dedicated_domain_is_the_papers_row(task):
     assert changed == row.keys() | camera
 
 
-def test_cabinet_holds_both_dampings_at_one():
-    physics = load_domain("put_object_cabinet").sample(11)
-    assert physics["arm_joint_damping"] == physics["gripper_joint_damping"] == 1.0
-    assert physics["object_scale"] == 1.0
-
-
 def test_any_other_task_has_the_global_domain():
     assert domain_for_task("click_bell").name == "global"
     assert domain_for_task("scan_object").name == "scan_object"

@@ -23,12 +23,6 @@ def test_one_attribute_alone_draws_what_it_draws_in_company(key):
         assert alone.varied == {key}
 
 
-def test_a_value_held_moves_no_other_draw():
-    free, held = GLOBAL.sample(7), GLOBAL.sample(7, overrides={"friction": 0.2})
-    assert held["friction"] == 0.2
-    assert {k for k in free if free[k] != held[k]} == {"friction"}
-
-
 def test_a_removed_rule_moves_no_other_draw():
     fewer = Domain("fewer", {k: r for k, r in GLOBAL.rules.items() if k != "object_mass"})
     a, b = GLOBAL.sample(7), fewer.sample(7)

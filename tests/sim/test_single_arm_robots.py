@@ -1,15 +1,10 @@
 """Robots of two single arms in the simulator: frames, fingers, and an episode of each."""
 
-from pathlib import Path
-from shutil import copytree
-
 import numpy as np
 import pytest
 
-from rtphys.assets.pack import Pack, builtin_pack
-from rtphys.core.errors import BadFile, BadValue
+from rtphys.assets.pack import builtin_pack
 from rtphys.core.seeds import stream
-from rtphys.episode import begin
 from rtphys.episode.control import actions_of, replay
 from rtphys.episode.generate import attempt
 from rtphys.plan.collision import CollisionChecker
@@ -101,22 +96,3 @@ def test_a_hand_with_little_room_before_its_palm_closes_on_a_thin_thing_not_abov
     spec = EpisodeSpec("move_playingcard_away", protocol="clean", embodiment="franka-panda")
     done = attempt(spec.at(0), load_task(spec.task), PACK)
     assert (done.reason, done.detail) == ("", "")
-
-
-def test_an_action_has_as_many_numbers_as_the_robot() -> None:
-    recipe = EpisodeSpec("click_bell", "clean", embodiment="franka-panda").at(0)
-    episode = begin(recipe, load_task("click_bell"), PACK)
-    now = episode.observe()
-    assert now.vector.shape == now.measured.shape == now.efforts.shape == (16,)
-    episode.act(now.vector)
-    with pytest.raises(BadValue, match="16 finite numbers: left arm 7"):
-        episode.act(np.zeros(14))
-
-
-def test_an_arm_that_reaches_nothing_is_refused(tmp_path: Path) -> None:
-    folder = tmp_path / "embodiments" / "piper"
-    copytree(PACK.embodiment_folder("piper"), folder)
-    config = folder / "config.yml"
-    config.write_text(config.read_text().replace("[[0, -0.45, 0.85", "[[0, -2.45, 0.85"))
-    with pytest.raises(BadFile, match=r"left arm reaches nothing on the table.*robot_pose"):
-        check_robot(Pack(tmp_path), "piper")

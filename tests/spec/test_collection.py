@@ -9,7 +9,6 @@ from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.physics.load import load_domain
 from rtphys.spec.collection import CollectionSpec, Resolved, TaskHeader
 from rtphys.spec.episode import EpisodeSpec
-from rtphys.spec.option import from_words
 from rtphys.spec.protocol import OFFICIAL
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import differences, load, stored
@@ -65,32 +64,6 @@ def test_differences_name_the_field() -> None:
 def test_what_cannot_be_collected(given: dict[str, object], text: str) -> None:
     with pytest.raises(BadValue, match=text):
         CollectionSpec(**given)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("entry", "text"),
-    [
-        ({"episods": 3}, "did you mean 'episodes'"),
-        ({"made_by": "merge"}, "unknown key 'made_by'"),
-        ({"policy": "pi0"}, "unknown key 'policy'"),
-        ({"task": "lift_pot"}, "unknown key 'task'"),
-        ({"senses": ["depth"]}, "did you mean 'sense'"),
-        ({"split": "sen"}, "did you mean 'seen'"),
-        ({"set": 3}, r"episode\.overrides"),
-        ({"episodes": "many"}, "episodes: input should be a valid integer"),
-    ],
-)
-def test_an_entry_in_users_words_that_is_wrong(entry: dict[str, object], text: str) -> None:
-    with pytest.raises(RtphysError, match=text) as caught:
-        from_words(CollectionSpec, entry, "key", "mine.yaml")
-    assert "mine.yaml" in str(caught.value)
-
-
-def test_an_entry_in_users_words() -> None:
-    words = {"set": {"friction": 0.2}, "cameras": ["head"], "episodes": 3}
-    made = from_words(CollectionSpec, words, "key", "mine.yaml")
-    episode = EpisodeSpec(overrides={"friction": 0.2})
-    assert made == CollectionSpec(episode, RecordingSpec(("head",)), episodes=3)
 
 
 def test_a_number_of_failures_is_text_or_a_number() -> None:

@@ -75,13 +75,6 @@ def test_a_builtin_name_is_not_taken_twice(library: Path, name: str) -> None:
         protocols()
 
 
-def test_an_unknown_name_gets_a_suggestion() -> None:
-    with pytest.raises(UnknownName, match="phys_random"):
-        _ = EpisodeSpec("click_bell", "phys_randm").domain
-    with pytest.raises(UnknownName, match="unseen"):
-        EpisodeSpec("click_bell", "clean", split="unsen")
-
-
 def test_rules_survive_json() -> None:
     for rules in (OFFICIAL, replace(OFFICIAL, draw=3)):
         assert VisualRandomization.from_json(rules.to_json()) == rules

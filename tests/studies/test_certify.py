@@ -15,7 +15,8 @@ from evaluations import FINGERPRINT
 from quick_pool import J, QuickPool, R
 from typer.testing import CliRunner
 
-from rtphys.assets.pack import Pack, default_pack
+from pages import ran
+from rtphys.assets.pack import Pack
 from rtphys.campaign import local
 from rtphys.cli.main import app
 from rtphys.core.errors import BadValue, UnknownName
@@ -46,11 +47,6 @@ from rtphys.task.spec import load_task
 TASK, PROTOCOL = "click_bell", "phys_random"
 BOTH = ("replay", "twin")
 LOST = FIRST_SEED + 4  # the seed whose worker gets into trouble, when clean
-
-
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
 
 
 Wish = tuple[CertificationSpec, CertificationRun]
@@ -435,8 +431,7 @@ def test_a_killed_run_ends_up_with_the_same_lists(tmp_path: Path) -> None:
 @pytest.mark.sim
 def test_the_command(tmp_path: Path) -> None:
     options = ["--task", TASK, "--protocol", "clean", "--feasible", "1"]
-    done = CliRunner().invoke(app, ["certify", *options, "--out", str(tmp_path), "--workers", "1"])
-    assert done.exit_code == 0, done.output
+    done = ran(["certify", *options, "--out", str(tmp_path), "--workers", "1"])
     assert "1 / 1" in done.output  # replay
     assert len(listed(tmp_path, "clean").feasible) == 1
 
@@ -484,26 +479,17 @@ def test_a_list_that_differs_stays_stale_and_is_named(benchmark: Path) -> None:
     path = list_file(benchmark, "clean")
     damaged = path.read_bytes()
     words = ["certify", "--task", TASK, "--protocol", "clean", "--out", str(benchmark)]
-    done = CliRunner().invoke(app, [*words, "--reprove", "2", "--workers", "1"])
-    assert done.exit_code == 1, done.output
+    done = ran([*words, "--reprove", "2", "--workers", "1"], 1)
     assert "clean.jsonl: click_bell, seed 100000: now state" in done.stdout
     assert "0 of 1 list hold (2 instances solved again); 0 have a new header, 1 stay stale" in (
         " ".join(done.stdout.split())
     )
-    as_json = CliRunner().invoke(app, [*words, "--reprove", "2", "--workers", "1", "--json"])
-    assert as_json.exit_code == 1, as_json.output
+    as_json = ran([*words, "--reprove", "2", "--workers", "1", "--json"], 1)
     (row,) = json.loads(as_json.stdout)
     assert (row["task"], row["protocol"], row["solved"], row["stale"]) == (TASK, "clean", 2, True)
     assert len(row["differences"]) == 1 and not row["renewed"]
     assert path.read_bytes() == damaged
     path.write_bytes(before)
-
-
-@pytest.mark.parametrize("option", ["--first-seed=3", "--feasible=3", "--replays=none"])
-def test_an_option_that_reproving_would_ignore_is_refused(option: str, tmp_path: Path) -> None:
-    words = ["certify", TASK, "--protocol", "clean", "--out", str(tmp_path), "--reprove", "1"]
-    done = CliRunner().invoke(app, [*words, option])
-    assert done.exit_code == 2 and "with --reprove the lists say that" in done.stderr
 
 
 def test_no_replay_beside_one_is_refused() -> None:

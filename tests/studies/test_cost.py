@@ -3,10 +3,9 @@
 import json
 
 import pytest
-from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.assets.pack import default_pack
-from rtphys.cli.main import app
 from rtphys.core.timing import PhaseTimer
 from rtphys.episode.generate import attempt
 from rtphys.spec.episode import EpisodeSpec
@@ -26,8 +25,7 @@ def test_phases_and_the_rest_make_the_sum() -> None:
 @pytest.mark.sim
 def test_attempts_are_measured_in_full() -> None:
     options = ["bench", "--task", "click_bell", "--protocol", "clean", "--episodes", "1"]
-    done = CliRunner().invoke(app, [*options, "--no-pictures", "--json"])
-    assert done.exit_code == 0, done.output
+    done = ran([*options, "--no-pictures", "--json"])
     content = json.loads(done.stdout)
     (row,) = content["rows"]
     assert (row["task"], row["protocol"], row["attempts"]) == ("click_bell", "clean", 1)

@@ -19,6 +19,7 @@ from evaluations import FINGERPRINT, instances, write_results
 from still_life import FEW
 from typer.testing import CliRunner
 
+from pages import ran
 from rtphys.assets.pack import Pack
 from rtphys.campaign.pool import WorkerError, WorkerFailure
 from rtphys.campaign.series import Listener
@@ -559,8 +560,7 @@ def test_the_command_runs_records_and_films(tmp_path: Path, lists: Path) -> None
     options = ["--task", TASK, "--protocol", "clean", "--episodes", "1", "--workers", "1"]
     options += ["--instances", str(lists), "--out", str(tmp_path), "--video", "failures"]
     options += ["--policy-option", "actions=2"]
-    done = CliRunner().invoke(app, ["evaluate", "--policy", FEW, *options])
-    assert done.exit_code == 0, done.output
+    done = ran(["evaluate", "--policy", FEW, *options])
     assert " 0 % [0-79.3] 0/1" in done.output and "gave_up 1" in done.output
     path = tmp_path / "video" / "clean" / TASK / f"{SEEDS[0]}_failure.mp4"
     facts = probe(path.read_bytes())
@@ -580,8 +580,7 @@ def test_a_dataset_is_replayed_on_its_own_seeds(tmp_path: Path, pack: Pack) -> N
     data = tmp_path / "data"
     options = ["--task", TASK, "--episodes", "1", "--out", str(data), "--workers", "1"]
     clean = ["--protocol", "clean", "--cameras", "head"]
-    done = CliRunner().invoke(app, ["collect", *options, *clean])
-    assert done.exit_code == 0, done.output
+    ran(["collect", *options, *clean])
     policy = f"replay:{data}"
     (first,) = run(tmp_path / "out", data, pack, policy, episodes=1, **CLEAN)
     assert first.success

@@ -17,7 +17,6 @@ from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch
 from rtphys.data.selection import Selection
-from rtphys.data.staging import stage_episode
 from rtphys.data.verify import verify
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.spec.collection import CollectionSpec
@@ -148,18 +147,8 @@ def _pack_and_packs(source: Path):
 # ---- refused before any work ---------------------------------------------------------------------
 
 
-def synthetic_dataset(folder: Path, more: int = 0) -> Path:
-    """One episode, and so many attempts `more` that failed."""
-    with DatasetWriter(folder) as opened:
-        task = opened.task(synthetic.header())
-        task.record(stage_episode(task.staging(0), synthetic.episode(0)))
-        for seed in range(1, 1 + more):
-            task.record(Rejection(seed, "slipped"))
-    return folder
-
-
 def test_missing_assets_are_named_with_their_digest(tmp_path: Path) -> None:
-    data = synthetic_dataset(tmp_path / "data")
+    data = collect_synthetic(tmp_path / "data", 1)
     with pytest.raises(RtphysError, match="a" * 64):
         render(RenderSpec(data=data, out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
@@ -176,7 +165,7 @@ def test_what_a_policy_did_is_drawn_from_states_alone(tmp_path: Path) -> None:
 @pytest.mark.sim
 def test_states_that_are_not_those_of_the_label_are_not_drawn(tmp_path: Path) -> None:
     """Nobody has simulated this episode."""
-    data = Dataset(synthetic_dataset(tmp_path / "data"))
+    data = Dataset(collect_synthetic(tmp_path / "data", 1))
     paths, pack = data[0].paths, default_pack()
     job = RenderTask(paths, "native", {"info": {}}, RecordingSpec(), True, "a", tmp_path / "new")
     worker = RenderWorker(pack, {"a": pack}, "slim")
@@ -186,7 +175,7 @@ def test_states_that_are_not_those_of_the_label_are_not_drawn(tmp_path: Path) ->
 
 
 def test_the_dataset_itself_is_no_place_for_the_new_one(tmp_path: Path) -> None:
-    data = synthetic_dataset(tmp_path)
+    data = collect_synthetic(tmp_path, 1)
     with pytest.raises(BadValue, match="name another folder"):
         render(RenderSpec(data=data, out=data))
 
@@ -214,7 +203,7 @@ def test_a_misspelt_name_is_refused(given: dict[str, object], tmp_path: Path) ->
 def test_a_cloud_without_the_head_camera_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    data = synthetic_dataset(tmp_path / "data")
+    data = collect_synthetic(tmp_path / "data", 1)
     monkeypatch.setattr(module, "pack_with", lambda digest: object())
     plan = RenderSpec(data=data, out=tmp_path / "out", cameras=("front",), add=("pointcloud",))
     with pytest.raises(BadValue, match="head camera's"):
@@ -223,7 +212,7 @@ def test_a_cloud_without_the_head_camera_is_refused(
 
 def test_a_disk_that_is_too_small_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     usage = namedtuple("usage", "total used free")(10**12, 10**12 - 10**8, 10**8)
-    data = synthetic_dataset(tmp_path / "data")
+    data = collect_synthetic(tmp_path / "data", 1)
     monkeypatch.setattr(module, "pack_with", lambda digest: object())
     monkeypatch.setattr("shutil.disk_usage", lambda place: usage)
     with pytest.raises(RtphysError, match="GB"):
@@ -232,7 +221,7 @@ def test_a_disk_that_is_too_small_is_named(tmp_path: Path, monkeypatch: pytest.M
 
 def test_other_seeds_are_not_drawn_into_the_same_folder(tmp_path: Path) -> None:
     """Those before the ones that are there would be left out without a word."""
-    data = synthetic_dataset(tmp_path / "data", more=2)
+    data = collect_synthetic(tmp_path / "data", 3, attempts=3)
 
     def begin(seeds: str) -> RenderSeries:
         plan = RenderSpec(data=data, out=tmp_path / "out", part=Selection(seed=seeds))
@@ -259,8 +248,8 @@ def needed(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 def test_space_is_needed_for_what_is_not_drawn_yet(tmp_path: Path, needed: list[float]) -> None:
-    data = synthetic_dataset(tmp_path / "data")
-    for out in (tmp_path / "new", synthetic_dataset(tmp_path / "drawn")):
+    data = collect_synthetic(tmp_path / "data", 1)
+    for out in (tmp_path / "new", collect_synthetic(tmp_path / "drawn", 1)):
         module._check(RenderSpec(data=data, out=out), Dataset(data))
     assert needed[0] > needed[1] == 0
 

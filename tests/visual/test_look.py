@@ -31,11 +31,6 @@ SEEDS = range(40)
 TASKS = ("click_bell", "stack_blocks_two", "open_laptop", "grab_roller")
 
 
-@pytest.fixture(scope="module")
-def pack() -> Pack:
-    return default_pack()
-
-
 def look(name: str, seed: int, pack: Pack, rules: VisualRandomization = OFFICIAL) -> Look:
     task = load_task(name)
     return draw_look(rules, Chance(seed, name), (task, task.props(seed)), pack, "seen")
