@@ -458,11 +458,11 @@ def test_twins(tmp_path: Path) -> None:
     assert note in verify(tmp_path / "ahead").notes
     ahead, some = Dataset(tmp_path / "ahead"), tmp_path / "some"
     assert [one.episode.seed for one in ahead.pairs()] == [0, 1], "3 has no twin yet"
-    subset(tmp_path / "both", some, lambda _: True, lambda row: row.seed > 0)
+    subset(Dataset(tmp_path / "both").where(seeds=range(1, 9)), some)
     pairs = Dataset(some).pairs()
     assert [(one.seed, twin.seed) for one, twin in pairs] == [(1, 1), (3, 3)]
     assert verify(some).notes == []
-    subset(tmp_path / "both", tmp_path / "one", lambda entry: entry.spec.twin is not None)
+    subset(Dataset(tmp_path / "both").where(config="phys_random"), tmp_path / "one")
     assert "its twin phys_random.twin=phys_random_all" in "".join(verify(tmp_path / "one").notes)
 
 
