@@ -42,9 +42,9 @@ def test_data_is_the_dataset(page: Path, dataset: Dataset) -> None:
     facts = data(page)
     assert len(facts["episodes"]) == 5
     assert [a[1] for a in facts["attempts"]] == [1, 1, 0, 1, 1, 1]
-    friction = [axis.key for axis in axes()].index("friction")
+    friction = [*axes()].index("friction")
     assert facts["leaves"][0]["spans"][friction] == [0.01, 1.25]
-    grippers = [axis.key for axis in axes()].index("gripper_joint_damping")
+    grippers = [*axes()].index("gripper_joint_damping")
     assert facts["leaves"][0]["spans"][grippers] == [0.5, 3.0]  # the arms' range
     for row, episode in zip(facts["episodes"], dataset, strict=True):
         assert row["values"][friction] == episode.physics["friction"]
@@ -105,7 +105,7 @@ def test_an_attribute_that_did_not_act_is_marked(tmp_path: Path) -> None:
     idle = {"could_act": False, "acted": False}
     made = labelled(restitution={"acted": False}, object_mass=idle)
     path = write_report(write(tmp_path / "data", made), tmp_path / "a.html")
-    (row,), keys = data(path)["episodes"], [axis.key for axis in axes()]
+    (row,), keys = data(path)["episodes"], axes().values()
     known = {key: (row["could_act"][n], row["acted"][n]) for n, key in enumerate(keys)}
     assert known["restitution"] == (True, False) and known["object_mass"] == (False, False)
     assert known["friction"] == (True, None), "nobody measured it"

@@ -37,7 +37,7 @@ from rtphys.data.layout import (
 from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
 from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
 from rtphys.physics import Physics, attributes
-from rtphys.physics.attribute import is_attribute
+from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.physics.values import Value, plain_value
 from rtphys.spec.sweep import families
 
@@ -257,14 +257,8 @@ def _has_number(numbers: frozenset[int], row: Row) -> bool:
 
 
 def _lies_within(key: str, low: float, high: float, row: Row) -> bool:
-    numbers = _numbers(row.physics.get(key))
-    return bool(numbers) and all(low <= number <= high for number in numbers)
-
-
-def _numbers(value: object) -> tuple[float, ...]:
-    """Numbers of an attribute in a ledger or label: one, those of a vector, or none."""
-    parts = cast(Sequence[object], value) if isinstance(value, list | tuple) else (value,)
-    return tuple(float(part) for part in parts if isinstance(part, int | float))
+    found = flattened({key: row.physics.get(key)}).values()
+    return bool(found) and all(low <= number <= high for number in found)
 
 
 def _range(key: str, ends: object) -> tuple[float, float]:
@@ -289,9 +283,22 @@ def _numbers_of(name: str, given: object) -> frozenset[int]:
         raise BadValue(name, given, f"whole numbers, such as {example} or range(50)") from error
 
 
-def _columns(key: str, size: int) -> list[str]:
-    """Names of an attribute's columns in a table, vectors by component."""
-    return [key] if size == 1 else [f"{key}.{part}" for part in "xyz"[:size]]
+def columns(key: str) -> list[str]:
+    """Names of an attribute's columns in a table, vectors by component: `center_of_mass.x`."""
+    size = attribute(key).size
+    return [key] if size == 1 else [f"{key}.{axis}" for axis in "xyz"[:size]]
+
+
+def flattened(values: Mapping[str, object]) -> dict[str, float]:
+    """The numbers among the values of attributes in a ledger or label, by these names."""
+    found: dict[str, float] = {}
+    for key, value in values.items():
+        several = isinstance(value, list | tuple)
+        parts = cast(Sequence[object], value) if several else (value,)
+        names = [f"{key}.{axis}" for axis in "xyz"] if several else [key]
+        pairs = zip(names, parts, strict=False)
+        found |= {name: float(one) for name, one in pairs if isinstance(one, int | float)}
+    return found
 
 
 class Dataset(Sequence[Episode]):
@@ -492,7 +499,7 @@ class Dataset(Sequence[Episode]):
         except ImportError as error:
             raise RtphysError(f"{error}; `pip install pandas`") from error
         rows: list[dict[str, object]] = []
-        names = {name for key, one in attributes().items() for name in _columns(key, one.size)}
+        names = {name for key in attributes() for name in columns(key)}
         for part in self.parts:
             of = part.entry.spec
             for row in part.rows():
@@ -507,9 +514,7 @@ class Dataset(Sequence[Episode]):
                     "frames": held and held.frames,
                     "outcome": row.reason if isinstance(row, Rejected) else row.verdict,
                 }
-                for key, value in part.physics(row, raw).items():
-                    numbers = _numbers(value) or (math.nan,)
-                    values |= zip(_columns(key, len(numbers)), numbers, strict=True)
+                values |= flattened(part.physics(row, raw))
                 names |= values.keys() - {*FACTS}
                 rows.append(values)
         return DataFrame(rows, columns=[*FACTS, *sorted(names)])
