@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -83,22 +82,6 @@ def test_cards_of_a_sweep_and_of_two_robots_have_names_of_their_own(tmp_path: Pa
     leaves = [facts["leaves"][one["leaf"]] for one in facts["episodes"]]
     names = {(leaf["protocol"], leaf["robot"]) for leaf in leaves}
     assert len(names) == 3 and {robot for _, robot in names} == {"aloha-agilex", "franka-panda"}
-
-
-def test_targets_of_joints_are_named_since_robots_have_different_ones(tmp_path: Path) -> None:
-    """The seventh number is a gripper's opening of one robot, and a joint of the other."""
-    collect(tmp_path / "data", 1)
-    frames = synthetic.frames_of(0, joints=(7, 7))
-    panda = synthetic.header(embodiment="franka-panda")
-    episode = replace(synthetic.episode(0, spec=panda.spec.episode), frames=frames)
-    both = write(tmp_path / "data", episode, what=panda)
-    facts = data(write_report(both, tmp_path / "report.html"))
-    small, large = (one["targets"] for one in facts["episodes"])
-    assert len(small) == 14 and len(large) == 16
-    assert "left 7" not in small
-    seventh = frames.left_arm[:, 6]
-    assert large["left 7"] == [round(seventh.min(), 4), round(seventh.max(), 4)]
-    assert small["left gripper"] == large["left gripper"] == [0, 1]
 
 
 def test_an_attribute_that_did_not_act_is_marked(tmp_path: Path) -> None:

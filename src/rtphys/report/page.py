@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-import numpy as np
-
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
@@ -164,8 +162,6 @@ def _episode(episode: Episode, leaf: int, shown: Mapping[str, str]) -> dict[str,
     known, keys = flattened({key: one.value for key, one in acting.items()}), shown.values()
     if len(frames) < 2:
         raise BadFile(episode.paths.hdf5, "holds fewer than two frames")
-    ends = np.round([frames.vector.min(axis=0), frames.vector.max(axis=0)], 4).T.tolist()
-    joints = (name.replace("joint_", "").replace("_", " ") for name in frames.layout.names)
     return {
         "leaf": leaf,
         "number": episode.number,
@@ -180,5 +176,4 @@ def _episode(episode: Episode, leaf: int, shown: Mapping[str, str]) -> dict[str,
         "could_act": [key in acting for key in keys],
         "acted": [acting[key].acted if key in acting else False for key in keys],
         "varied": [key in acting and acting[key].varied for key in keys],
-        "targets": dict(zip(joints, ends, strict=True)),  # lowest and highest by joint
     }
