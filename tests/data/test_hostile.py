@@ -83,7 +83,7 @@ READERS: dict[str, Callable[[Path, Path], object]] = {
     "replay": _replay,
     "instances": _instances,
     "merge": lambda dataset, out: merge([dataset], out),
-    "subset": lambda dataset, out: subset(dataset, out, lambda _: True, lambda _: True),
+    "subset": lambda dataset, out: subset(Dataset(dataset).where(seeds=range(9)), out),
 }
 
 

@@ -53,33 +53,8 @@ def test_the_mark_is_a_comment_right_after_the_jfif_header() -> None:
             assert stream[at : at + 12] == bytes.fromhex("fffe000a") + b"XPL-RGB1"
         at += 2 + int.from_bytes(stream[at + 2 : at + 4])
     assert kinds[:2] == [0xE0, 0xFE] and 0xFE not in kinds[2:]
-
-
-NOTES = b"\xff\xe1" + (2 + len(MARK)).to_bytes(2) + MARK  # says it where nobody looks
-OTHER_COMMENT = b"\xff\xfe\x00\x0bXPL-RGB1x"
-
-
-BEFORE = {
-    b"": False,
-    MARK: True,
-    NOTES: False,
-    OTHER_COMMENT: False,
-    b"\xff" * 3 + MARK: True,  # fill bytes
-    NOTES + b"\xff\xd0" + MARK: True,
-    b"\xff\xd9" + MARK: True,
-    b"\xff\xe1\x00\x00" + MARK: False,
-    SCAN + b"\x00\x02" + MARK: False,
-}
-
-
-@pytest.mark.parametrize(("before", "expected"), BEFORE.items())
-def test_the_mark_is_found_where_xpolicylab_looks(before: bytes, expected: bool) -> None:
-    stream = encode(picture(0), "legacy")
-    changed = stream[:2] + before + stream[2:]
-    assert marked(changed) == expected
-    assert marked(b"xx" + changed[2:]) is False
-    if theirs := xpolicylab():
-        assert theirs._has_rgb_marker(changed) == expected
+    for changed in (b"", stream[:3], b"xx" + stream[2:], stream.replace(MARK, MARK[:-1] + b"2")):
+        assert not marked(changed)
 
 
 def xpolicylab() -> ModuleType | None:

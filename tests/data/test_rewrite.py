@@ -74,7 +74,7 @@ def shards(out: Path, kept: str = "all") -> list[Path]:
 REWRITES: dict[str, Callable[..., object]] = {
     "convert": lambda source, out, *say: convert(source, out, "legacy", *say),
     "merge": lambda source, out, *say: merge(shards(source), out, *say),
-    "subset": lambda source, out, *say: subset(source, out, lambda _: True, None, *say),
+    "subset": lambda source, out, *say: subset(Dataset(source), out, *say),
 }
 
 
@@ -96,7 +96,7 @@ def test_a_part_of_other_seeds_is_not_continued(
     """Neither with seeds that come before those that are there, nor without some of these."""
 
     def take(seeds: set[int]) -> None:
-        subset(three, tmp_path / "part", lambda _: True, lambda row: row.seed in seeds)
+        subset(Dataset(three).where(seeds=seeds), tmp_path / "part")
 
     take(first)
     before = content(tmp_path / "part")
@@ -110,9 +110,8 @@ def test_a_part_of_other_seeds_is_not_continued(
 
 def test_the_progress_of_a_part_counts_what_is_taken(three: Path, tmp_path: Path) -> None:
     calls: list[tuple[int, int]] = []
-    keep = {1, 3}.__contains__
-    out = tmp_path / "part"
-    subset(three, out, lambda _: True, lambda row: keep(row.seed), lambda *at: calls.append(at))
+    part = Dataset(three).where(seeds=[1, 3])
+    subset(part, tmp_path / "part", lambda *at: calls.append(at))
     assert calls[-1] == (2, 2)
 
 

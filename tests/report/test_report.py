@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -42,9 +41,9 @@ def test_data_is_the_dataset(page: Path, dataset: Dataset) -> None:
     facts = data(page)
     assert len(facts["episodes"]) == 5
     assert [a[1] for a in facts["attempts"]] == [1, 1, 0, 1, 1, 1]
-    friction = [axis.key for axis in axes()].index("friction")
+    friction = [*axes()].index("friction")
     assert facts["leaves"][0]["spans"][friction] == [0.01, 1.25]
-    grippers = [axis.key for axis in axes()].index("gripper_joint_damping")
+    grippers = [*axes()].index("gripper_joint_damping")
     assert facts["leaves"][0]["spans"][grippers] == [0.5, 3.0]  # the arms' range
     for row, episode in zip(facts["episodes"], dataset, strict=True):
         assert row["values"][friction] == episode.physics["friction"]
@@ -85,27 +84,11 @@ def test_cards_of_a_sweep_and_of_two_robots_have_names_of_their_own(tmp_path: Pa
     assert len(names) == 3 and {robot for _, robot in names} == {"aloha-agilex", "franka-panda"}
 
 
-def test_targets_of_joints_are_named_since_robots_have_different_ones(tmp_path: Path) -> None:
-    """The seventh number is a gripper's opening of one robot, and a joint of the other."""
-    collect(tmp_path / "data", 1)
-    frames = synthetic.frames_of(0, joints=(7, 7))
-    panda = synthetic.header(embodiment="franka-panda")
-    episode = replace(synthetic.episode(0, spec=panda.spec.episode), frames=frames)
-    both = write(tmp_path / "data", episode, what=panda)
-    facts = data(write_report(both, tmp_path / "report.html"))
-    small, large = (one["targets"] for one in facts["episodes"])
-    assert len(small) == 14 and len(large) == 16
-    assert "left 7" not in small
-    seventh = frames.left_arm[:, 6]
-    assert large["left 7"] == [round(seventh.min(), 4), round(seventh.max(), 4)]
-    assert small["left gripper"] == large["left gripper"] == [0, 1]
-
-
 def test_an_attribute_that_did_not_act_is_marked(tmp_path: Path) -> None:
     idle = {"could_act": False, "acted": False}
     made = labelled(restitution={"acted": False}, object_mass=idle)
     path = write_report(write(tmp_path / "data", made), tmp_path / "a.html")
-    (row,), keys = data(path)["episodes"], [axis.key for axis in axes()]
+    (row,), keys = data(path)["episodes"], axes().values()
     known = {key: (row["could_act"][n], row["acted"][n]) for n, key in enumerate(keys)}
     assert known["restitution"] == (True, False) and known["object_mass"] == (False, False)
     assert known["friction"] == (True, None), "nobody measured it"

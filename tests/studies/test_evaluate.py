@@ -519,7 +519,7 @@ def test_the_rejects_of_a_dataset_are_those_of_its_protocol_alone(tmp_path: Path
 def test_the_seeds_of_a_part_of_a_dataset_have_gaps(tmp_path: Path, pack: Pack) -> None:
     """A recording kept the first of them alone, and the list that was written was not read."""
     collect(tmp_path / "data", 3)  # seeds 0, 1, 3 of four
-    subset(tmp_path / "data", tmp_path / "part", lambda _: True, lambda row: row.seed in (0, 3))
+    subset(Dataset(tmp_path / "data").where(seeds=[0, 3]), tmp_path / "part")
     wish = EvaluationRun((TASK,), ("clean",), instances=tmp_path / "part")
     listed = module.certified(wish, "clean", TASK, FINGERPRINT)
     write_lists(tmp_path / "clean.jsonl", [listed])

@@ -226,7 +226,7 @@ def test_other_seeds_are_not_drawn_into_the_same_folder(tmp_path: Path) -> None:
     def begin(seeds: str) -> RenderSeries:
         plan = RenderSpec(data=data, out=tmp_path / "out", part=Selection(seed=seeds))
         with DatasetWriter(plan.out) as dataset:
-            study = RenderSeries(plan, Dataset(data).task_datasets[0], dataset)
+            study = RenderSeries(plan, plan.part.of(Dataset(data)).parts[0], dataset)
             if study.seeds == [1]:
                 study.writer.record(Rejection(1, "slipped"))
         return study

@@ -167,12 +167,9 @@ def test_an_unpaired_seed_is_tried_again_with_its_twin_alone(part: str, tmp_path
             task = dataset.task(replace(main, spec=side))
             task.record(Rejection(0, "unpaired"))
             task.record(stage_episode(task.staging(1), synthetic.episode(1)))
-    subset(
-        tmp_path / "data",
-        tmp_path / "part",
-        lambda entry: part != "one side" or entry.spec.twin is not None,
-        (lambda row: row.seed < 2) if part == "some seeds" else None,
-    )
+    whole = Dataset(tmp_path / "data")
+    parts = {"all": whole, "one side": whole.where(config=main.spec.name)}
+    subset(parts.get(part) or whole.where(seeds=[0, 1]), tmp_path / "part")
     found = Reproduction()
     tried = [*recorded_attempts(tmp_path / "part", read_manifest(tmp_path / "part"), found)]
     seeds = [one.row.seed for one in tried]

@@ -7,30 +7,21 @@ from typing import Annotated
 
 import typer
 
-from rtphys.cli.derived import names_in, takes
+from rtphys.cli.derived import takes
 from rtphys.cli.screen import campaign_progress, progress_bar
 from rtphys.cli.terminal import Incomplete, command_line, printable, resumable, say
 from rtphys.core.errors import BadValue, counted
 from rtphys.data import files
 from rtphys.data import verify as checking
-from rtphys.data.attempts import Row
 from rtphys.data.check_episode import Effort, Problem
 from rtphys.data.dataset import Dataset
 from rtphys.data.layout import MANIFEST
-from rtphys.data.manifest import TaskEntry, dataset_digest, read_manifest
+from rtphys.data.manifest import dataset_digest, read_manifest
 from rtphys.data.rewrite import convert as convert_dataset
 from rtphys.data.rewrite import merge as merge_datasets
 from rtphys.data.rewrite import subset as write_subset
 from rtphys.data.rewrite import unfinished
-from rtphys.data.selection import (
-    CONFIG,
-    HOLDS,
-    ONLY_ROBOT,
-    ONLY_SEEDS,
-    DataFolder,
-    Selection,
-    seed_set,
-)
+from rtphys.data.selection import HOLDS, DataFolder, Selection, seed_set
 from rtphys.data.state_digests import compare, find_digests
 from rtphys.export.card import CardText, write_card
 from rtphys.export.lerobot_plan import READERS, ExportSpec
@@ -93,17 +84,18 @@ def merge(
         raise Incomplete(f"{many} of the parts seem to be unfinished: {cure}")
 
 
-def subset(
-    dataset: Folder,
-    out: Annotated[Path, typer.Option(help="The new dataset's folder.")],
-    task: Annotated[list[str] | None, typer.Option(help="Only these tasks.")] = None,
-    config: Annotated[
-        list[str] | None, typer.Option(help=f"Only these configurations, {CONFIG}.")
-    ] = None,
-    embodiment: Annotated[str | None, typer.Option(help=ONLY_ROBOT)] = None,
-    seed: Annotated[str, typer.Option(help=ONLY_SEEDS)] = "",
-    drop_seed: Annotated[str, typer.Option(help="All seeds except these.")] = "",
-) -> None:
+@dataclass(frozen=True)
+class Cut:
+    """Which part of a dataset is copied, and where to."""
+
+    dataset: DataFolder
+    out: Annotated[Path, Option("The new dataset's folder.")]
+    part: Selection = field(default_factory=Selection)
+    drop_seed: Annotated[str, Option("All seeds except these.")] = ""
+
+
+@takes(Cut)
+def subset(cut: Cut) -> None:
     """Copy a part of a dataset, and renumber its episodes.
 
     Nothing is simulated or drawn. The failures of the chosen seeds are copied too.
@@ -114,26 +106,13 @@ def subset(
         rtphys subset data --out small --seed 0:50
         rtphys subset data --out cleaned --drop-seed 17,23
     """
-    known = Dataset(dataset)
-    tasks, configs = names_in(task or ()), names_in(config or ())
-    for name in tasks:
-        known.where(task=name)  # refuses a name that it lacks
-    for name in configs:
-        known.where(config=name)
-    robots = known.where(embodiment=embodiment).embodiments
-    only, not_these = seed_set("seed", seed), seed_set("drop_seed", drop_seed)
-
-    def chosen(entry: TaskEntry) -> bool:
-        spec = entry.spec
-        fits = not tasks or spec.episode.task in tasks, not configs or spec.name in configs
-        return all(fits) and spec.episode.embodiment in robots
-
-    def kept(row: Row) -> bool:
-        return (not seed or row.seed in only) and row.seed not in not_these
-
+    chosen = cut.part.of(Dataset(cut.dataset))
+    if cut.drop_seed:
+        there = {row.seed for part in chosen.parts for row in part.rows()}
+        chosen = chosen.where(seeds=there - seed_set("drop_seed", cut.drop_seed))
     with resumable(), progress_bar("copying") as bar:
-        names = write_subset(known.path, out, chosen, kept if seed or drop_seed else None, bar)
-    _say_result(out, names)
+        names = write_subset(chosen, cut.out, bar)
+    _say_result(cut.out, names)
 
 
 def _say_result(out: Path, names: list[str]) -> None:

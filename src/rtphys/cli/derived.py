@@ -2,9 +2,8 @@
 
 A field whose annotation carries an `Option` is an option of the same name; a field that is a
 dataclass brings its fields along, or those that `Offers` names. A new option is a field, and
-nothing here. (A field of a spec is stored, too: `python -m rtphys.data.schema` writes the schemas
-anew; one of `EpisodeSpec` also changes the code's digest, so lists must be certified again.) Tasks
-may also be words of their own: `check click_bell`, `check --task click_bell`.
+nothing here. (A field of `EpisodeSpec` also changes the code's digest, so lists must be certified
+again.) Tasks may also be words of their own: `check click_bell`, `check --task click_bell`.
 """
 
 import inspect

@@ -12,8 +12,8 @@ from rtphys.core.errors import BadFile, counted, short_repr
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging, video
 from rtphys.data.episode import Frames
-from rtphys.data.hdf5_episode import read_frames, read_pictures
-from rtphys.data.hdf5_file import content_digest, open_read
+from rtphys.data.hdf5_episode import episode_bytes, read_episode, read_frames, read_pictures
+from rtphys.data.hdf5_file import open_read, text, texts
 from rtphys.data.json_text import plain
 from rtphys.data.layout import EpisodePaths
 
@@ -82,7 +82,7 @@ def _hdf5(path: Path, layout: str, made: RegeneratedEpisode, found: Comparison) 
         problems = _frame_differences(stored, made.frames)
         shared = sorted(stored.cameras.keys() & made.frames.cameras.keys())
         pictures = {name: read_pictures(file, layout, name).streams for name in shared}
-    found.problems += [(path, text) for text in problems]
+    found.problems += [(path, problem) for problem in problems]
     if new is None:
         return
     equal = not problems
@@ -100,11 +100,16 @@ def _hdf5(path: Path, layout: str, made: RegeneratedEpisode, found: Comparison) 
             decoded = ((jpeg.decode(old[index]), jpeg.decode(again[index])) for index in other)
             _judge((PICTURES, path, f"of {name}"), other, decoded, found)
             equal &= not other
-    if equal and content_digest(path) == content_digest(new):
-        text = "has equal content in other bytes, as another HDF5 library writes it"
-        found.alike.append((CONTAINER, path, text))
-    elif equal:
-        found.problems.append((path, "holds other sentences, notes or arrays than made again"))
+    if not equal:
+        return
+    frames, images, sensed = read_episode(path, layout)
+    with open_read(path) as file:
+        sentences = texts(text(file, "instructions"), file) if layout == "native" else ()
+    if episode_bytes(layout, frames, images, sentences, sensed) == files.read(new, LARGEST_EPISODE):
+        clause = "has all that is read of it in other bytes, as another HDF5 library writes it"
+        found.alike.append((CONTAINER, path, clause))
+    else:
+        found.problems.append((path, "holds other sentences, notes or senses than made again"))
 
 
 def _same_bytes(one: Path, other: Path) -> bool:

@@ -37,7 +37,7 @@ from rtphys.data.layout import (
 from rtphys.data.manifest import Manifest, TaskEntry, read_manifest
 from rtphys.data.schema import Failure, FailureMeta, Instructions, PhysMeta
 from rtphys.physics import Physics, attributes
-from rtphys.physics.attribute import is_attribute
+from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.physics.values import Value, plain_value
 from rtphys.spec.sweep import families
 
@@ -203,7 +203,7 @@ class Pair(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """A task dataset, the dataset that it lies in, and which of its attempts are meant."""
 
     path: Path
@@ -211,11 +211,19 @@ class _Part:
     entry: TaskEntry
     tests: tuple[Callable[[Row], bool], ...] = ()  # that an attempt passes if it is meant
 
+    @property
+    def place(self) -> TaskDataset:
+        """Where its files lie."""
+        return self.entry.below(self.path)
+
+    def takes(self, row: Row) -> bool:
+        """Whether one of its attempts is meant."""
+        return all(test(row) for test in self.tests)
+
     def rows(self) -> Iterator[Row]:
         """Attempts as far as the manifest counts, in order. Raises `BadFile`."""
-        self.entry.below(self.path).check_links()
-        rows = self.entry.rows(self.path)
-        return (row for row in rows if all(test(row) for test in self.tests))
+        self.place.check_links()
+        return filter(self.takes, self.entry.rows(self.path))
 
     def physics(self, row: Row, raw: bool) -> Mapping[str, object]:
         """Attribute -> value of those that acted, as far as that was measured.
@@ -225,13 +233,13 @@ class _Part:
         if raw or (held := row.on_disk) is None:
             return row.physics
         kind = FailureMeta if isinstance(row, Rejected) else PhysMeta
-        meta = schema.read(kind, held.paths(self.entry.below(self.path)).phys_meta)
+        meta = schema.read(kind, held.paths(self.place).phys_meta)
         labels = meta.attributes.items()
         return {key: label.value for key, label in labels if schema.informs(key, label)}
 
     def episodes(self, failed: bool = False) -> Iterator[Episode]:
         """Its episodes, or the failures that were kept. Raises `BadFile`."""
-        spec, place = self.entry.spec, self.entry.below(self.path)
+        spec, place = self.entry.spec, self.place
         of = spec.episode.task, spec.episode.protocol, spec.name, spec.episode.embodiment
         for row in self.rows():
             if (held := row.on_disk) is not None and isinstance(row, Rejected) is failed:
@@ -249,14 +257,8 @@ def _has_number(numbers: frozenset[int], row: Row) -> bool:
 
 
 def _lies_within(key: str, low: float, high: float, row: Row) -> bool:
-    numbers = _numbers(row.physics.get(key))
-    return bool(numbers) and all(low <= number <= high for number in numbers)
-
-
-def _numbers(value: object) -> tuple[float, ...]:
-    """Numbers of an attribute in a ledger or label: one, those of a vector, or none."""
-    parts = cast(Sequence[object], value) if isinstance(value, list | tuple) else (value,)
-    return tuple(float(part) for part in parts if isinstance(part, int | float))
+    found = flattened({key: row.physics.get(key)}).values()
+    return bool(found) and all(low <= number <= high for number in found)
 
 
 def _range(key: str, ends: object) -> tuple[float, float]:
@@ -281,9 +283,22 @@ def _numbers_of(name: str, given: object) -> frozenset[int]:
         raise BadValue(name, given, f"whole numbers, such as {example} or range(50)") from error
 
 
-def _columns(key: str, size: int) -> list[str]:
-    """Names of an attribute's columns in a table, vectors by component."""
-    return [key] if size == 1 else [f"{key}.{part}" for part in "xyz"[:size]]
+def columns(key: str) -> list[str]:
+    """Names of an attribute's columns in a table, vectors by component: `center_of_mass.x`."""
+    size = attribute(key).size
+    return [key] if size == 1 else [f"{key}.{axis}" for axis in "xyz"[:size]]
+
+
+def flattened(values: Mapping[str, object]) -> dict[str, float]:
+    """The numbers among the values of attributes in a ledger or label, by these names."""
+    found: dict[str, float] = {}
+    for key, value in values.items():
+        several = isinstance(value, list | tuple)
+        parts = cast(Sequence[object], value) if several else (value,)
+        names = [f"{key}.{axis}" for axis in "xyz"] if several else [key]
+        pairs = zip(names, parts, strict=False)
+        found |= {name: float(one) for name, one in pairs if isinstance(one, int | float)}
+    return found
 
 
 class Dataset(Sequence[Episode]):
@@ -297,19 +312,19 @@ class Dataset(Sequence[Episode]):
         given = Path(path)
         folder = given.parent if given.name == MANIFEST else given
         manifest = read_manifest(folder)
-        self._parts = tuple(
-            _Part(folder, manifest, entry) for entry in manifest.task_datasets.values()
+        self.parts = tuple(
+            Part(folder, manifest, entry) for entry in manifest.task_datasets.values()
         )
         self._folders = {folder: manifest}
 
     @staticmethod
-    def _of(parts: Iterable[_Part], folders: Mapping[Path, Manifest]) -> "Dataset":
+    def _of(parts: Iterable[Part], folders: Mapping[Path, Manifest]) -> "Dataset":
         made = object.__new__(Dataset)
-        made._parts, made._folders = tuple(parts), dict(folders)
+        made.parts, made._folders = tuple(parts), dict(folders)
         return made
 
     def __add__(self, other: "Dataset") -> "Dataset":
-        return Dataset._of(self._parts + other._parts, self._folders | other._folders)
+        return Dataset._of(self.parts + other.parts, self._folders | other._folders)
 
     @property
     def path(self) -> Path:
@@ -326,11 +341,11 @@ class Dataset(Sequence[Episode]):
 
     @property
     def task_datasets(self) -> tuple[TaskEntry, ...]:
-        return tuple(part.entry for part in self._parts)
+        return tuple(part.entry for part in self.parts)
 
     @cached_property
     def _episodes(self) -> tuple[Episode, ...]:
-        return tuple(chain.from_iterable(part.episodes() for part in self._parts))
+        return tuple(chain.from_iterable(part.episodes() for part in self.parts))
 
     @property
     def tasks(self) -> tuple[str, ...]:
@@ -351,17 +366,18 @@ class Dataset(Sequence[Episode]):
 
     def where(
         self,
-        task: str | None = None,
-        protocol: str | None = None,
-        embodiment: str | None = None,
-        config: str | None = None,
+        task: str | Iterable[str] | None = None,
+        protocol: str | Iterable[str] | None = None,
+        embodiment: str | Iterable[str] | None = None,
+        config: str | Iterable[str] | None = None,
         physics: Mapping[str, tuple[float, float]] | None = None,
         seeds: Iterable[int] | None = None,
         numbers: Iterable[int] | None = None,
     ) -> "Dataset":
-        """The episodes of one task, protocol, robot or configuration, of some physics or seeds.
+        """The episodes of some tasks, protocols, robots, configurations, physics or seeds.
 
         Args:
+            task: one name or several, as for all that have names.
             protocol: all its configurations, those too in which an attribute is swept, held or
                 picked. `protocol="clean"` so returns episodes of `clean.friction=0.05`.
             config: one of them, a name among `configs`. `config="clean"` is plain clean.
@@ -372,20 +388,11 @@ class Dataset(Sequence[Episode]):
 
         Raises `UnknownName`, `BadValue`.
         """
-        robot = None if embodiment is None else embodiment_folder(embodiment)
-        for kind, name, known in (
-            ("task", task, self.tasks),
-            ("protocol", protocol, self.protocols),
-            ("embodiment", robot, tuple(map(embodiment_folder, self.embodiments))),
-            ("configuration", config, self.configs),
-        ):
-            if name is not None and not isinstance(cast(object, name), str):
-                raise BadValue(kind, name, f"one name: {', '.join(known)}")
-            if name is not None and name not in known:
-                raise UnknownName(
-                    f"recorded {kind}", name, known, "+".join(map(str, self._folders))
-                )
-        acting = {key for part in self._parts for key in part.entry.could_act}
+        tasks = self._names("task", task, self.tasks)
+        protocols = self._names("protocol", protocol, self.protocols)
+        robots = self._names("embodiment", embodiment, self.embodiments, embodiment_folder)
+        configs = self._names("configuration", config, self.configs)
+        acting = {key for part in self.parts for key in part.entry.could_act}
         tests: list[Callable[[Row], bool]] = []
         for key, ends in (physics or {}).items():
             if key not in acting and is_attribute(key):
@@ -400,14 +407,27 @@ class Dataset(Sequence[Episode]):
             tests.append(partial(_has_number, _numbers_of("numbers", numbers)))
         chosen = (
             replace(part, tests=(*part.tests, *tests))
-            for part in self._parts
+            for part in self.parts
             for spec in (part.entry.spec,)
-            if task in (None, spec.episode.task)
-            and protocol in (None, spec.episode.protocol)
-            and robot in (None, embodiment_folder(spec.episode.embodiment))
-            and config in (None, spec.name)
+            if spec.episode.task in tasks
+            and spec.episode.protocol in protocols
+            and embodiment_folder(spec.episode.embodiment) in robots
+            and spec.name in configs
         )
         return Dataset._of(chosen, self._folders)
+
+    def _names(
+        self, kind: str, given: object, known: Iterable[str], spell: Callable[[str], str] = str
+    ) -> set[str]:
+        """The name or names that are given; all where none is. Raises `UnknownName`."""
+        every = set(map(spell, known))
+        if given is None:
+            return every
+        several = isinstance(given, Iterable) and not isinstance(given, str)
+        names = {spell(str(one)) for one in (cast(Iterable[object], given) if several else [given])}
+        for name in sorted(names - every):
+            raise UnknownName(f"recorded {kind}", name, every, "+".join(map(str, self._folders)))
+        return names
 
     def pairs(self) -> tuple[Pair, ...]:
         """Every episode here that was recorded with a twin, and that twin; works after `where` too.
@@ -415,7 +435,7 @@ class Dataset(Sequence[Episode]):
         Both have the same layout, so what differs between them is due to the protocol.
         """
         found: list[Pair] = []
-        for part in self._parts:
+        for part in self.parts:
             for side in part.entry.spec.sides[1:]:
                 name = TaskDataset.of(part.path, side).name
                 if (entry := part.manifest.task_datasets.get(name)) is not None:
@@ -433,7 +453,7 @@ class Dataset(Sequence[Episode]):
         a sweep, the look, or the robot.
         """
         found: dict[tuple[str, int], list[Episode]] = {}
-        for part in self._parts:
+        for part in self.parts:
             for one in (*part.episodes(), *part.episodes(failed=True)):
                 found.setdefault((one.task, one.seed), []).append(one)
         return {key: tuple(found[key]) for key in sorted(found)}
@@ -445,7 +465,7 @@ class Dataset(Sequence[Episode]):
         failures were kept, those that were, with their failures among them (`Episode.failed`).
         """
         found: list[dict[Value, Episode]] = []
-        parts = {id(part.entry.spec): part for part in self._parts if part.entry.spec.sweep}
+        parts = {id(part.entry.spec): part for part in self.parts if part.entry.spec.sweep}
         for family in families([part.entry.spec for part in parts.values()]):
             by_seed: dict[int, dict[Value, Episode]] = {}
             for spec in family:
@@ -479,8 +499,8 @@ class Dataset(Sequence[Episode]):
         except ImportError as error:
             raise RtphysError(f"{error}; `pip install pandas`") from error
         rows: list[dict[str, object]] = []
-        names = {name for key, one in attributes().items() for name in _columns(key, one.size)}
-        for part in self._parts:
+        names = {name for key in attributes() for name in columns(key)}
+        for part in self.parts:
             of = part.entry.spec
             for row in part.rows():
                 if (held := row.on_disk) is None and not attempts:
@@ -494,9 +514,7 @@ class Dataset(Sequence[Episode]):
                     "frames": held and held.frames,
                     "outcome": row.reason if isinstance(row, Rejected) else row.verdict,
                 }
-                for key, value in part.physics(row, raw).items():
-                    numbers = _numbers(value) or (math.nan,)
-                    values |= zip(_columns(key, len(numbers)), numbers, strict=True)
+                values |= flattened(part.physics(row, raw))
                 names |= values.keys() - {*FACTS}
                 rows.append(values)
         return DataFrame(rows, columns=[*FACTS, *sorted(names)])
@@ -506,21 +524,21 @@ class Dataset(Sequence[Episode]):
 
         They have everything that an episode has, and `failure`: why and when it went wrong.
         """
-        return tuple(chain.from_iterable(part.episodes(failed=True) for part in self._parts))
+        return tuple(chain.from_iterable(part.episodes(failed=True) for part in self.parts))
 
     def files(self) -> Iterator[tuple[str, FileFacts]]:
         """Every file of the episodes and failures here: its path below the folder, and its size
         and SHA-256 from the ledger; works after `where` too."""
-        for part in self._parts:
+        for part in self.parts:
             name = part.entry.below(self.path).name
             for row in part.rows():
                 for path, facts in (row.on_disk.files if row.on_disk else {}).items():
                     yield f"{name}/{path}", facts
 
     def __len__(self) -> int:
-        if any(part.tests for part in self._parts):
+        if any(part.tests for part in self.parts):
             return len(self._episodes)
-        return sum(part.entry.episodes for part in self._parts)
+        return sum(part.entry.episodes for part in self.parts)
 
     @overload
     def __getitem__(self, index: int) -> Episode: ...

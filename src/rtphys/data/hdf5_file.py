@@ -1,7 +1,6 @@
 """HDF5 files made in memory, the same bytes for the same content; readers with bounds; a digest."""
 
 import errno
-import hashlib
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping
@@ -309,37 +308,3 @@ def rows_at(layout: str, legacy: str, native: str, camera: str, view: str) -> Ro
         return Rows(legacy)
     apart = "" if native.startswith(GROUP) else f"{LAST}/{legacy.removeprefix('observation/')}"
     return Rows(native, apart)
-
-
-# ---- a digest ------------------------------------------------------------------------------------
-
-
-def content_digest(path: Path) -> str:
-    """SHA-256 over every group, dataset and attribute: names, types, shapes and values.
-
-    Independent of where HDF5 puts the bytes, so two files with equal content agree even when
-    written by different library versions.
-    """
-    digest = hashlib.sha256()
-
-    def feed(label: str, value: object) -> None:
-        data = np.asarray(value)
-        text = data.dtype.kind in "OU"  # whose bytes in memory are addresses
-        digest.update(f"{label} {'text' if text else data.dtype.str} {data.shape}\n".encode())
-        digest.update(repr(data.tolist()).encode() if text else data.tobytes())
-
-    def visit(name: str, node: h5py.Group | h5py.Dataset) -> None:
-        digest.update(f"{type(node).__name__} {name}\n".encode())
-        for key in sorted(node.attrs):
-            feed(f"@{key}", node.attrs[key])
-        if isinstance(node, h5py.Dataset):
-            found = dataset(file, name, frames=True)
-            packed_frames = range(found.shape[0] if in_chunks(found) else 0)
-            feed(f"= {found.shape}", [] if packed_frames else array(file, name))
-            for n in packed_frames:
-                feed("frame", frame_of(found, n))
-
-    with open_read(path) as file:
-        visit("/", file)
-        file.visititems(visit)
-    return digest.hexdigest()

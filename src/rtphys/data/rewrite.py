@@ -18,11 +18,11 @@ from rtphys.core.errors import BadFile, BadValue, UnknownName, counted
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files, jpeg, staging
 from rtphys.data.attempts import Accepted, KeptFailure, Row
+from rtphys.data.dataset import Dataset, Part
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch, PartsMismatch
 from rtphys.data.files import FileFacts
 from rtphys.data.hdf5_episode import read_episode
 from rtphys.data.layout import FAILURES, EpisodePaths, TaskDataset
-from rtphys.data.manifest import TaskEntry, read_manifest
 from rtphys.data.schema import FailureMeta, Instructions, PhysMeta, SceneEntry
 from rtphys.data.staging import EncodedEpisode, StagedEpisode, stage_encoded
 from rtphys.data.writer import DatasetWriter, Rejection
@@ -34,29 +34,27 @@ Progress = Callable[[int, int], None]  # episodes done, episodes in all
 OnDisk = Accepted | KeptFailure
 Stage = Callable[[TaskDataset, OnDisk, int, Path], StagedEpisode]
 """(where it lies, what is on disk of an attempt, its seed, a folder) -> the same, staged there."""
-Source = tuple[Path, TaskEntry]  # a task dataset that is read, and the folder of its manifest
 
 
 @dataclass(frozen=True)
-class _Part:
+class _Target:
     """A task dataset to be written, and what it is made of."""
 
     header: TaskHeader
-    sources: Sequence[Source]
+    sources: Sequence[Part]
     stage: Stage
-    keep: Callable[[Row], bool] | None = None
 
     def episodes(self) -> int:
         """How many are taken."""
-        if self.keep is None:
-            return sum(entry.episodes for _, entry in self.sources)
+        if not any(part.tests for part in self.sources):
+            return sum(part.entry.episodes for part in self.sources)
         return sum(isinstance(row, Accepted) for _, row in self.rows())
 
     def rows(self) -> Iterator[tuple[TaskDataset, Row]]:
         """Every attempt that is taken, in the order of the seeds, and where it lies."""
-        places = [entry.below(out) for out, entry in self.sources]
+        places = [part.place for part in self.sources]
         last: tuple[int, int] | None = None  # seed, and number of its source
-        streams = map(self._rows_of, range(len(places)), places)
+        streams = (_rows_of(number, part) for number, part in enumerate(self.sources))
         for seed, number, row in heapq.merge(*streams, key=itemgetter(0, 1)):
             if last is not None and last[0] == seed:
                 both = f"{places[last[1]].folder} and {places[number].folder}"
@@ -64,17 +62,18 @@ class _Part:
             last = seed, number
             yield places[number], row
 
-    def _rows_of(self, number: int, place: TaskDataset) -> Iterator[tuple[int, int, Row]]:
-        place.check_links()
-        (out, entry), last = self.sources[number], -1
-        spec = entry.spec
-        for attempt, row in enumerate(entry.rows(out)):
-            collected = spec.made_by == "collect"
-            if row.seed != spec.seed(attempt) if collected else row.seed <= last:
-                raise BadFile(place.ledger, f"attempt {attempt} cannot be of seed {row.seed}")
-            last = row.seed
-            if self.keep is None or self.keep(row):
-                yield row.seed, number, row
+
+def _rows_of(number: int, part: Part) -> Iterator[tuple[int, int, Row]]:
+    """Seed, `number` and attempt, of those that are taken; the seeds of all are checked."""
+    part.place.check_links()
+    spec, last = part.entry.spec, -1
+    for attempt, row in enumerate(part.entry.rows(part.path)):
+        collected = spec.made_by == "collect"
+        if row.seed != spec.seed(attempt) if collected else row.seed <= last:
+            raise BadFile(part.place.ledger, f"attempt {attempt} cannot be of seed {row.seed}")
+        last = row.seed
+        if part.takes(row):
+            yield row.seed, number, row
 
 
 def convert(source: Path, out: Path, layout: str, progress: Progress | None = None) -> list[str]:
@@ -95,16 +94,16 @@ def convert(source: Path, out: Path, layout: str, progress: Progress | None = No
     """
     if layout not in LAYOUTS:
         raise UnknownName("layout", layout, LAYOUTS)
-    parts: list[_Part] = []
-    for entry in read_manifest(source).task_datasets.values():
-        recording = replace(entry.spec.recording, layout=layout)
-        header = replace(entry.header, spec=replace(entry.spec, recording=recording))
-        parts.append(_Part(header, [(source, entry)], partial(_encoded_again, layout)))
-    names = Counter(TaskDataset.of(out, part.header.spec).name for part in parts)
+    targets: list[_Target] = []
+    for part in Dataset(source).parts:
+        recording = replace(part.entry.spec.recording, layout=layout)
+        header = replace(part.entry.header, spec=replace(part.entry.spec, recording=recording))
+        targets.append(_Target(header, [part], partial(_encoded_again, layout)))
+    names = Counter(TaskDataset.of(out, target.header.spec).name for target in targets)
     if several := next((name for name, count in names.items() if count > 1), None):
         allowed = f"two robots would share {several}: convert a `rtphys subset` of each"
         raise BadValue("layout", layout, allowed)
-    return _write(parts, [source], out, progress)
+    return _write(targets, [source], out, progress)
 
 
 def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) -> list[str]:
@@ -119,14 +118,13 @@ def merge(parts: Sequence[Path], out: Path, progress: Progress | None = None) ->
         BadValue: `out` is one of them.
         DatasetMismatch: `out` holds something else.
     """
-    groups: dict[str, list[Source]] = {}
-    for part in parts:
-        for name, entry in read_manifest(part).task_datasets.items():
-            groups.setdefault(name, []).append((part, entry))
-    joined = [_Part(_joined(name, group), group, _copied) for name, group in groups.items()]
-    for part in joined:
-        if len(part.sources) > 1:  # a seed that two have is refused before anything is written
-            deque(part.rows(), maxlen=0)
+    groups: dict[str, list[Part]] = {}
+    for part in (part for folder in parts for part in Dataset(folder).parts):
+        groups.setdefault(part.place.name, []).append(part)
+    joined = [_Target(_joined(group), group, _copied) for group in groups.values()]
+    for target in joined:
+        if len(target.sources) > 1:  # a seed that two have is refused before anything is written
+            deque(target.rows(), maxlen=0)
     return _write(joined, parts, out, progress)
 
 
@@ -137,14 +135,13 @@ def unfinished(parts: Sequence[Path]) -> list[str]:
     same task. A dataset does not know how many it should have, so a run that ended in order, as by
     Ctrl-C, shows in no other way. Raises `BadFile`: there is no dataset.
     """
-    entries = [(part, one) for part in parts for one in read_manifest(part).task_datasets.values()]
+    found = [(one.place, one.entry) for folder in parts for one in Dataset(folder).parts]
     most = Counter[str]()  # episodes of a shard, by task dataset
-    for part, entry in entries:
-        name = entry.below(part).name
-        most[name] = max(most[name], entry.episodes if entry.spec.shard else 0)
+    for place, entry in found:
+        most[place.name] = max(most[place.name], entry.episodes if entry.spec.shard else 0)
     clauses: list[str] = []
-    for part, entry in entries:
-        place, spec, there = entry.below(part), entry.spec, entry.episodes
+    for place, entry in found:
+        spec, there = entry.spec, entry.episodes
         size = place.ledger.stat().st_size if place.ledger.exists() else 0
         killed = size > entry.ledger.bytes or entry.listed < entry.attempts
         if killed or place.staging.exists():
@@ -155,78 +152,69 @@ def unfinished(parts: Sequence[Path]) -> list[str]:
     return clauses
 
 
-def _joined(name: str, group: Sequence[Source]) -> TaskHeader:
+def _joined(group: Sequence[Part]) -> TaskHeader:
     """The header of a task dataset that several parts have. Raises `PartsMismatch`."""
-    out, first = group[0]
-    merged = [replace(entry.spec, shard=0, made_by="merge") for _, entry in group]
+    folder, first = group[0].place.folder, group[0].entry
+    merged = [replace(part.entry.spec, shard=0, made_by="merge") for part in group]
     # What parts of one task dataset may differ in, made equal.
     alike = [
-        stored(replace(entry.header, spec=replace(spec, first_seed=0)))
-        for (_, entry), spec in zip(group, merged, strict=True)
+        stored(replace(part.entry.header, spec=replace(spec, first_seed=0)))
+        for part, spec in zip(group, merged, strict=True)
     ]
-    for (other, _), header in zip(group, alike, strict=True):
+    for part, header in zip(group, alike, strict=True):
         if clauses := differences(alike[0], header):
-            raise PartsMismatch(other / name, clauses)
-    shards = [entry.spec.shard for _, entry in group if entry.spec.shard]
+            raise PartsMismatch(part.place.folder, clauses)
+    shards = [part.entry.spec.shard for part in group if part.entry.spec.shard]
     if len(set(shards)) < len(shards):
-        raise PartsMismatch(out / name, ["two of the parts are the same shard"])
+        raise PartsMismatch(folder, ["two of the parts are the same shard"])
     if shards and (missing := set(range(1, first.spec.shards + 1)) - set(shards)):
         clause = f"shard {min(missing)} of {first.spec.shards} is not among the parts"
-        raise PartsMismatch(out / name, [clause])
+        raise PartsMismatch(folder, [clause])
     if len(group) == 1:
         return first.header
     return replace(first.header, spec=min(merged, key=lambda spec: spec.first_seed))
 
 
-def subset(
-    source: Path,
-    out: Path,
-    choose: Callable[[TaskEntry], bool],
-    keep: Callable[[Row], bool] | None = None,
-    progress: Progress | None = None,
-) -> list[str]:
-    """A part of a dataset.
-
-    Args:
-        choose: which task datasets.
-        keep: which of their attempts; None: all, as they are.
+def subset(chosen: Dataset, out: Path, progress: Progress | None = None) -> list[str]:
+    """Copies a part of a dataset, as `Dataset.where` chooses it: whole task datasets as they are.
 
     Raises:
         BadFile: the source is damaged, or holds no such episode.
+        BadValue: it is a sum of datasets, or in `out`.
         DatasetMismatch: `out` holds something else.
     """
-    chosen: list[_Part] = []
-    for entry in filter(choose, read_manifest(source).task_datasets.values()):
-        header = entry.header
-        if keep is not None:
+    targets: list[_Target] = []
+    for part in chosen.parts:
+        header = part.entry.header
+        if part.tests:
             header = replace(header, spec=replace(header.spec, made_by="subset"))
-        chosen.append(_Part(header, [(source, entry)], _copied, keep))
-    if not any(keep is None or any(row.on_disk for _, row in part.rows()) for part in chosen):
-        raise BadFile(source, "the dataset holds no such episode")
-    return _write(chosen, [source], out, progress)
+        targets.append(_Target(header, [part], _copied))
+    if not any(not part.tests or any(row.on_disk for row in part.rows()) for part in chosen.parts):
+        raise BadFile(chosen.path, "the dataset holds no such episode")
+    return _write(targets, [chosen.path], out, progress)
 
 
 def _write(
-    parts: Sequence[_Part], read: Sequence[Path], out: Path, progress: Progress | None
+    targets: Sequence[_Target], read: Sequence[Path], out: Path, progress: Progress | None
 ) -> list[str]:
     if out.resolve() in [path.resolve() for path in read]:
         raise BadValue("out", str(out), "it is a dataset that is read; name another folder")
-    episodes, done = [part.episodes() for part in parts], 0
+    episodes, done = [target.episodes() for target in targets], 0
     total = sum(episodes)
     names: list[str] = []
     with DatasetWriter(out) as dataset:
-        for part, wanted in zip(parts, episodes, strict=True):
-            writer = dataset.task(part.header, wanted)
+        for target, wanted in zip(targets, episodes, strict=True):
+            writer = dataset.task(target.header, wanted)
             names.append(writer.task_dataset.name)
             there = writer.seeds()  # of an earlier call
-            for place, row in part.rows():
+            for place, row in target.rows():
                 done += isinstance(row, Accepted)
                 if (before := next(there, None)) is not None:
                     if before != row.seed:
                         raise DatasetMismatch(writer.task_dataset.folder, [OTHER_SEEDS])
                     continue
                 held, folder = row.on_disk, writer.staging(row.seed)
-                outcome = held and part.stage(place, held, row.seed, folder)
+                outcome = held and target.stage(place, held, row.seed, folder)
                 if not isinstance(row, Accepted):
                     outcome = Rejection(row.seed, row.reason, row.detail, row.physics, outcome)
                 assert outcome is not None

@@ -1,4 +1,4 @@
-"""The JSON files of a dataset as typed, versioned models; also the source of their JSON Schemas."""
+"""The JSON files of a dataset as typed, versioned models."""
 
 from pathlib import Path
 from typing import Annotated, Literal, TypeVar
@@ -7,11 +7,10 @@ from pydantic import ConfigDict, Field, FiniteFloat, JsonValue, ValidationError
 
 from rtphys.core.untrusted import JSON, parse_mapping
 from rtphys.data import files
-from rtphys.data.json_text import Count, Model, Quaternion, Seed, Vector3, plain, pretty
-from rtphys.data.manifest import Manifest
+from rtphys.data.json_text import Count, Model, Quaternion, Seed, Vector3, plain
 from rtphys.physics.attribute import attribute, is_attribute
-from rtphys.spec.collection import DATASET_VERSION, CollectionSpec
-from rtphys.spec.stored import SchemaError, adapter, problems_of
+from rtphys.spec.collection import DATASET_VERSION
+from rtphys.spec.stored import SchemaError, problems_of
 
 Kind = TypeVar("Kind", bound=Model)
 
@@ -176,16 +175,6 @@ class Instructions(Model):
     unseen: list[str]
 
 
-MODELS: dict[str, type] = {
-    "phys_meta": PhysMeta,
-    "failure": FailureMeta,
-    "manifest": Manifest,
-    "scene_info": SceneEntry,
-    "instruction": Instructions,
-    "collection": CollectionSpec,
-}
-
-
 def read(kind: type[Kind], path: Path) -> Kind:
     """A JSON file as one of the models. Raises `BadFile`, which names each key that is wrong."""
     content = parse_mapping(files.read(path), path)
@@ -200,18 +189,3 @@ def checked(kind: type[Model], value: object) -> dict[str, JSON]:
         return kind.model_validate(plain(value, name)).model_dump(mode="json")
     except ValidationError as error:
         raise SchemaError(name, error) from error
-
-
-def json_schema(name: str) -> dict[str, object]:
-    """JSON Schema (2020-12) of one of `MODELS`, with its version in `$id`."""
-    head = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": f"https://rtphys.dev/schemas/{name}-{DATASET_VERSION}.json",
-    }
-    return {**head, **adapter(MODELS[name]).json_schema()}
-
-
-if __name__ == "__main__":  # writes them anew
-    for one in MODELS:
-        path = Path(__file__).parent / "schemas" / f"{one}.json"
-        path.write_bytes(pretty(plain(json_schema(one))))

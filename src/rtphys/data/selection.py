@@ -1,20 +1,16 @@
 """Which episodes of a dataset are meant: the selectors of `show`, `view`, `render` and `export`."""
 
-from functools import lru_cache
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Annotated
 
 from rtphys.core.bounds import EPISODES
 from rtphys.core.errors import BadFile, BadValue, counted
-from rtphys.data.attempts import Accepted, Row
 from rtphys.data.dataset import Dataset, Episode, find_episode
 from rtphys.data.layout import MANIFEST
 from rtphys.spec.option import Option, Seed, checked_dataclass
 
 HOLDS = "Folder that holds manifest.json."
-CONFIG = "such as clean (plain clean) or clean.friction=0.2"  # in the help of those who choose one
-ONLY_ROBOT = "Only this robot."
-ONLY_SEEDS = "Only these seeds: 3,7 or 0:50."
 DataFolder = Annotated[Path, Option(HOLDS, positional=True)]
 
 
@@ -22,10 +18,13 @@ DataFolder = Annotated[Path, Option(HOLDS, positional=True)]
 class Selection:
     """A part of a dataset; all of it by default."""
 
-    task: Annotated[str | None, Option("Only this task.")] = None
-    config: Annotated[str | None, Option(f"Only this configuration, {CONFIG}.")] = None
-    embodiment: Annotated[str | None, Option(ONLY_ROBOT)] = None
-    seed: Annotated[str, Option(ONLY_SEEDS)] = ""
+    task: Annotated[tuple[str, ...], Option("Only these tasks.")] = ()
+    config: Annotated[
+        tuple[str, ...],
+        Option("Only these configurations, such as clean (plain clean) or clean.friction=0.2."),
+    ] = ()
+    embodiment: Annotated[str | None, Option("Only this robot.")] = None
+    seed: Annotated[str, Option("Only these seeds: 3,7 or 0:50.")] = ""
     episode: Annotated[
         str | None, Option("Only these numbers in their task dataset: 3,7 or 0:50.")
     ] = None
@@ -35,22 +34,12 @@ class Selection:
         if self.episode is not None and not seed_set("episode", self.episode):
             raise BadValue("episode", self.episode, "name at least one number")
 
-    @property
-    def cuts(self) -> bool:
-        """Whether it takes single episodes out of a task dataset."""
-        return bool(self.seed or self.episode)
-
-    def takes(self, row: Row) -> bool:
-        """Whether an attempt of a task dataset that is meant is meant too."""
-        numbers = seed_set("episode", self.episode or "")
-        numbered = not numbers or (isinstance(row, Accepted) and row.episode in numbers)
-        return numbered and (not self.seed or row.seed in seed_set("seed", self.seed))
-
     def of(self, dataset: Dataset) -> Dataset:
         """That part. Raises `UnknownName`."""
         seeds = seed_set("seed", self.seed) if self.seed else None
         numbers = seed_set("episode", self.episode) if self.episode else None
-        part = dataset.where(self.task, config=self.config, embodiment=self.embodiment)
+        configs = whole_names(self.config, dataset.configs)
+        part = dataset.where(self.task or None, None, self.embodiment, configs or None)
         return part.where(seeds=seeds, numbers=numbers)
 
 
@@ -89,7 +78,17 @@ class One(Selection):
         return found
 
 
-@lru_cache(maxsize=8)  # a row after the other is compared with the same
+def whole_names(parts: Sequence[str], known: Collection[str]) -> list[str]:
+    """Names that a command line cut at their commas, such as clean.only=friction,restitution."""
+    found, left = list[str](), [*parts]
+    while left:
+        sizes = range(len(left), 0, -1)
+        size = next((n for n in sizes if ",".join(left[:n]) in known), 1)
+        found.append(",".join(left[:size]))
+        del left[:size]
+    return found
+
+
 def seed_set(option: str, text: str) -> frozenset[int]:
     """Seeds or numbers of "3,7" or "0:50", the end not among them. Raises `BadValue`."""
     found: set[int] = set()

@@ -34,16 +34,7 @@ from rtphys.data.check_episode import Effort, Problem, check_episode
 from rtphys.data.faults import CannotWrite, DatasetLocked
 from rtphys.data.files import FileFacts
 from rtphys.data.json_text import compact, pretty
-from rtphys.data.layout import (
-    HELD,
-    LEDGER,
-    LOCK,
-    MANIFEST,
-    REPORT,
-    STAGING,
-    TaskDataset,
-    episode_number,
-)
+from rtphys.data.layout import LEDGER, MANIFEST, STAGING, TaskDataset, episode_number
 from rtphys.data.ledger import parse_row, read_header, read_lines
 from rtphys.data.lock import check_unlocked
 from rtphys.data.manifest import (
@@ -62,7 +53,6 @@ from rtphys.spec.stored import differences, stored
 from rtphys.spec.sweep import paired
 
 CHECKS = "5"  # raised when a check is added or changed: old findings then count no more
-OURS = (MANIFEST, LOCK, LOCK + HELD, REPORT)  # that rtphys writes beside the datasets
 CUT_OFF = "of a commit that was cut off; resuming removes it"
 Progress = Callable[[int, int], None]  # episodes done, episodes in all
 
@@ -391,25 +381,8 @@ def _goes_on(out: Path) -> bool:
     return False
 
 
-def _is_linked(out: Path, path: Path) -> bool:
-    """Whether a path below a dataset leads through a link, which its task datasets then refuse."""
-    try:
-        check_inside(out, path)
-    except BadFile:
-        return True
-    return False
-
-
 def _check_folder(out: Path, manifest: Manifest, report: Report) -> None:
-    above = {out}  # the folders that hold task datasets, and those between
-    for entry in manifest.task_datasets.values():
-        parts = entry.below(out).name.split("/")[:-1]
-        above |= {out.joinpath(*parts[:depth]) for depth in range(1, len(parts) + 1)}
-    for folder in sorted(one for one in above if one.is_dir() and not _is_linked(out, one)):
-        for path in sorted(folder.iterdir()):  # a README, a licence: a user may add what is no data
-            ours = folder == out and path.name in OURS
-            if path.is_file() and not ours and path.suffix != files.TEMPORARY:
-                report.notes.append(f"{path}: no manifest covers it")
+    """Notes the task datasets that the manifest does not know yet."""
     try:
         for header in ledgers_below(out).values():
             name = TaskDataset.of(out, header.spec).name

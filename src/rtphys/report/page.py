@@ -3,20 +3,19 @@
 import base64
 import json
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-import numpy as np
-
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
 from rtphys.data.attempts import Accepted
-from rtphys.data.dataset import Dataset, Episode
+from rtphys.data.dataset import Dataset, Episode, columns, flattened
 from rtphys.data.files import make_folder, open_binary, read, replace_file
 from rtphys.data.video import VIDEO_CAMERA
 from rtphys.physics.attribute import attribute, attributes, is_attribute
@@ -77,34 +76,10 @@ def _inline(kind: str, data: bytes) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
-@dataclass(frozen=True)
-class Axis:
-    """One quantity with a histogram on the page: an attribute, or one component of a vector."""
-
-    key: str
-    part: int | None  # component of a vector; None for a scalar
-    title: str
-    unit: str
-
-    def of(self, values: Mapping[str, JSON]) -> float | None:
-        """Value among an episode's physics; None if it has no such number."""
-        value = values.get(self.key)
-        if self.part is not None and isinstance(value, list | tuple):
-            value = value[self.part] if self.part < len(value) else None
-        return float(value) if isinstance(value, int | float) else None
-
-
-def axes(keys: Iterable[str] = ()) -> list[Axis]:
-    """An axis per attribute and per key of one prop, or per component of a vector attribute."""
-    found: list[Axis] = []
-    for key in sorted({*attributes(), *filter(is_attribute, keys)}):
-        title, one = key.replace("_", " "), attribute(key)
-        if one.size == 1:
-            found.append(Axis(key, None, title, one.unit))
-        else:
-            names = enumerate("xyz"[: one.size])
-            found += [Axis(key, n, f"{title} {name}", one.unit) for n, name in names]
-    return found
+def axes(keys: Iterable[str] = ()) -> dict[str, str]:
+    """Column -> key of what has a histogram: each attribute, here or of one prop."""
+    every = sorted({*attributes(), *filter(is_attribute, keys)})
+    return {column: key for key in every for column in columns(key)}
 
 
 def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> dict[str, Any]:
@@ -127,12 +102,12 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
                 "episodes": entry.episodes,
                 "attempts": entry.attempts,
                 "rejections": dict(entry.rejections),
-                "spans": [_span(entry.header.rules, axis.key) for axis in shown],
+                "spans": [_span(entry.header.rules, key) for key in shown.values()],
             }
         )
         for row in entry.rows(dataset.path):
-            accepted = int(isinstance(row, Accepted))
-            attempts.append([index, accepted, *(axis.of(row.physics) for axis in shown)])
+            accepted, known = int(isinstance(row, Accepted)), flattened(row.physics)
+            attempts.append([index, accepted, *map(known.get, shown)])
     at = {entry.below(dataset.path).folder: n for n, entry in enumerate(entries)}
     episodes: list[JSON] = []
     for done, episode in enumerate(map(replace, dataset), start=1):  # as above
@@ -145,7 +120,10 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
     ]
     return {
         "title": dataset.path.resolve().name,
-        "axes": [{"title": axis.title, "unit": axis.unit} for axis in shown],
+        "axes": [
+            {"title": re.sub("[_.]", " ", column), "unit": attribute(key).unit}
+            for column, key in shown.items()
+        ],
         "leaves": leaves,
         "attempts": attempts,
         "episodes": episodes,
@@ -161,7 +139,7 @@ def _span(rules: Rules, key: str) -> JSON:
     return [min(ends), max(ends)] if ends else None
 
 
-def _failure(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
+def _failure(episode: Episode, leaf: int, shown: Mapping[str, str]) -> dict[str, JSON]:
     """As of an episode, and what went wrong, when, and in which of the expert's stages."""
     failure, frames = episode.failure, episode.frames
     if failure is None or not 0 <= failure.frame < len(frames):
@@ -178,14 +156,12 @@ def _failure(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
     }
 
 
-def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
+def _episode(episode: Episode, leaf: int, shown: Mapping[str, str]) -> dict[str, JSON]:
     frames, meta = episode.frames, episode.meta
     acting = {key: label for key, label in meta.attributes.items() if label.could_act}
-    labels: dict[str, JSON] = {key: label.value for key, label in acting.items()}
+    known, keys = flattened({key: one.value for key, one in acting.items()}), shown.values()
     if len(frames) < 2:
         raise BadFile(episode.paths.hdf5, "holds fewer than two frames")
-    ends = np.round([frames.vector.min(axis=0), frames.vector.max(axis=0)], 4).T.tolist()
-    joints = (name.replace("joint_", "").replace("_", " ") for name in frames.layout.names)
     return {
         "leaf": leaf,
         "number": episode.number,
@@ -196,9 +172,8 @@ def _episode(episode: Episode, leaf: int, shown: list[Axis]) -> dict[str, JSON]:
         "success": meta.verdict.first_success_time,
         "force": meta.verdict.strain.force,
         "torque": meta.verdict.strain.torque,
-        "values": [axis.of(labels) for axis in shown],
-        "could_act": [a.key in acting for a in shown],
-        "acted": [acting[a.key].acted if a.key in acting else False for a in shown],
-        "varied": [a.key in acting and acting[a.key].varied for a in shown],
-        "targets": dict(zip(joints, ends, strict=True)),  # lowest and highest by joint
+        "values": [known.get(column) for column in shown],
+        "could_act": [key in acting for key in keys],
+        "acted": [acting[key].acted if key in acting else False for key in keys],
+        "varied": [key in acting and acting[key].varied for key in keys],
     }

@@ -12,8 +12,8 @@ from rtphys.campaign.series import QUIET, Listener, Progress, Series
 from rtphys.core.errors import BadFile, BadValue, RtphysError
 from rtphys.core.untrusted import JSON
 from rtphys.data import jpeg
-from rtphys.data.attempts import Accepted
-from rtphys.data.dataset import Dataset
+from rtphys.data.attempts import Rejected
+from rtphys.data.dataset import Dataset, Part
 from rtphys.data.faults import OTHER_SEEDS, DatasetMismatch
 from rtphys.data.json_text import plain
 from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
@@ -75,30 +75,31 @@ def render(wanted: RenderSpec, listener: Listener = QUIET) -> Rendered:
     Raises `RtphysError`: what is refused before any work, such as assets of the collection that are
     not on this machine; states that are not stored, and cannot be simulated again.
     """
-    part = wanted.part.of(Dataset(wanted.data))
-    packs = _check(wanted, part)
+    chosen = wanted.part.of(Dataset(wanted.data))
+    packs = _check(wanted, chosen)
     with DatasetWriter(wanted.out) as dataset:
-        studies = [RenderSeries(wanted, one, dataset) for one in part.task_datasets]
-        shader = wanted.recording(part.task_datasets[0]).shader
+        studies = [RenderSeries(wanted, part, dataset) for part in chosen.parts]
+        shader = wanted.recording(chosen.parts[0].entry).shader
         worker = RenderWorker(next(iter(packs.values())), packs, shader)
         saved = dataset.checkpoint_if_due
         run_here(studies, worker, wanted.workers, listener, wanted.out, committed=saved)
         if halted := next((study.halted for study in studies if study.halted), ""):
             raise RtphysError(halted)
     return Rendered(
-        len(part),
+        len(chosen),
         sum(study.compared for study in studies),
         sum(study.differing for study in studies),
     )
 
 
-def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
+def _check(wanted: RenderSpec, chosen: Dataset) -> dict[str, Pack]:
     """The packs by digest; refuses all that cannot work."""
     if wanted.out.resolve() == wanted.data.resolve():
         raise BadValue("out", str(wanted.out), "it is the dataset itself; name another folder")
     needed, packs, shaders, known = 0.0, dict[str, Pack](), set[str](), costs()
     there = entries_there(wanted.out)
-    for entry in part.task_datasets:
+    for part in chosen.parts:
+        entry = part.entry
         digest = entry.resolved.assets.get("digest", "")
         recording, of, policy = wanted.recording(entry), entry.spec.episode, entry.spec.policy
         if policy is not None and "states" not in entry.spec.recording.senses:
@@ -109,10 +110,9 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         if drawn(recording.senses):
             renderer.check_senses(recording.shader)
         cost = known.get(of.task, Cost(0, 0))
-        done = there.get(TaskDataset.of(wanted.out, _header(wanted, entry).spec).name)
-        chosen = part.where(of.task, config=entry.spec.name, embodiment=of.embodiment)
+        done = there.get(TaskDataset.of(wanted.out, _header(wanted, part).spec).name)
         drawn_already = done.episodes + done.failures if done else 0
-        left = max(len(chosen) + len(chosen.failures()) - drawn_already, 0)
+        left = max(sum(bool(row.on_disk) for row in part.rows()) - drawn_already, 0)
         needed += left * episode_bytes(cost, recording, _visual(wanted, entry))
         pack = packs.get(digest) or pack_with(digest)
         if pack is None:
@@ -124,7 +124,7 @@ def _check(wanted: RenderSpec, part: Dataset) -> dict[str, Pack]:
         load_task(of.task)
     if not packs:
         raise BadFile(wanted.data / MANIFEST, "lists no episodes")
-    if wanted.part.cuts and not (len(part) or part.failures()):
+    if any(part.tests for part in chosen.parts) and not (len(chosen) or chosen.failures()):
         raise BadFile(wanted.data, "the dataset holds no such episode")
     if len(shaders) > 1:
         allowed = f"the dataset was drawn with {' and '.join(sorted(shaders))}; name one of them"
@@ -141,11 +141,12 @@ def _visual(wanted: RenderSpec, entry: TaskEntry) -> VisualRandomization | None:
     return own if wanted.look is None else under_look(own, wanted.look)
 
 
-def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
+def _header(wanted: RenderSpec, part: Part) -> TaskHeader:
     """That of the source, but for what is drawn otherwise."""
+    entry = part.entry
     visual, spec = _visual(wanted, entry), entry.spec
     spec = replace(spec, recording=wanted.recording(entry))
-    if wanted.part.cuts:
+    if part.tests:
         spec = replace(spec, made_by="subset")
     if wanted.look is not None:
         # A twin's folder is named after that of its pair, so the look goes before that.
@@ -160,32 +161,26 @@ def _header(wanted: RenderSpec, entry: TaskEntry) -> TaskHeader:
 class RenderSeries(Series[RenderTask, Redrawn]):
     """One task dataset: its attempts in their order, the accepted ones drawn again."""
 
-    def __init__(self, wanted: RenderSpec, entry: TaskEntry, dataset: DatasetWriter) -> None:
-        self.wanted, self.entry = wanted, entry
+    def __init__(self, wanted: RenderSpec, part: Part, dataset: DatasetWriter) -> None:
+        self.wanted, self.entry = wanted, part.entry
         self.compared = self.differing = 0  # pictures, as in `Rendered`
-        source = entry.below(wanted.data)
-        source.check_links()
         self._rejections: dict[int, Rejection] = {}
         self._places: dict[int, tuple[EpisodePaths, Mapping[str, JSON]]] = {}
         seeds: list[int] = []
-        for row in entry.rows(wanted.data):
-            if not wanted.part.takes(row):
-                continue
+        for row in part.rows():
             seeds.append(row.seed)
-            if isinstance(row, Accepted):
-                self._places[row.seed] = source.episode(row.episode), row.scene_info
-                continue
-            self._rejections[row.seed] = Rejection(row.seed, row.reason, row.detail, row.physics)
-            if row.kept is not None:
-                paths = source.failures.episode(row.kept.number)
-                self._places[row.seed] = paths, row.kept.scene_info
+            if (held := row.on_disk) is not None:
+                self._places[row.seed] = held.paths(part.place), held.scene_info
+            if isinstance(row, Rejected):
+                rejection = Rejection(row.seed, row.reason, row.detail, row.physics)
+                self._rejections[row.seed] = rejection
         accepted = len(seeds) - len(self._rejections)
-        self.writer = writer = dataset.task(_header(wanted, entry), accepted)
+        self.writer = writer = dataset.task(_header(wanted, part), accepted)
         there = list(writer.seeds())
         if there != seeds[: len(there)]:
             raise DatasetMismatch(writer.task_dataset.folder, [OTHER_SEEDS])
         left = seeds[len(there) :]
-        task = entry.spec.episode.task
+        task = part.entry.spec.episode.task
         progress = Progress(task, accepted, writer.totals.episodes, writer.totals.attempts)
         super().__init__(progress, left, owed=len(left))
 

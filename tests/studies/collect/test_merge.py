@@ -1,7 +1,6 @@
 """Shards join to what one machine makes, and datasets to one; what does not fit is refused."""
 
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from typer.testing import CliRunner
 from rtphys.cli.main import app
 from rtphys.core.errors import BadFile, BadValue
 from rtphys.data import files
-from rtphys.data.attempts import Accepted, Rejected, Row, read_attempts
+from rtphys.data.attempts import Accepted, Rejected, read_attempts
 from rtphys.data.dataset import Dataset
 from rtphys.data.faults import DatasetMismatch, PartsMismatch
 from rtphys.data.rewrite import merge, subset, unfinished
@@ -200,15 +199,14 @@ def test_other_seeds_of_one_task_are_joined_and_not_continued(tmp_path: Path) ->
 
 def test_a_subset_of_tasks_keeps_them_as_they_are(tmp_path: Path) -> None:
     data = collect(plans(2), tmp_path / "data")
-    subset(data, tmp_path / "part", lambda entry: entry.spec.episode.task == "lift_pot")
+    subset(Dataset(data).where(task="lift_pot"), tmp_path / "part")
     assert content(tmp_path / "part") == content(collect(plans(2)[1:], tmp_path / "alone"))
 
 
 def test_a_subset_of_seeds_is_numbered_anew(tmp_path: Path) -> None:
     data = collect(plans(1), tmp_path / "data")
     wanted = [episode.seed for episode in Dataset(data)][3:6]
-    keep: Callable[[Row], bool] = lambda row: row.seed in wanted  # noqa: E731
-    subset(data, tmp_path / "part", lambda entry: True, keep)
+    subset(Dataset(data).where(seeds=wanted), tmp_path / "part")
     part = Dataset(tmp_path / "part")
     assert [(episode.number, episode.seed) for episode in part] == list(enumerate(wanted))
     with pytest.raises(DatasetMismatch, match="made_by"):

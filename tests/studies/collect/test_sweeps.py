@@ -165,10 +165,6 @@ def test_a_sweep_is_sound_made_again_and_read_by_value(tmp_path: Path) -> None:
         low, high = (dict(one.physics) for one in group.values())
         del low["friction"], high["friction"]
         assert low == high
-    subset(
-        tmp_path / "data",
-        tmp_path / "part",
-        lambda entry: True,
-        lambda row: row.seed == groups[0][0.1].seed,
-    )
+    first = Dataset(tmp_path / "data").where(seeds=[groups[0][0.1].seed])
+    subset(first, tmp_path / "part")
     assert len(Dataset(tmp_path / "part").sweep()) == 1 and not verify(tmp_path / "part").problems

@@ -9,7 +9,7 @@ from scipy.stats import ks_2samp
 
 from rtphys.core.poses import Array
 from rtphys.data.attempts import Accepted
-from rtphys.data.dataset import Dataset
+from rtphys.data.dataset import Dataset, flattened
 from rtphys.physics.attribute import attribute, is_attribute
 
 FIFTHS = 5
@@ -82,20 +82,16 @@ def selections(attempts: Iterable[tuple[Mapping[str, object], bool]]) -> list[Se
     Args:
         attempts: (values by attribute, accepted) of every attempt whose physics was drawn.
     """
-    columns: dict[str, tuple[str, list[tuple[float, bool]]]] = {}
+    found: dict[str, list[tuple[float, bool]]] = {}
     for values, accepted in attempts:
-        for key in filter(is_attribute, values):
-            raw, named = values[key], dict[str, float]()
-            if isinstance(raw, list | tuple):
-                named = {f"{key}.{i}": float(x) for i, x in zip("xyz", raw, strict=False)}
-            elif isinstance(raw, int | float):
-                named = {key: float(raw)}
-            for name, number in named.items():
-                columns.setdefault(name, (attribute(key).unit, []))[1].append((number, accepted))
+        for name, number in flattened(values).items():
+            if is_attribute(name.partition(".")[0]):
+                found.setdefault(name, []).append((number, accepted))
     varying = []
-    for name, (unit, rows) in sorted(columns.items()):
+    for name, rows in sorted(found.items()):
         attempted, accepted = np.array(rows, float).T
         if np.ptp(attempted) > 0:
+            unit = attribute(name.partition(".")[0]).unit
             varying.append(Selection(name, unit, attempted, accepted > 0))
     return varying
 
