@@ -46,7 +46,7 @@ def main() -> None:
             rows[f"{path.stem} {episode.seed}"] = [
                 cv2.resize(episode.image("head", int(t)), SHOWN) for t in picked
             ]
-    cv2.imwrite(str(picture), captioned(rows, moments)[..., ::-1])
+    cv2.imwrite(str(picture), captioned(rows, moments)[..., ::-1], [cv2.IMWRITE_WEBP_QUALITY, 65])
 
 
 if __name__ == "__main__":
