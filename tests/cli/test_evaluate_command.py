@@ -194,6 +194,14 @@ def test_what_a_policy_usually_does_wrong_is_one_line_below_the_table(
     assert said.count("degrees?") == 1, "nothing is said of the task that fits"
 
 
+def test_successes_that_no_demonstration_could_be_are_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = " ".join(shown(SUMMARY, tmp_path, monkeypatch).split())
+    many = f"12 of the {SUMMARY.tasks[0].counts.successes} successes"
+    assert said.count(f"phys_random_all, {TASK}: {many} press or strain too hard") == 1
+
+
 def test_stale_lists_and_what_the_regression_cannot_say_are_lines_of_the_output(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

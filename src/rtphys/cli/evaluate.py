@@ -158,6 +158,9 @@ def evaluate(spec: EvaluationSpec, run: EvaluationRun, output: AsJson) -> None:
         for row in summary.tasks:
             if row.language:
                 say(f"{row.protocol}, {row.task}: {row.language}")
+            if rough := row.loads.rough:
+                many = f"{rough} of the {row.counts.successes} successes"
+                say(f"{row.protocol}, {row.task}: {many} press or strain too hard (`rough`)")
         if summary.pairs:
             print_table(pairs_table(summary))
             for pair in summary.pairs:
