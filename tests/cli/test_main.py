@@ -430,5 +430,5 @@ def test_what_cannot_work_is_one_clear_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     found = RUN.invoke(app, line.split())
-    (told,) = [line for line in found.stderr.splitlines() if not line.startswith("note: ")]
-    assert found.exit_code == 2 and said in told
+    (error,) = [line for line in found.stderr.splitlines() if not line.startswith("note: ")]
+    assert found.exit_code == 2 and said in error

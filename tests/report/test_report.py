@@ -42,9 +42,9 @@ def test_data_is_the_dataset(page: Path, dataset: Dataset) -> None:
     assert len(facts["episodes"]) == 5
     assert [a[1] for a in facts["attempts"]] == [1, 1, 0, 1, 1, 1]
     friction = [*axes()].index("friction")
-    assert facts["leaves"][0]["spans"][friction] == [0.01, 1.25]
+    assert facts["parts"][0]["spans"][friction] == [0.01, 1.25]
     grippers = [*axes()].index("gripper_joint_damping")
-    assert facts["leaves"][0]["spans"][grippers] == [0.5, 3.0]  # the arms' range
+    assert facts["parts"][0]["spans"][grippers] == [0.5, 3.0]  # the arms' range
     for row, episode in zip(facts["episodes"], dataset, strict=True):
         assert row["values"][friction] == episode.physics["friction"]
         assert row["video"].startswith("data:video/mp4;base64,")
@@ -69,7 +69,7 @@ def test_failures_that_were_kept(tmp_path: Path) -> None:
     assert (first["frame"], first["when"], first["stage"]) == (2, 0.12, "press")
     assert len(first["around"]) == 3 and len({*first["around"]}) > 1, "the bell moves"
     assert second["video"].startswith("data:video/mp4;base64,")
-    counted = data(out)["leaves"][0]["rejections"]
+    counted = data(out)["parts"][0]["rejections"]
     assert counted == {"slipped": 2} and len(data(out)["episodes"]) == 5
 
 
@@ -79,8 +79,8 @@ def test_cards_of_a_sweep_and_of_two_robots_have_names_of_their_own(tmp_path: Pa
         collect(tmp_path / "data", 1, synthetic.header(overrides={"friction": value}))
     collect(tmp_path / "data", 1, synthetic.header(embodiment="franka-panda"))
     facts = data(write_report(Dataset(tmp_path / "data"), tmp_path / "report.html"))
-    leaves = [facts["leaves"][one["leaf"]] for one in facts["episodes"]]
-    names = {(leaf["protocol"], leaf["robot"]) for leaf in leaves}
+    parts = [facts["parts"][one["part"]] for one in facts["episodes"]]
+    names = {(part["protocol"], part["robot"]) for part in parts}
     assert len(names) == 3 and {robot for _, robot in names} == {"aloha-agilex", "franka-panda"}
 
 
@@ -101,12 +101,12 @@ def test_page_needs_nothing_else(page: Path) -> None:
     assert not re.search(r'(src|href)="?https?:', text)
     assert text.count("</script>") == 2
     assert "text-overflow" not in text, "no value is cut off"
-    assert text.count("name(leaf, ") == 2, "cards are named by task, configuration and number"
+    assert text.count("name(part, ") == 2, "cards are named by task, configuration and number"
 
 
 def test_part_of_a_dataset(dataset: Dataset, tmp_path: Path) -> None:
     path = write_report(dataset.where(task="click_bell"), tmp_path / "part.html")
-    assert [leaf["task"] for leaf in data(path)["leaves"]] == ["click_bell"]
+    assert [part["task"] for part in data(path)["parts"]] == ["click_bell"]
     assert len(data(path)["attempts"]) == 4
 
 

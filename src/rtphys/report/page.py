@@ -91,10 +91,10 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
     rules = [entry.header.rules for entry in entries]
     shown = axes(key for one in rules for key in (*one.domain.keys, *one.held))
     several = len(dataset.embodiments) > 1
-    leaves: list[JSON] = []
+    parts: list[JSON] = []
     attempts: list[JSON] = []  # task dataset, accepted, one value per axis
     for index, entry in enumerate(entries):
-        leaves.append(
+        parts.append(
             {
                 "task": entry.spec.episode.task,
                 "protocol": entry.spec.name,
@@ -124,7 +124,7 @@ def gather(dataset: Dataset, progress: Callable[[int], None] | None = None) -> d
             {"title": re.sub("[_.]", " ", column), "unit": attribute(key).unit}
             for column, key in shown.items()
         ],
-        "leaves": leaves,
+        "parts": parts,
         "attempts": attempts,
         "episodes": episodes,
         "failures": failures,
@@ -139,12 +139,12 @@ def _span(rules: Rules, key: str) -> JSON:
     return [min(ends), max(ends)] if ends else None
 
 
-def _failure(episode: Episode, leaf: int, shown: Mapping[str, str]) -> dict[str, JSON]:
+def _failure(episode: Episode, part: int, shown: Mapping[str, str]) -> dict[str, JSON]:
     """As of an episode, and what went wrong, when, and in which of the expert's stages."""
     failure, frames = episode.failure, episode.frames
     if failure is None or not 0 <= failure.frame < len(frames):
         raise BadFile(episode.paths.phys_meta, "tells no frame at which it went wrong")
-    return _episode(episode, leaf, shown) | {
+    return _episode(episode, part, shown) | {
         "reason": failure.reason,
         "detail": failure.detail,
         "event": failure.event,
@@ -156,14 +156,14 @@ def _failure(episode: Episode, leaf: int, shown: Mapping[str, str]) -> dict[str,
     }
 
 
-def _episode(episode: Episode, leaf: int, shown: Mapping[str, str]) -> dict[str, JSON]:
+def _episode(episode: Episode, part: int, shown: Mapping[str, str]) -> dict[str, JSON]:
     frames, meta = episode.frames, episode.meta
     acting = {key: label for key, label in meta.attributes.items() if label.could_act}
     known, keys = flattened({key: one.value for key, one in acting.items()}), shown.values()
     if len(frames) < 2:
         raise BadFile(episode.paths.hdf5, "holds fewer than two frames")
     return {
-        "leaf": leaf,
+        "part": part,
         "number": episode.number,
         "seed": episode.seed,
         "frames": len(frames),
