@@ -23,8 +23,10 @@ setup-docs:       ## the same as for collecting, and what builds the site
 collect: setup    ## EPISODES verified episodes of TASK in OUT
 	$(BIN)/rtphys collect --task $(TASK) --episodes $(EPISODES) --out $(OUT)
 
+# A test that hangs, in C as well, fails after ten minutes with its stack; the others go on.
+OR_FAIL := -o faulthandler_timeout=600 -o faulthandler_exit_on_timeout=true
 test: setup-test  ## all tests but the slow ones: minutes
-	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow" $(PYTEST)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not slow" $(OR_FAIL) $(PYTEST)
 
 test-all: setup-test  ## all tests
 	$(BIN)/python -m pytest -n 2 --dist worksteal $(PYTEST)

@@ -410,6 +410,7 @@ docs/trust.md
   names the file, and takes bounded time and memory
     test_hostile::test_hostile_datasets
     test_hostile_hdf5::test_every_reader_refuses
+    test_hostile_hdf5::test_a_heap_that_hdf5_would_never_end_reading
     test_untrusted::test_it_is_refused_in_one_sentence
   a server can do no more than act badly
     test_hostile_server::test_every_message_is_one_or_is_refused

@@ -41,8 +41,10 @@ def made(layout):
 
 
 @pytest.fixture(scope="module")
-def file(layout, made):
-    with h5py.File(io.BytesIO(episode_bytes(layout, *made, SEEN))) as opened:
+def file(layout, made, tmp_path_factory: pytest.TempPathFactory):
+    path = tmp_path_factory.mktemp(layout) / "episode.hdf5"
+    path.write_bytes(episode_bytes(layout, *made, SEEN))
+    with h5py.File(path) as opened:
         yield opened
 
 

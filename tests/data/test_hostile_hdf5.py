@@ -12,9 +12,11 @@ import sensing
 import synthetic
 from hostile_hdf5 import Forgery, forgeries, jpeg_bomb
 
+from rtphys.core.bounds import MAX_TEXTS
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.check_episode import check_hdf5
 from rtphys.data.hdf5_episode import EpisodeFile, episode_bytes, read_episode
+from rtphys.data.hdf5_file import HEAP, HEAP_HEADER, HEAP_OBJECT
 from rtphys.data.video import encode_images
 
 SECONDS = 5.0  # [s] of CPU; the slowest takes a tenth of it
@@ -71,6 +73,28 @@ def test_the_sound_file_is_refused_by_nobody(sound: bytes, tmp_path: Path) -> No
     path = tmp_path / "sound.hdf5"
     path.write_bytes(sound)
     assert refused(path) == ""
+
+
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("size", [0, 5000, 2**64 - 16, 2**64 - 1])
+def test_a_heap_that_hdf5_would_never_end_reading(
+    number: int, size: int, sound: bytes, tmp_path: Path
+) -> None:
+    """No time limit of this process could end that; the number of a free piece is 0."""
+    if number and not size:
+        pytest.skip("an empty text is sound")
+    first = sound.index(HEAP) + HEAP_HEADER
+    forged = HEAP_OBJECT.pack(number, size)
+    path = tmp_path / "forged.hdf5"
+    path.write_bytes(sound[:first] + forged + sound[first + len(forged) :])
+    assert f"the text at byte {first} cannot have {size} bytes" in refused(path)
+
+
+def test_more_heaps_than_texts(sound: bytes, tmp_path: Path) -> None:
+    """Each is looked at; a file of nothing else would take minutes."""
+    path = tmp_path / "forged.hdf5"
+    path.write_bytes(sound + HEAP * (MAX_TEXTS + 1))
+    assert "texts" in refused(path)
 
 
 DEPTHS, IDS = "vision/cam_head/depths", "vision/cam_left_wrist/mesh_segmentation"

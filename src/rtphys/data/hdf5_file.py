@@ -2,7 +2,9 @@
 
 import errno
 import math
+import mmap
 import os
+import struct
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,6 +25,7 @@ from rtphys.core.bounds import (
     MAX_EXPANSION,
     MAX_LINKS,
     MAX_PIXELS,
+    MAX_TEXTS,
 )
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import open_ordinary, parse
@@ -35,8 +38,12 @@ SMALL = 2**20  # [bytes] of an array that is not compared with the file's size, 
 FILTERS = {h5z.FILTER_SHUFFLE, h5z.FILTER_DEFLATE}  # of every HDF5 library
 LEVEL = 1  # of ISA-L; level 0 takes a tenth less time and leaves a fifth more bytes
 LARGEST_CHUNK = 8 * MAX_PIXELS  # [bytes] a frame of float64
+HEAP = b"GCOL\x01"  # the first bytes of a heap of version 1, the only one
+HEAP_HEADER = 16  # [bytes]
+HEAP_OBJECT = struct.Struct("<H6xQ")  # its number (0: free space), and the bytes it has
 MAX_REMEMBERED = 100_000  # files that this process looks through once
 _trees: set[tuple[int, ...]] = set()  # stamps of files that were seen to be trees
+_heaps: set[tuple[int, ...]] = set()  # and of those whose texts can be read
 # What numpy, json and HDF5 raise about a file that is not what it should be.
 DAMAGED = (KeyError, TypeError, ValueError, OverflowError, OSError, RecursionError)
 
@@ -208,6 +215,8 @@ def array(node: h5py.Group, key: str) -> np.ndarray:
     found = dataset(node, key)
     dtype, memory = _types(found.get_type().encode())
     data = np.empty(found.shape, dtype)
+    if dtype.kind == "O":
+        _check_heaps(node)
     if data.size:
         found.read(h5s.ALL, h5s.ALL, data, memory)
     return data
@@ -220,6 +229,41 @@ def _types(encoded: bytes) -> tuple[np.dtype, h5t.TypeID]:
     if stored.get_class() not in PLAIN:
         raise ValueError("holds neither numbers nor text")
     return stored.dtype, h5t.py_create(stored.dtype)
+
+
+def _check_heaps(node: h5py.Group) -> None:
+    """Raises `ValueError`: HDF5 would never end reading a text of this file.
+
+    Texts lie in heaps. HDF5 2.0 goes from object to object of a heap by sizes that it does not
+    check, and stays for ever where one takes no room. A heap is known by its first bytes alone, so
+    all that look like one are walked, before the first text of a file is read.
+    """
+    file = node.file
+    path = Path(file.filename)
+    known = stamp(path.stat())
+    if known in _heaps:
+        return
+    if (sizes := file.id.get_create_plist().get_sizes()) != (8, 8):
+        raise ValueError(f"has addresses and sizes of {sizes} bytes; those of 8 are read")
+    with (
+        path.open("rb") as handle,
+        mmap.mmap(handle.fileno(), 0, access=mmap.ACCESS_READ) as whole,
+    ):
+        walked, start = 0, whole.find(HEAP)
+        while start >= 0 and walked <= MAX_TEXTS:
+            end = start + int.from_bytes(whole[start + 8 : start + HEAP_HEADER], "little")
+            at = start + HEAP_HEADER
+            while at + HEAP_OBJECT.size <= end <= len(whole) and walked <= MAX_TEXTS:
+                number, size = HEAP_OBJECT.unpack_from(whole, at)
+                taken = HEAP_OBJECT.size + -(-size // 8) * 8 if number else size
+                if taken < HEAP_OBJECT.size or at + taken > end:
+                    raise ValueError(f"the text at byte {at} cannot have {size} bytes")
+                at, walked = at + taken, walked + 1
+            start, walked = whole.find(HEAP, start + 1), walked + 1
+    if walked > MAX_TEXTS:
+        raise ValueError(f"holds more than {MAX_TEXTS} texts")
+    if len(_heaps) < MAX_REMEMBERED:
+        _heaps.add(known)
 
 
 def text(node: h5py.Group, key: str) -> str:
@@ -270,6 +314,7 @@ def note(node: h5py.Group, key: str) -> str:
     found = node.attrs.get_id(key)
     if found.shape != () or found.get_type().get_class() != h5t.STRING:
         raise ValueError(f"@{key} is not one text")
+    _check_heaps(node)
     value = np.empty((), found.dtype)
     found.read(value)
     content = value.item()
