@@ -12,11 +12,10 @@ import sensing
 import synthetic
 from hostile_hdf5 import Forgery, forgeries, jpeg_bomb
 
-from rtphys.core.bounds import MAX_TEXTS
 from rtphys.core.errors import BadFile, RtphysError
 from rtphys.data.check_episode import check_hdf5
 from rtphys.data.hdf5_episode import EpisodeFile, episode_bytes, read_episode
-from rtphys.data.hdf5_file import HEAP, HEAP_HEADER, HEAP_OBJECT
+from rtphys.data.hdf5_file import HEAP, HEAP_HEADER, HEAP_OBJECT, MAX_TEXTS
 from rtphys.data.video import encode_images
 
 SECONDS = 5.0  # [s] of CPU; the slowest takes a tenth of it

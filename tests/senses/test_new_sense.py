@@ -1,6 +1,6 @@
 """A sense that nobody knew: its one class is enough to write, read, verify and observe it."""
 
-import io
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -50,7 +50,9 @@ def brightness(monkeypatch: pytest.MonkeyPatch) -> Brightness:
 
 
 @pytest.mark.parametrize("layout", ["legacy", "native"])
-def test_one_class_is_written_read_and_verified(brightness: Brightness, layout: str) -> None:
+def test_one_class_is_written_read_and_verified(
+    brightness: Brightness, layout: str, tmp_path: Path
+) -> None:
     rng, made = np.random.default_rng(0), Sensed(("brightness",))
     for _ in range(T):
         for camera in CAMERAS:
@@ -61,7 +63,9 @@ def test_one_class_is_written_read_and_verified(brightness: Brightness, layout: 
         file.create_group(GROUP)
         write_senses(file, made, layout)
 
-    with h5py.File(io.BytesIO(build(fill))) as file:
+    path = tmp_path / "sensed.hdf5"
+    path.write_bytes(build(fill))
+    with h5py.File(path) as file:
         found = read_senses(file, layout, CAMERAS)
         assert found is not None and found.senses == ("brightness",)
         for place, frames in made.tracks.items():

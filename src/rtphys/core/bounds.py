@@ -21,7 +21,6 @@ LARGEST_EPISODE = 2**32  # [bytes] of an HDF5 file; 200 frames of three 320x240 
 MAX_EXPANSION = 256  # of a file by its compressed arrays, each; ours: 100 times at most
 LARGEST_VIDEO = 2**28  # [bytes] of an MP4
 MAX_LINKS = 1024  # names in an HDF5 file; an episode has 60 to 150
-MAX_TEXTS = 65536  # in an HDF5 file; an episode has 30 to 300
 DEEPEST_LINK = 8  # names in a path of an HDF5 file; an episode has 3
 MAX_PIXELS = 2**22  # of one picture or video frame, 2048x2048
 MAX_SCANS = 16  # of one JPEG; ours have one, progressive ones of others about ten

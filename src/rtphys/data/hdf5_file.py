@@ -25,7 +25,6 @@ from rtphys.core.bounds import (
     MAX_EXPANSION,
     MAX_LINKS,
     MAX_PIXELS,
-    MAX_TEXTS,
 )
 from rtphys.core.errors import BadFile
 from rtphys.core.untrusted import open_ordinary, parse
@@ -41,6 +40,7 @@ LARGEST_CHUNK = 8 * MAX_PIXELS  # [bytes] a frame of float64
 HEAP = b"GCOL\x01"  # the first bytes of a heap of version 1, the only one
 HEAP_HEADER = 16  # [bytes]
 HEAP_OBJECT = struct.Struct("<H6xQ")  # its number (0: free space), and the bytes it has
+MAX_TEXTS = 65536  # of a file; an episode has 30 to 300
 MAX_REMEMBERED = 100_000  # files that this process looks through once
 _trees: set[tuple[int, ...]] = set()  # stamps of files that were seen to be trees
 _heaps: set[tuple[int, ...]] = set()  # and of those whose texts can be read
