@@ -28,13 +28,12 @@ from rtphys.task import (
 
 LYING = Pose((0.0, -0.06, 0.783), (0.0, 0.0, 0.995, 0.105))  # face down, head away from the robot
 STRIKE = 0.001  # [N s] a blow that moves a gram by 1 m/s; resting contact of one step is below it
-# [m] past the first touch: in a replay the head hangs up to a few millimetres higher.
-FOLLOW_THROUGH = 0.003
 APPROACH, LIFT = 0.12, 0.07  # [m] straight on to the handle; up before the hammer is aimed
 DEPTH = 0.015  # [m] at which the TCP stops short of the handle's contact point
 HALF = 0.025  # [m] half the block's edge
 RAISED = Placing(pre=0.06, gap=0.06, along="point", release=False)
-OVER = Placing(pre=0.06, gap=-0.02, along="point", release=False, until="block")
+# A blow, no push: pressed on, the head turns the handle in the hand, against the wrist.
+OVER = Placing(pre=0.06, gap=-0.02, along="point", release=False, until="block", lean=0.003)
 
 
 def layout(draw: Draw):
@@ -70,7 +69,6 @@ def script(robot: Robot) -> None:
     aim(robot, arm, RAISED)
     # A heavy head sags in the hand on the way: aim anew from above the block.
     aim(robot, arm, OVER)
-    robot.do(arm.shift(z=-FOLLOW_THROUGH))
 
 
 task = Task(

@@ -14,7 +14,6 @@ from rtphys.expert.grasp import STRAIGHT_DOWN, Grasp, HeldLoad, candidates, goal
 from rtphys.task.arm import Aim, Arm, Follow, Grip, Line, Motion, Placing, Reach, Step, leaning
 from rtphys.task.props import TABLE_TOP
 
-LEAN = 0.006  # [m] past the first touch: at a replay's slower pace a load hangs a little higher
 ROOM = 0.01  # [m] round a load that is brought into something: servos lag, and loads sag
 # [m] Room from a contact point to the palm: hands with less take things nearer to their fingertips.
 PALMS = (0.03, 0.042)
@@ -170,7 +169,7 @@ class ExpertArm(Arm):
             steps.append(Line(at, until=how.until))
         if how.until:
             last = at.p - before.p
-            lean = LEAN * last / max(float(np.linalg.norm(last)), 1e-9)
+            lean = how.lean * last / max(float(np.linalg.norm(last)), 1e-9)
             steps += leaning((float(lean[0]), float(lean[1]), float(lean[2])))
         if how.release:
             steps.append(Grip(1.0, releases=prop))

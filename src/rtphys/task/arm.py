@@ -107,7 +107,8 @@ class Placing:
     `mode` "align" turns x onto the target's x; "auto" a hand that holds from the side forwards and
     inwards, and one from above with its camera away from the robot; "free" does not turn. `pre` and
     `gap` [m] are left before and after the last straight line. It runs along the "grasp" (gripper
-    to prop) or the "point" (the target's z), and stops once the load presses on the prop `until`.
+    to prop) or the "point" (the target's z), and stops `lean` [m] after the load touches the prop
+    `until`: at a replay's slower pace a load hangs a little higher.
     `yaws` [rad] are further turns, tried in order. `clear`: hand and load must touch nothing at the
     end, in a box or beside others. `speed` is that of the way there; slower, a load turns less.
     """
@@ -118,6 +119,7 @@ class Placing:
     along: str = "grasp"
     release: bool = True
     until: str = ""
+    lean: float = 0.006
     yaws: tuple[float, ...] = (0.0,)
     clear: bool = False
     speed: float = 1.0

@@ -14,6 +14,7 @@ HEAD = 0.0632  # [m] y of the head's axis
 FACE = 0.0550  # [m] z of the striking face; its functional point lies 3.7 mm inside, for a firm hit
 CLAW = -0.0763  # [m] z of the claw's tips
 BUTT = -0.0823  # [m] y of the handle's end
+GRIP = 0.0100  # [m] y of the hand: near the centre of mass, or a heavy head turns in the fingers
 MASS = 0.20  # [kg] a 7 oz tack hammer: 18 cm is short for a claw hammer
 TOP = 0.0961  # [m] y of the handle's other end, above the head
 
@@ -44,7 +45,7 @@ def hammer(grip: Colour, words: tuple[str, ...]) -> AssetModel:
         ),
         material="rubber",
         description=words,
-        contact_points=(contact((0, 0, 0), (0, 0, -1), (0, 1, 0)),),
+        contact_points=(contact((0, GRIP, 0), (0, 0, -1), (0, 1, 0)),),
         functional_points=(functional((0, HEAD, 0.0513), (0, 0, 1), (1, 0, 0)),),
         categories=("hammer", "tool"),
         stable=False,
