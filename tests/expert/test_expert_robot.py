@@ -50,11 +50,16 @@ class Watched:
         robot.rollout.tick, robot.planner.motion = ticked, planned
 
     def straight_jerks(self) -> list[float]:
-        """Largest jerk of each point-to-point motion's commands [rad/s^3]."""
+        """Largest jerk of each point-to-point motion's commands [rad/s^3]; none of the tiny ones.
+
+        A milliradian is over within eight steps, of which no third difference is a jerk.
+        """
         jerks = []
         for first, motion in self.motions:
             commands = np.array(self.postures[first : first + len(motion)])
             if len(motion) < 2 or not is_straight(motion.q):
+                continue
+            if np.abs(motion.q[-1] - motion.q[0]).max() < 0.001:
                 continue
             np.testing.assert_array_equal(commands, motion.q)
             whole = np.concatenate([*[commands[:1]] * 3, commands, *[commands[-1:]] * 3])
@@ -70,9 +75,9 @@ def is_straight(q: Array) -> bool:
 
 @pytest.fixture(scope="module")
 def attempts() -> list[Watched]:
-    """Successful attempts of three tasks."""
+    """Successful attempts of five tasks."""
     found = []
-    for name in ("place_empty_cup", "click_bell", "beat_block_hammer"):
+    for name in ("place_empty_cup", "click_bell", "beat_block_hammer", "lift_pot", "shake_bottle"):
         watched, task = Watched(), load_task(name)
 
         def script(robot: Robot, watched: Watched = watched, task: Task = task) -> None:
