@@ -54,6 +54,16 @@ NEAR: dict[str, Callable[[Array, Array], NDArray[np.bool_]]] = {
     "carry_the_loaded": lambda true, taken: abs(taken - true) < 0.04,  # two thirds on a hand
     "slide_to_mark": lambda true, taken: abs(taken / true - 1) < 0.02 / 0.1375,  # half the mark
 }
+MADE_FOR = (
+    ("object_mass", "heft"),
+    ("friction", "rub"),
+    ("friction", "push"),
+    ("object_joint_damping", "swing"),
+    ("table_height", "tap"),
+    ("table_tilt", "tap"),
+    ("arm_joint_damping", "heft"),
+)
+CARRIES = 0.05  # fall of R2 from which a group of features is named
 CORES = (4, 16, 64)
 # Fields of a label that the schema does not explain, or in fewer words than a reader needs.
 FIELDS = {
@@ -103,6 +113,7 @@ DOCUMENTS = (
     DOCS / "masses.md",
     DOCS / "scale.md",
     DOCS / "benchmark.md",
+    DOCS / "identify.md",
     DOCS / "maps.md",
     DOCS / "physics_suite.md",
     DOCS / "training_set.md",
@@ -520,7 +531,33 @@ def broken_and_identifiable() -> str:
     return _table(("attribute", "tasks", *(kind.value for kind in relevance.Relevance)), rows)
 
 
+def probes() -> str:
+    """Table of what each probe was made for: how well two estimators predict it there."""
+    trees, column = (
+        read_result(results.RESULTS / f"identify_probes{end}.json").tasks for end in ("", "_column")
+    )
+    rows = []
+    for key, probe in MADE_FOR:
+        of, by, line = trees[probe], trees[probe].scores[key], column[probe].scores[key]
+        assert by.beyond is not None and line.beyond is not None
+        low, high = by.interval
+        carried = sorted(by.importance.items(), key=lambda item: -item[1])
+        rows.append((
+            f"`{key}`",
+            f"`{probe}`",
+            f"{of.episodes} of {of.attempts}",
+            f"{by.r2:.2f} ({low:.2f} to {high:.2f})",
+            f"{line.r2:.2f}",
+            f"{by.shuffled:.2f}, {line.shuffled:.2f}",
+            f"{by.beyond.r2:.2f}, {line.beyond.r2:.2f}",
+            ", ".join(group for group, fall in carried if fall >= CARRIES),
+        ))  # fmt: skip
+    heads = "attribute,probe,solved,`trees`,`column`,shuffled,beyond,carried by"
+    return _table(tuple(heads.split(",")), rows)
+
+
 TABLES = {
+    "probes": probes,
     "costs": episode_costs,
     "collection_costs": collection_costs,
     "label": label,
