@@ -515,7 +515,8 @@ def _kind(schema: dict, field: dict) -> tuple[str, dict | None]:
     ):
         return "map", _kind(schema, held)[1]
     kinds = {"array": "list", "object": "object", "integer": "integer", "null": "null"}
-    return kinds.get(field.get("type", ""), field.get("type", "any")), None
+    kind: str = field.get("type", "any")
+    return kinds.get(kind, kind), None
 
 
 def broken_and_identifiable() -> str:

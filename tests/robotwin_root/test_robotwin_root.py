@@ -425,6 +425,10 @@ def test_textures_are_unseen_whatever_the_sentences_are(
     assert began == [("unseen", said[kind][0])]
     with pytest.raises(UnknownName, match="instruction type"):
         evaluate({**usr_args, "instruction_type": "sen"}, 1)
+    for missing in ("task_name", "policy_name"):
+        named = {"task_name": "click_bell", "policy_name": "P", missing: None}
+        with pytest.raises(BadValue, match=f"{missing}.*--overrides --{missing} NAME"):
+            evaluate({**usr_args, **named}, 1)
 
 
 class Asked(Exception):

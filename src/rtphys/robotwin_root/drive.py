@@ -72,11 +72,15 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     also written to its `eval_output_dir`.
 
     Raises `BadFile`, `UnknownName`: the configuration, task, policy or kind of instruction does not
-    exist; `RtphysError`: a plug-in that cannot be imported, or too few feasible seeds.
+    exist; `BadValue`: no task or policy is named; `RtphysError`: a plug-in that cannot be imported, or too few feasible seeds.
     """
     split = str(usr_args["instruction_type"])
     if split not in SPLITS:
         raise UnknownName("instruction type", split, SPLITS)
+    for key in ("task_name", "policy_name"):
+        if not usr_args.get(key):
+            why = f"the policy's configuration or `--overrides --{key} NAME` states it"
+            raise BadValue(key, usr_args.get(key), why)
     wanted = int(str(usr_args.get("eval_num_episodes") or usr_args.get("test_num") or test_num))
     root, task, config = Path.cwd(), str(usr_args["task_name"]), str(usr_args["task_config"])
     args = dict(library.read_yaml(root / "task_config" / f"{config}.yml"))

@@ -8,7 +8,7 @@ import pytest
 from rtphys.assets.pack import builtin_pack
 from rtphys.core.poses import Pose, axis_angle
 from rtphys.laws.audit.bodies import weigh_bodies
-from rtphys.laws.audit.demonstration import CREEP, ENOUGH, LOOK, Demonstration
+from rtphys.laws.audit.demonstration import CREEP, DEEP, ENOUGH, LOOK, Demonstration
 from rtphys.laws.audit.joints import weigh_articulated
 from rtphys.laws.audit.robot import drag, locate
 from rtphys.laws.audit.specimen import Finding, Measurement, Specimen, lift
@@ -194,8 +194,21 @@ def test_a_wrist_that_is_pressed_on_the_table_is_seen(joints: np.ndarray) -> Non
     for _ in range(500):
         one.world.step()
     presses = joints is WRIST_DOWN
-    assert bool(seen.pressed) == presses
+    assert bool(seen.pressed.steps) == presses
     assert any("table press with over 30 N" in problem for problem in seen.problems()) == presses
+
+
+@pytest.mark.parametrize(("depth", "steps", "counts"), [(0.006, 9, 1), (0.006, 5, 0), (0.001, 9, 0)])
+def test_what_stays_deep_in_another_body_is_found(depth: float, steps: int, counts: int) -> None:
+    one = specimen([standing("block", 0.0, (0.03, 0.03, 0.03))], {})
+    block = one.world.object("block")
+    above, seen = block.pose, Demonstration(one.world, {"": 0.5})
+    for _ in range(steps):
+        block.root.entity.set_pose(to_sapien(Pose(above.p - [0, 0, depth], above.q)))
+        one.world.step()
+    (pair,) = seen.deep.steps if depth > DEEP else [None]
+    assert pair is None or set(pair) == {"block", "table"}
+    assert len(seen.problems()) == counts
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.5 * CREEP, 2 * CREEP])

@@ -1,6 +1,6 @@
-"""Measures what happens in a demonstration: forces on links, creep in the hands, bits."""
+"""Measures what happens in a demonstration: forces on links, depths, creep in the hands, bits."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from rtphys.sim.strain import MAX_FORCE, MAX_SECONDS, STRIDE
 from rtphys.sim.world import World
 
 LONGEST = round(MAX_SECONDS * RATE) + STRIDE  # [steps]; whoever looks more rarely may miss the ends
+DEEP, DEEP_STEPS = 0.003, 5  # [m] of one body in another, and steps in a row of it, that count
 LOOK = 15  # [steps] between two looks at the hands
 STILL, KEPT = 0.0003, 0.00006  # [m] between two looks: of a hand; of the gap between its fingers
 LIGHT = 0.25  # share of what a grip bears, below which it is judged
@@ -35,6 +36,20 @@ class Held:
     kind: str  # where the fingers touch it: "flat", along a "line", or at a "point"
 
 
+class Longest:
+    """Of each pair of bodies that is named at a step, the most steps in a row that name it."""
+
+    def __init__(self) -> None:
+        self._row: dict[tuple[str, str], int] = {}
+        self.steps: dict[tuple[str, str], int] = {}
+
+    def add(self, pairs: Iterable[tuple[str, str]]) -> None:
+        """One step."""
+        self._row = {pair: self._row.get(pair, 0) + 1 for pair in pairs}
+        for pair, steps in self._row.items():
+            self.steps[pair] = max(steps, self.steps.get(pair, 0))
+
+
 class Demonstration:
     """Watches a world from the moment on at which it is made.
 
@@ -54,9 +69,9 @@ class Demonstration:
         self._links: dict[object, str] = {link: link.name for link in links}
         loose = (o for o in world.objects.values() if o.articulation is None and o.bodies)
         self._things: dict[object, SceneObject] = {o.root: o for o in loose}
-        self._pressed: dict[tuple[str, str], int] = {}  # steps in a row above MAX_FORCE
         self._looks: dict[tuple[str, str], list[Held]] = {}
-        self.pressed: dict[tuple[str, str], int] = {}  # link, what it met -> longest of them
+        self.pressed = Longest()  # a link and what it met, above MAX_FORCE
+        self.deep = Longest()  # two bodies, one more than DEEP in the other
         self.commands: list[Array] = []  # (joints, 2) position and velocity, of each step
         self.states: list[bytes] = []  # poses of all bodies after each step
         world.on_step("demonstration", self._before, self._after)
@@ -68,29 +83,36 @@ class Demonstration:
     def _after(self) -> None:
         self.states.append(self._world.scene.pack_poses())
         forces: dict[tuple[str, str], Array] = {}
+        deep: set[tuple[str, str]] = set()
         for contact in self._world.solver.get_contacts():
+            if min((p.separation for p in contact.points), default=0.0) < -DEEP:
+                a, b = contact.bodies
+                deep.add((a.entity.name, b.entity.name))
             for link, other in (contact.bodies, contact.bodies[::-1]):
                 if link in self._links:
                     pair = self._links[link], other.entity.name
                     impulses = [np.asarray(p.impulse, float) for p in contact.points]
                     push = np.sum([np.zeros(3), *impulses], axis=0) / TIME_STEP
                     forces[pair] = forces.get(pair, np.zeros(3)) + push
-        hard = {pair for pair, force in forces.items() if np.linalg.norm(force) > MAX_FORCE}
-        self._pressed = {pair: self._pressed.get(pair, 0) + 1 for pair in hard}
-        for pair, steps in self._pressed.items():
-            self.pressed[pair] = max(steps, self.pressed.get(pair, 0))
+        self.pressed.add(pair for pair, f in forces.items() if np.linalg.norm(f) > MAX_FORCE)
+        self.deep.add(deep)
         if len(self.states) % LOOK == 0:
             self._look()
 
     def problems(self) -> list[str]:
-        """A sentence on each link that is pressed for long, and on each grip that creeps."""
+        """A sentence on each link pressed for long, each deep overlap, and each grip that creeps."""
         pressed = [
             f"{link} and {other} press with over {MAX_FORCE:g} N for {steps / RATE:.2f} s"
-            for (link, other), steps in self.pressed.items()
+            for (link, other), steps in self.pressed.steps.items()
             if steps > LONGEST
         ]
+        deep = [
+            f"{a} lies over {1000 * DEEP:g} mm deep in {b} for {steps} steps"
+            for (a, b), steps in self.deep.steps.items()
+            if steps > DEEP_STEPS
+        ]
         crept = {grip: np.median(speeds) for grip, speeds in self.creep().items()}
-        return pressed + [
+        return [*pressed, *deep] + [
             f"{name} creeps in the {side} hand by {1000 * speed:.1f} mm/s, below a quarter of "
             f"what the grip bears"
             for (side, name), speed in crept.items()
