@@ -1,12 +1,15 @@
 """The loader: builtin and official layout alike, errors that name the file, fallback."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rtphys.assets.build import build
+from rtphys.assets.check import check_pack
+from rtphys.assets.glb import glb_bytes
 from rtphys.assets.pack import Pack, builtin_pack, default_pack
 from rtphys.core.errors import BadFile, BadValue, MissingAsset, RtphysError, UnknownName
 from rtphys.visual.clutter import pieces
@@ -23,7 +26,7 @@ def official_like(root: Path, scale: float) -> Pack:
     folder = root / "objects" / "123_thing"
     for kind in ("visual", "collision"):
         (folder / kind).mkdir(parents=True)
-        (folder / kind / "base4.glb").write_bytes(b"glTF")
+        (folder / kind / "base4.glb").write_bytes(glb_bytes([], []))
     point = np.eye(4)
     point[:3, 3] = 1, 2, 3
     data = {
@@ -93,6 +96,54 @@ def test_broken_metadata_names_its_file(tmp_path):
     path.write_text('{"scale": [1, 1]}')
     with pytest.raises(BadFile, match="model_data4"):
         pack.model("123_thing", 4)
+
+
+EVEN = np.eye(3).tolist()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "allowed"),
+    [
+        ("mass_kg", -1.0, "above 0"),
+        ("mass_kg", 0, "above 0"),
+        ("mass_kg", "0.2", "a number"),
+        ("density", "4", "a number"),
+        ("density", 0.0, "above 0"),
+        ("inertia", [[1, 0, 0], [0, -1, 0], [0, 0, 1]], "positive definite"),
+        ("inertia", [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]], "symmetric"),
+        ("scale", [0, 0, 0], "above 0"),
+        ("scale", -1, "above 0"),
+    ],
+)
+def test_numbers_that_no_body_has_are_refused(tmp_path, key, value, allowed):
+    pack = official_like(tmp_path, 1.0)
+    path = tmp_path / "objects/123_thing/model_data4.json"
+    data = json.loads(path.read_text())
+    path.write_text(json.dumps({**data, "mass_kg": 0.1, "inertia": EVEN, "density": None}))
+    assert pack.box("123_thing", 4).stable is False
+    Pack(tmp_path).model("123_thing", 4)
+    path.write_text(json.dumps({**data, key: value}))
+    with pytest.raises(BadValue, match=rf"model_data4\.json: {key} = .*{allowed}"):
+        pack.model("123_thing", 4)
+
+
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+def test_what_is_no_mesh_is_refused(tmp_path, kind):
+    pack = official_like(tmp_path, 1.0)
+    (tmp_path / "objects/123_thing" / kind / "base4.glb").write_bytes(b"garbage" * 50)
+    with pytest.raises(BadFile, match=rf"{kind}/base4\.glb: is no readable mesh"):
+        pack.model("123_thing", 4)
+
+
+def test_a_check_looks_at_the_meshes_of_articulations(pack, tmp_path):
+    source = pack.root / "objects/015_laptop/0"
+    folder = tmp_path / "objects/015_laptop/0"
+    shutil.copytree(source, folder)
+    assert check_pack(Pack(tmp_path)).problems == ()
+    mesh = next(folder.rglob("*.glb"))
+    mesh.write_bytes(b"garbage" * 50)
+    (problem,) = check_pack(Pack(tmp_path)).problems
+    assert f"{mesh.name}: is no readable mesh" in problem
 
 
 def test_a_folder_that_is_no_pack_is_refused(tmp_path):

@@ -122,6 +122,41 @@ def add(folder: Path, line: str) -> None:
         file.write(f"\n{line}\n")
 
 
+def renamed(source: Path, folder: Path) -> Path:
+    """A copy of the Piper under a name of which nothing is known beforehand."""
+    shutil.copytree(source, folder)
+    add(folder, f"hand: {yaml.safe_dump(PIPER['hand'], default_flow_style=True)}")
+    return folder
+
+
+def test_a_name_that_begins_as_a_known_ones_is_another_robot(
+    folders: dict[str, Path], tmp_path: Path
+) -> None:
+    folder = tmp_path / "piper_wide"
+    shutil.copytree(folders["piper"], folder)
+    with pytest.raises(BadFile, match="hand holds fingertip"):
+        read_embodiment(folder)
+    known = read_embodiment(folders["piper"]).left
+    own = read_embodiment(renamed(folders["piper"], tmp_path / "piper-wide")).left
+    assert known.limits[2].tolist() == [-2.697, 0.0]
+    assert own.limits[2].tolist() != known.limits[2].tolist()
+    assert own.bent.tolist() == own.home.tolist()
+
+
+def test_an_error_says_which_keys_are_not_the_files(
+    folders: dict[str, Path], tmp_path: Path
+) -> None:
+    folder = tmp_path / "piper"
+    shutil.copytree(folders["piper"], folder)
+    change(folder, "config.yml", "[[0, 0, 0, 0, 0, 0], [", "[[0, 0, 0, 0, 0], [")
+    with pytest.raises(BadFile, match="it lacks bent_posture, hand, joint_limits, pair_distance, "):
+        read_embodiment(folder)
+
+
+def spoil_mesh(folder: Path, name: str) -> None:
+    (folder / "meshes" / name).write_bytes(b"version https://git-lfs.github.com/spec/v1\n" * 9)
+
+
 WIDE = [[-3.0, 3.0]] * 6
 
 
@@ -167,6 +202,41 @@ def without_limits(folder: Path) -> None:
         (lambda f: change(f, "config.yml", "[[0, 0, 0, 0, 0, 0]", "[[0]"), BadFile, "homestate"),
         (lambda f: change(f, "config.yml", '"./piper', '"./pipr'), MissingAsset, "pipr.urdf"),
         (lambda f: change(f, "piper.urdf", "<robot", "<rob"), BadFile, "is not XML"),
+        (lambda f: change(f, "config.yml", "head_camera", "head"), BadValue, "'head'.*head_camera"),
+        (
+            lambda f: change(f, "config.yml", "static_camera_list", "static_cameras"),
+            BadFile,
+            "lacks the key 'static_camera_list'",
+        ),
+        (
+            lambda f: change(f, "config.yml", "[0, 0.6, -0.8]", "[0, 0, 0]"),
+            BadFile,
+            "static_camera_list: forward",
+        ),
+        (
+            lambda f: change(f, "config.yml", "0.707, 0, 0, 0.707", "0, 0, 0, 0"),
+            BadValue,
+            "config.yml: robot_pose = .*quaternion",
+        ),
+        (
+            lambda f: change(f, "config.yml", "joint_stiffness: 1000", "joint_stiffness: 0"),
+            BadValue,
+            "config.yml: joint_stiffness = 0 .*above 0",
+        ),
+        (
+            lambda f: change(f, "config.yml", "joint_damping: 200", 'joint_damping: "200"'),
+            BadValue,
+            "joint_damping = '200'",
+        ),
+        (
+            lambda f: change(f, "config.yml", "gripper_damping: 200", "gripper_damping: -1"),
+            BadValue,
+            "gripper_damping = -1",
+        ),
+        (lambda f: add(f, "joint_armature: -0.35"), BadValue, "joint_armature = -0.35"),
+        (lambda f: add(f, "joint_velocity: [1, 1, 0, 1, 1, 1]"), BadValue, "joint_velocity = "),
+        (lambda f: spoil_mesh(f, "link7_0.stl"), BadFile, "link7_0.stl: is no readable mesh"),
+        (lambda f: spoil_mesh(f, "link3.glb"), BadFile, "link3.glb: is no readable mesh"),
         (lambda f: change(f, "piper.urdf", 'link="link4"', 'link="link5"'), BadFile, "root links"),
     ],
 )
@@ -177,10 +247,7 @@ def test_what_cannot_be_a_robot_is_refused_by_name(
     error: type[RtphysError],
     says: str,
 ) -> None:
-    folder = tmp_path / "embodiments" / "my-arm"  # no name that is known beforehand
-    shutil.copytree(folders["piper"], folder)
-    with (folder / "config.yml").open("a") as file:
-        file.write(f"hand: {yaml.safe_dump(PIPER['hand'], default_flow_style=True)}")
+    folder = renamed(folders["piper"], tmp_path / "embodiments" / "my-arm")
     read_embodiment(folder)
     spoil(folder)
     with pytest.raises(error, match=says):
@@ -191,7 +258,7 @@ def test_a_library_holds_robots(
     folders: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pack = Pack(folders["piper"].parents[1])
-    shutil.copytree(folders["piper"], tmp_path / "robots" / "piper-of-mine")
+    renamed(folders["piper"], tmp_path / "robots" / "piper-of-mine")
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
     assert pack.embodiments == ("franka-panda", "piper", "piper-of-mine")
     assert pack.embodiment("piper-of-mine").action_layout.size == 14

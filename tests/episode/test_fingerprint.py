@@ -1,5 +1,6 @@
 """A fingerprint covers what decides a state: task, family, expert, simulation."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import rtphys
+from rtphys.assets.pack import builtin_pack
 from rtphys.episode.fingerprint import shaping_files, versions
 from rtphys.task.spec import load_task
 
@@ -49,6 +51,23 @@ def test_what_an_attribute_of_a_library_imports_counts(
     (folder / "_glue.py").write_text("STRENGTH = 1.0\n")
     monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
     assert {folder / "stickiness.py", folder / "_glue.py"} <= shaping_files()
+
+
+def test_a_mesh_of_a_librarys_robot_counts_though_its_size_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "robots" / "mine"
+    shutil.copytree(builtin_pack().embodiment_folder("piper"), folder)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    task = load_task("click_bell")
+    before = versions(task, "mine")
+    mesh = next((folder / "meshes").glob("*.stl"))
+    data = bytearray(mesh.read_bytes())
+    data[-3] ^= 1  # of a corner's last coordinate
+    mesh.write_bytes(data)
+    after = versions(task, "mine")
+    assert {key for key in before if before[key] != after[key]} == {"robot"}
+    assert versions(task, "piper") == {key: before[key] for key in before if key != "robot"}
 
 
 FAMILY = "LIFT = 0.1  # [m]\n"

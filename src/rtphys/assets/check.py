@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from rtphys.assets.pack import Pack
+from rtphys.assets.pair_urdf import check_meshes, parsed_urdf
 from rtphys.assets.surfaces import KINDS, SPLITS
 from rtphys.core.errors import RtphysError
 
@@ -21,10 +22,9 @@ def check_pack(pack: Pack) -> Report:
     loaded: dict[str, int] = {}
     problems: list[str] = []
     for name in pack.names:
-        read = pack.articulation if pack.is_articulated(name) else pack.model
         for index in _indices(pack, name, problems):
             try:
-                read(name, index)
+                _load(pack, name, index)
                 loaded[name] = loaded.get(name, 0) + 1
             except RtphysError as problem:
                 problems.append(str(problem))
@@ -35,6 +35,14 @@ def check_pack(pack: Pack) -> Report:
         except RtphysError as problem:
             problems.append(str(problem))
     return Report(loaded, tuple(problems), _textures(pack))
+
+
+def _load(pack: Pack, name: str, index: int) -> None:
+    if pack.is_articulated(name):
+        urdf = pack.articulation(name, index).urdf
+        check_meshes(urdf, parsed_urdf(urdf))
+    else:
+        pack.model(name, index)
 
 
 def _indices(pack: Pack, name: str, problems: list[str]) -> tuple[int, ...]:

@@ -25,7 +25,8 @@ def read_embodiment(folder: Path) -> Embodiment:
 
     Raises:
         MissingAsset: config, URDF or a mesh is not there.
-        BadFile: a key is missing or has the wrong form.
+        BadFile: a key is missing or has the wrong form, or a mesh is none.
+        BadValue: a number that no robot has, or no head camera.
         UnknownName: a joint or link that the URDF lacks.
     """
     config = RobotConfig.read(folder)
@@ -44,7 +45,7 @@ def read_pair(left: Path, right: Path, distance: float | None = None) -> Embodim
         distance: between their bases [m]; None: as the left one's config says.
 
     Raises:
-        BadValue: one of them has both arms in one URDF.
+        BadValue: as `read_embodiment`; one of them has both arms in one URDF.
         MissingAsset, BadFile, UnknownName: as `read_embodiment`.
     """
     folders = (left, right)

@@ -1,6 +1,6 @@
 """What the official configs of some robots do not say; a config's own keys take precedence.
 
-The config of another robot says it itself, under the same keys.
+The config of another robot says it itself, under the same keys, however alike its name is.
 """
 
 from collections.abc import Mapping
@@ -52,5 +52,10 @@ PANDA: Mapping[str, object] = {
         "pad_half_thickness": 0.012,
     },
 }
-KNOWN = {"aloha-agilex": ALOHA, "franka-panda": PANDA, "piper": PIPER}
-"""By the beginning of the folder's name."""
+KNOWN = {
+    "aloha-agilex": ALOHA,
+    "aloha-agilex-1": ALOHA,  # as RoboTwin's first releases call it
+    "franka-panda": PANDA,
+    "piper": PIPER,
+}
+"""By the folder's name, whole."""

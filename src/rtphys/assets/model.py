@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.assets.mesh_header import check_mesh
 from rtphys.core.bounds import JSON_BYTES
-from rtphys.core.errors import BadFile, MissingAsset
+from rtphys.core.errors import BadFile, BadValue, MissingAsset
 from rtphys.core.untrusted import parse_mapping, read_file
 
 Array = NDArray[np.float64]
@@ -97,12 +98,14 @@ def read_model(folder: Path, index: int) -> Model:
 
     Raises:
         MissingAsset: the description or a mesh is not there.
-        BadFile: the description lacks a key or an array has a wrong shape.
+        BadFile: the description lacks a key or an array has a wrong shape, or a mesh is none.
+        BadValue: a number that no body has.
     """
     path = folder / f"model_data{index}.json"
     data = read_json(path)
     try:
-        scale, box = np.broadcast_to(np.array(data["scale"], float), (3,)), _box(data)
+        box = _box(data, path)
+        scale = np.broadcast_to(np.array(data["scale"], float), (3,))
         return Model(
             id_name=folder.name,
             index=index,
@@ -113,11 +116,11 @@ def read_model(folder: Path, index: int) -> Model:
             center=box.center,
             contact_points=_matrices(data.get("contact_points_pose"), scale),
             functional_points=_matrices(data.get("functional_matrix"), scale),
-            mass_kg=_number(data.get("mass_kg")),
+            mass_kg=_number(data, "mass_kg", path),
             center_of_mass=_array(data.get("center_of_mass"), (3,)),
-            inertia=_array(data.get("inertia"), (3, 3)),
+            inertia=_inertia(data, path),
             material=str(data.get("material", "")),
-            density=_number(data.get("density")),
+            density=_number(data, "density", path),
             categories=_words(data.get("categories")),
             description=_words(data.get("description")),
             stable=box.stable,
@@ -130,21 +133,28 @@ def read_box(folder: Path, index: int) -> Box:
     """Read a model's bounding box only, several times as fast as `read_model`. Raises the same."""
     path = folder / f"model_data{index}.json"
     try:
-        return _box(read_json(path))
+        return _box(read_json(path), path)
     except (KeyError, ValueError, TypeError) as problem:
         raise BadFile(path, f"not a model description ({problem!r})") from problem
 
 
-def _box(data: Mapping[str, object]) -> Box:
+def _box(data: Mapping[str, object], path: Path) -> Box:
     scale, extents, center = (np.array(data[key], float) for key in ("scale", "extents", "center"))
+    _check_scale(scale, path)
     return Box(frozen(center * scale), frozen(extents * scale), bool(data.get("stable", False)))
 
 
 def mesh_file(folder: Path, kind: str, index: int) -> Path:
-    """Path of a model's `visual` or `collision` mesh. Raises MissingAsset if it is not there."""
+    """Path of a model's `visual` or `collision` mesh.
+
+    Raises:
+        MissingAsset: it is not there.
+        BadFile: it is no mesh.
+    """
     path = folder / kind / f"base{index}.glb"
     if not path.is_file():
         raise MissingAsset(f"{kind} mesh of {folder.name} model {index}", path)
+    check_mesh(path)
     return path
 
 
@@ -156,7 +166,9 @@ def read_articulation(folder: Path, index: int) -> Articulation:
     if not urdf.is_file():
         raise MissingAsset(f"URDF of {folder.parent.name} model {index}", urdf)
     try:
-        scale = float(np.max(np.array(data["scale"], float)))
+        scales = np.array(data["scale"], float)
+        _check_scale(scales, path)
+        scale = float(np.max(scales))
         return Articulation(
             id_name=folder.parent.name,
             index=index,
@@ -167,9 +179,9 @@ def read_articulation(folder: Path, index: int) -> Articulation:
             init_qpos=frozen(data.get("init_qpos") or []),
             contact_points=_link_points(data.get("contact_points"), scale),
             functional_points=_link_points(data.get("functional_points"), scale),
-            joint_damping=_number(data.get("joint_damping")),
+            joint_damping=_number(data, "joint_damping", path, zero=True),
             balanced_links=_words(data.get("balanced_links")),
-            mass_kg=_number(data.get("mass_kg")),
+            mass_kg=_number(data, "mass_kg", path),
             material=str(data.get("material", "")),
             categories=_words(data.get("categories")),
             description=_words(data.get("description")),
@@ -197,8 +209,32 @@ def _link_points(value: object, scale: float) -> tuple[LinkPoint, ...]:
     return tuple(LinkPoint(str(p["base"]), _scaled(p["matrix"], factors)) for p in value)
 
 
-def _number(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) else None
+def _number(
+    data: Mapping[str, object], key: str, path: Path, *, zero: bool = False
+) -> float | None:
+    value = data.get(key)
+    if value is None:
+        return None
+    number = float(value) if isinstance(value, int | float) else np.nan
+    if not (0 < number < np.inf or (zero and number == 0)):
+        allowed = "it is a number, 0 or above" if zero else "it is a number above 0"
+        raise BadValue(key, value, allowed, path)
+    return number
+
+
+def _inertia(data: Mapping[str, object], path: Path) -> Array | None:
+    inertia = _array(data.get("inertia"), (3, 3))
+    if inertia is None:
+        return None
+    symmetric = np.allclose(inertia, inertia.T, rtol=0, atol=1e-3 * np.abs(inertia).max())
+    if not symmetric or np.linalg.eigvalsh(inertia)[0] <= 0:
+        raise BadValue("inertia", inertia.tolist(), "it is symmetric and positive definite", path)
+    return inertia
+
+
+def _check_scale(scale: Array, path: Path) -> None:
+    if not ((scale > 0) & (scale < np.inf)).all():
+        raise BadValue("scale", scale.tolist(), "each number is above 0", path)
 
 
 def _array(value: object, shape: tuple[int, ...]) -> Array | None:

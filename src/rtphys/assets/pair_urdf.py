@@ -15,6 +15,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import NDArray
 
+from rtphys.assets.mesh_header import check_mesh
 from rtphys.assets.urdf import placed, rpy
 from rtphys.core.arithmetic import total
 from rtphys.core.errors import BadFile, MissingAsset, UnknownName
@@ -32,7 +33,7 @@ class ArmUrdf:
     """The URDF of one arm, with every link that cannot move of itself as part of another.
 
     Raises:
-        BadFile: not a URDF, or not a tree of links with one root.
+        BadFile: not a URDF, not a tree of links with one root, or a mesh that is none.
         MissingAsset: a mesh is not there.
     """
 
@@ -200,10 +201,18 @@ def _stated(path: Path, joint: str, limit: Element | None) -> tuple[float, float
 
 
 def check_meshes(path: Path, urdf: Element) -> None:
-    """Raises `MissingAsset`: meshes of the URDF are not there; it names them all."""
-    meshes = dict.fromkeys(mesh.get("filename", "") for mesh in urdf.iter("mesh"))
-    if missing := [name for name in meshes if not _mesh_path(path, name).is_file()]:
+    """Look at each mesh that a URDF names.
+
+    Raises:
+        MissingAsset: meshes are not there; it names them all.
+        BadFile: one is no mesh.
+    """
+    names = [mesh.get("filename", "") for mesh in urdf.iter("mesh")]
+    meshes = {name: _mesh_path(path, name) for name in names}
+    if missing := [name for name, file in meshes.items() if not file.is_file()]:
         raise MissingAsset(f"mesh {', '.join(missing)}", path.parent, path.name)
+    for file in meshes.values():
+        check_mesh(file)
 
 
 def mesh_file(urdf: Path, mesh: Element) -> Path:

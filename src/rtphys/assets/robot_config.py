@@ -14,7 +14,7 @@ from rtphys.assets.action_layout import SIDES
 from rtphys.assets.embodiment import Drive, Hand, Limb, Mimic, Mount, StaticCamera
 from rtphys.assets.known_robots import KNOWN
 from rtphys.assets.pair_urdf import JointRange
-from rtphys.core.errors import BadFile, MissingAsset
+from rtphys.core.errors import BadFile, BadValue, MissingAsset
 from rtphys.core.library import read_yaml
 from rtphys.core.poses import Pose
 
@@ -29,6 +29,7 @@ VELOCITY, ACCELERATION = 2.5, 10.0  # [rad/s], [rad/s^2] of arms whose config st
 DISTANCE = 0.6  # [m] between the bases of two arms whose config states none (RoboTwin)
 MEASURES = ("fingertip", "palm", "pad_half_width", "pad_half_thickness")
 VIRTUAL_TCP = 0.12  # [m] from the ee frame to the TCP, of every robot of two arms (RoboTwin)
+HEAD_CAMERA = "head_camera"  # that the fixed cameras need: episodes draw and move it
 SLACK = 1e-3  # [rad] by which a posture may be beyond a limit, which has few digits
 FURTHEST = 0.3  # [m] of a hand's measures; more is most likely in millimetres
 OWN_KEYS = (  # beyond RoboTwin's
@@ -57,12 +58,13 @@ class ArmNames:
 class RobotConfig:
     """The keys of `<folder>/config.yml`, and those that are known of such a robot beforehand.
 
-    Its methods raise `KeyError`, `IndexError`, `TypeError` and `ValueError`, of which `described`
-    makes a `BadFile`.
+    Its methods raise `BadValue`, and `KeyError`, `IndexError`, `TypeError` and `ValueError`, of
+    which `described` makes a `BadFile`.
     """
 
     folder: Path
     keys: Mapping[str, object]
+    assumed: tuple[str, ...] = ()  # those of `keys` that the file lacks, known by its folder's name
 
     @classmethod
     def read(cls, folder: Path) -> "RobotConfig":
@@ -74,21 +76,28 @@ class RobotConfig:
         for key in {*keys} - {*OWN_KEYS}:  # RoboTwin's are none of ours, nor like them
             if near := get_close_matches(key, OWN_KEYS, 1, 0.85):
                 raise BadFile(path, f"has the unknown key {key!r}; did you mean {near[0]!r}?")
-        for name, unsaid in KNOWN.items():
-            if folder.name.startswith(name):
-                keys = {**unsaid, **keys}
-        return cls(folder, keys)
+        known = KNOWN.get(folder.name, {})
+        return cls(folder, {**known, **keys}, tuple(sorted({*known} - {*keys})))
 
     @contextmanager
     def described(self) -> Iterator[None]:
         """Raises `BadFile` in place of what a wrong or missing key raises."""
-        path = self.folder / "config.yml"
+        path = self.path
         try:
             yield
         except KeyError as problem:
             raise BadFile(path, f"lacks the key {problem}") from problem
         except (IndexError, ValueError, TypeError) as problem:
-            raise BadFile(path, f"not an embodiment description ({problem})") from problem
+            text = f"not an embodiment description ({problem})"
+            if self.assumed:
+                keys = ", ".join(self.assumed)
+                text += f"; it lacks {keys}, taken from RoboTwin's robot of this folder's name"
+            raise BadFile(path, text) from problem
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.folder / "config.yml"
 
     @property
     def has_both_arms(self) -> bool:
@@ -116,13 +125,20 @@ class RobotConfig:
     @property
     def cameras(self) -> tuple[StaticCamera, ...]:
         """The cameras fixed in the world."""
-        return tuple(_camera(c) for c in _list(self.keys.get("static_camera_list", [])))
+        key = "static_camera_list"
+        found = tuple(_camera(c) for c in _list(self.keys[key]))
+        if HEAD_CAMERA not in (names := [camera.name for camera in found]):
+            raise BadValue(key, names, f"one of them is the {HEAD_CAMERA}", self.path)
+        return found
 
     def pose(self, i: int) -> Pose:
         """Where arm i stands, 0 the left, before both are moved apart; or the robot of both."""
         poses = _list(self.keys["robot_pose"])
-        numbers = _numbers(poses[min(i, len(poses) - 1)])
-        return Pose(numbers[:3], numbers[3:7])
+        numbers = _array(poses[min(i, len(poses) - 1)], (7,), "robot_pose")
+        if np.linalg.norm(numbers[3:]) < 0.1:
+            allowed = "its last four are a quaternion wxyz, of length 1"
+            raise BadValue("robot_pose", numbers.tolist(), allowed, self.path)
+        return Pose(numbers[:3], numbers[3:])
 
     def move_group(self, i: int) -> str:
         """The last link of arm i."""
@@ -153,8 +169,8 @@ class RobotConfig:
         factors = [1.0, *(_number(mimic[1]) for mimic in mimics)]
         # Some official URDFs allow +-10 rad, which invites IK answers wound round by 2 pi.
         limits = np.clip([names.ranges[joint][:2] for joint in joints], -np.pi, np.pi)
-        home = _per_joint(_list(self.keys["homestate"])[i], (n,), "homestate")
-        limits = _per_joint(self.keys.get("joint_limits", limits), (n, 2), "joint_limits")
+        home = _array(_list(self.keys["homestate"])[i], (n,), "homestate")
+        limits = _array(self.keys.get("joint_limits", limits), (n, 2), "joint_limits")
         postures = self._per_joint(home)
         self._check_limits(limits, home, postures["bent"])
         drive, gripper_drive = self._drives()
@@ -201,27 +217,36 @@ class RobotConfig:
             "joint_velocity": np.full(n, VELOCITY),
             "joint_acceleration": np.full(n, ACCELERATION),
         }
-        return {
-            field: _per_joint(self.keys.get(key, preset[key]), (n,), key)
-            for field, key in _PER_JOINT.items()
-        }
+        found = {key: _array(self.keys.get(key, preset[key]), (n,), key) for key in preset}
+        for key in ("joint_velocity", "joint_acceleration"):
+            if not (found[key] > 0).all():
+                raise BadValue(key, found[key].tolist(), "each is above 0", self.path)
+        return {field: found[key] for field, key in _PER_JOINT.items()}
 
     def _drives(self) -> tuple[Drive, Drive]:
         """Of the arm's joints and of its fingers."""
-        keys = self.keys
         # Official configs of single arms spell it without the last s.
-        stiffness = keys.get("gripper_stiffness", keys.get("gripper_stiffnes"))
+        spelt = "gripper_stiffness", "gripper_stiffnes"
+        stiffness = next((key for key in spelt if key in self.keys), spelt[0])
         arm = Drive(
-            _number(keys["joint_stiffness"]),
-            _number(keys["joint_damping"]),
-            _number(keys.get("joint_armature", JOINT_ARMATURE)),
+            self._gain("joint_stiffness", positive=True),
+            self._gain("joint_damping"),
+            self._gain("joint_armature", JOINT_ARMATURE),
         )
         fingers = Drive(
-            _number(stiffness, "gripper_stiffness"),
-            _number(keys["gripper_damping"]),
-            _number(keys.get("gripper_armature", GRIPPER_ARMATURE)),
+            self._gain(stiffness, positive=True),
+            self._gain("gripper_damping"),
+            self._gain("gripper_armature", GRIPPER_ARMATURE),
         )
         return arm, fingers
+
+    def _gain(self, key: str, default: float | None = None, *, positive: bool = False) -> float:
+        value = self.keys[key] if default is None else self.keys.get(key, default)
+        number = _number(value) if isinstance(value, int | float) else np.nan
+        if not (0 < number < np.inf or (number == 0 and not positive)):
+            allowed = "it is a number above 0" if positive else "it is a number, 0 or above"
+            raise BadValue(key, value, allowed, self.path)
+        return number
 
     def _hand(self, travel: float) -> Hand:
         measures = self.keys.get("hand")
@@ -244,14 +269,16 @@ class RobotConfig:
 
 def _camera(entry: object) -> StaticCamera:
     c = cast(Mapping[str, object], entry)
-    return StaticCamera(
-        str(c["name"]),
-        str(c.get("type", "D435")),
-        *(np.array(c[key], float) for key in ("position", "forward", "left")),
+    position, forward, left = (
+        _array(c[key], (3,), f"static_camera_list: {key}")
+        for key in ("position", "forward", "left")
     )
+    if not np.cross(forward, left).any():
+        raise ValueError("static_camera_list: forward and left are not two directions")
+    return StaticCamera(str(c["name"]), str(c.get("type", "D435")), position, forward, left)
 
 
-def _per_joint(value: object, shape: tuple[int, ...], key: str) -> Array:
+def _array(value: object, shape: tuple[int, ...], key: str) -> Array:
     numbers = np.array(cast(ArrayLike, value), float)
     if numbers.shape != shape or not np.isfinite(numbers).all():
         raise ValueError(f"{key} is no array of shape {shape}")
@@ -276,9 +303,7 @@ def _numbers(value: object) -> list[float]:
     return [_number(v) for v in _list(value)]
 
 
-def _number(value: object, key: str = "") -> float:
-    if value is None and key:
-        raise KeyError(key)
+def _number(value: object) -> float:
     if not isinstance(value, int | float):
         raise TypeError(f"expected a number, got {value!r}")
     return float(value)

@@ -7,7 +7,7 @@ from importlib import metadata
 from pathlib import Path
 
 from rtphys.assets.embodiment import DEFAULT, named_pair
-from rtphys.assets.identity import description_digest
+from rtphys.assets.identity import content_digest
 from rtphys.assets.pack import Pack
 from rtphys.core import library
 from rtphys.core.code_digest import code_digest, imported_files
@@ -47,7 +47,7 @@ def versions(task: Task, embodiment: str = DEFAULT) -> dict[str, str]:
     # Robots of a user's library, which the digest of the assets does not count.
     known = library.names("robots")
     if own := [known[name] for name in dict.fromkeys(named_pair(embodiment)[:2]) if name in known]:
-        text = "+".join(map(description_digest, own))
+        text = "+".join(map(content_digest, own))
         found["robot"] = hashlib.sha256(text.encode()).hexdigest()
     return found
 
