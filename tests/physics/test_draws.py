@@ -5,7 +5,7 @@ import pytest
 
 from rtphys.core.errors import BadValue, Infeasible, UnknownName
 from rtphys.physics import after, load_domain
-from rtphys.physics.distribution import Fixed, SameAs, Uniform
+from rtphys.physics.distribution import By, Fixed, SameAs, Uniform
 from rtphys.physics.domain import Domain
 from rtphys.physics.values import REDRAWS, Interval
 
@@ -75,6 +75,22 @@ def test_camera_modes_suit_what_is_active():
     assert modes(only=[], overrides={"camera_distance": 0.0}) == {"orbit", "shift", "rotate"}
 
 
+def test_a_mode_comes_with_its_direction_whoever_asks_for_it():
+    """Held, or a rule of another attribute by it; the draws are those of a moving camera."""
+    branches = {mode: Fixed(value) for mode, value in (("orbit", 0.2), ("shift", 0.5))}
+    by = By("camera_mode", {**branches, "rotate": Fixed(0.8)})
+    sorted_by_mode = Domain("by", {**GLOBAL.rules, "friction": by})
+    for seed in range(30):
+        whole = GLOBAL.sample(seed)
+        held = GLOBAL.sample(seed, only=[], overrides={"camera_mode": "orbit"})
+        assert held["camera_direction"] == whole["camera_direction"]
+        assert held.varied == frozenset()
+        chosen = sorted_by_mode.sample(seed, only=["friction"])
+        assert chosen["friction"] == by.branches[str(chosen["camera_mode"])].value
+        assert chosen["camera_direction"] == whole["camera_direction"]
+        assert sorted_by_mode.sample(seed)["camera_mode"] == whole["camera_mode"]
+
+
 def test_distance_and_angle_exclude_each_other():
     for seed in SEEDS:
         physics = GLOBAL.sample(seed)
@@ -136,3 +152,9 @@ def test_a_center_of_mass_that_fits_nowhere():
 def test_fixed_stands_for_every_component():
     domain = Domain("fixed", {"center_of_mass": Fixed(0.001)})
     assert domain.sample(1)["center_of_mass"] == (0.001, 0.001, 0.001)
+
+
+def test_the_smallest_scale_is_that_of_the_rule_which_is_followed():
+    rules = {"object_mass": Uniform(Interval(0.5, 2)), "object_scale": SameAs("object_mass")}
+    assert Domain("own", rules).smallest_scale == 0.5
+    assert Domain("own", {}).smallest_scale == 1.0

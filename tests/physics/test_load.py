@@ -102,12 +102,14 @@ REFUSALS = {
     "physics: {friction: [1, 1, 1]}": "it is a number in [0, 4]",
     "physics: {restitution: {choice: []}}": "choice needs a list of at least one",
     "physics: {restitution: {choice: [0.1, 0.1]}}": "a choice is listed twice",
-    "physics: {friction: {same_as: restitutoin}}": "unknown source 'restitutoin'",
+    "physics: {friction: {same_as: restitutoin}}": "unknown source of friction 'restitutoin'",
     "physics: {camera_mode: {choice: [orbit, pan]}}": "it is one of orbit, shift, rotate",
     "physics: {camera_angle: {by: {camera_mode: {orbit: 1}}}}": "rule for camera_mode shift",
     "physics: {camera_angle: {by: {table_tilt: {a: 1}}}}": "unknown selector 'table_tilt'",
     "physics: {friction@a: 1, 'friction@b,a': 0.5}": "FILE: has two rules for friction@a: "
     "friction@a and friction@b,a; keep one",
+    "extends: global\nphysics: {arm_joint_damping: null}": "unknown source of "
+    "gripper_joint_damping 'arm_joint_damping'",
     "physics: [friction]": "physics must be a mapping",
     "extends: [a, b]": "extends needs the name of one domain",
 }

@@ -11,8 +11,8 @@ from rtphys.physics import after, could_act, load_domain, parse_overrides
 from rtphys.physics.distribution import SameAs
 from rtphys.physics.domain import Domain
 from rtphys.physics.pair import of_two
-from rtphys.physics.reach import keys_of, reach
-from rtphys.physics.values import REDRAWS
+from rtphys.physics.reach import Reach, keys_of, reach
+from rtphys.physics.values import REDRAWS, Vector
 from rtphys.task.props import Articulated, Box, check_props, parts
 
 GLOBAL = load_domain("global")
@@ -80,6 +80,42 @@ def test_props_are_dealt_one_rule_each(tmp_path: Path) -> None:
         assert physics["friction"] == GLOBAL.sample(seed)["friction"]
     again = Domain.from_json(own.to_json())
     assert again.digest == own.digest and [again.sample(s) for s in range(200)] == drawn
+
+
+def own_centres(folder: Path, rules: str) -> Domain:
+    path = folder / "centres.yaml"
+    path.write_text(f"physics:\n{rules}")
+    return load_domain(path)
+
+
+def test_centres_of_mass_are_dealt_and_drawn_again_by_the_same_rule(tmp_path: Path) -> None:
+    rules = "  center_of_mass@a,b: {deal: [{uniform: [-0.02, -0.01]}, {uniform: [0.01, 0.02]}]}\n"
+    own = own_centres(tmp_path, rules)
+    for seed in range(50):
+        first, other = own.sample(seed), own.sample(seed, inside=after({f"{REDRAWS}@a": 2}))
+        for physics in (first, other):
+            a, b = physics.vector("center_of_mass@a"), physics.vector("center_of_mass@b")
+            assert (min(a) < 0) == (max(a) < 0) != (min(b) < 0) == (max(b) < 0)
+        assert other["center_of_mass@b"] == first["center_of_mass@b"]
+        assert other["center_of_mass@a"] != first["center_of_mass@a"]
+
+
+def test_a_centre_of_mass_that_follows_another_is_the_same_after_redraws(tmp_path: Path) -> None:
+    """It lies inside the bodies of both, also where one is held."""
+    rules = "  center_of_mass@a: {uniform: [-0.01, 0.01]}\n"
+    own = own_centres(tmp_path, f"{rules}  center_of_mass@b: {{same_as: center_of_mass@a}}\n")
+
+    def inside(offset: Vector, bodies: Reach) -> bool:
+        return offset[0] > 0.002 if bodies.has("a") else offset[1] > 0.002
+
+    for seed in range(50):
+        drawn = own.sample(seed, inside=inside)
+        assert min(drawn.vector("center_of_mass@a")[:2]) > 0.002  # of both
+        assert drawn["center_of_mass@b"] == drawn["center_of_mass@a"]
+        held = own.sample(seed, overrides={"center_of_mass@b": (0, 0, 0)}, inside=inside)
+        assert held["center_of_mass@a"] == drawn["center_of_mass@a"]
+        redraws = {key: drawn[key] for key in (f"{REDRAWS}@a", f"{REDRAWS}@b")}
+        assert own.sample(seed, inside=after(redraws)) == drawn  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

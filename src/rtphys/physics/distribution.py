@@ -1,6 +1,6 @@
 """Distributions of a domain's values, and how they are read from JSON or YAML."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import exp, isfinite, log
 from typing import Protocol, cast
@@ -249,8 +249,13 @@ class Deal:
     rules: tuple[Distribution, ...]
 
     def draw(self, rng: np.random.Generator, size: int) -> Value:
+        return next(self.draws(rng, size))
+
+    def draws(self, rng: np.random.Generator, size: int) -> Iterator[Value]:
+        """Values by the rule of this prop, one after the other."""
         order = rng.permutation(len(self.rules))
-        return [rule.draw(rng, size) for rule in self.rules][int(order[self.place])]
+        while True:  # every prop draws by all rules, so that no two take the same numbers
+            yield [rule.draw(rng, size) for rule in self.rules][int(order[self.place])]
 
     def __contains__(self, value: object) -> bool:
         return any(value in rule for rule in self.rules)

@@ -2,10 +2,10 @@
 
 import hashlib
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import repeat
+from itertools import islice, repeat
 from pathlib import Path
 from types import MappingProxyType
 from typing import cast
@@ -106,31 +106,29 @@ class Domain:
         held, chance, known = overrides or {}, Chance(seed, task), attributes()
         check_overrides(held)
         active = self._active(only, held, known)
+        drawn = [key for key in active if key not in held]
         values: dict[str, Value] = {key: a.nominal for key, a in known.items()}
         values |= dict.fromkeys(AUXILIARY) | {REDRAWS: 0}
-        needed = {aux for key in active for aux in known[split(key)[0]].auxiliary}
-        for key in AUXILIARY:
-            if key in held:
-                values[key] = held[key]
-            elif key in needed:
-                rule = self.rules.get(key, AUXILIARY[key])
-                if isinstance(rule, Choice):
-                    rule = Choice(tuple(self._compatible(key, rule, active, held)))
-                values[key] = rule.draw(chance.stream("physics", key), 1)
-        for key in active:
+        # The draws of a camera's pose belong together: a mode is nothing without its direction.
+        needed = any(known[split(key)[0]].auxiliary for key in active)
+        needed |= any(isinstance(self.drawn_by(key)[1], By) for key in drawn)
+        for key in AUXILIARY if needed or held.keys() & AUXILIARY.keys() else ():
             if key in held:
                 values[key] = held[key]
                 continue
-            # One that follows another: from its stream, the same value unless that one is held.
-            source, rule = self.drawn_by(key)
-            if isinstance(rule, By):
-                rule = rule.branches[str(values[rule.selector])]
-            if isinstance(rule, Deal):
-                source = rule.source
-            values[key] = rule.draw(chance.stream("physics", source), known[split(key)[0]].size)
-        for key in keys_of(CENTER_OF_MASS, active):
-            if key not in held and inside is not None:
-                values |= self._center_of_mass(key, active, inside, chance)
+            rule = self.rules.get(key, AUXILIARY[key])
+            if isinstance(rule, Choice):
+                rule = Choice(tuple(self._compatible(key, rule, active, held)))
+            values[key] = rule.draw(chance.stream("physics", key), 1)
+        values |= {key: held[key] for key in active if key in held}
+        values |= {key: next(self._draws(key, values, chance)) for key in drawn}
+        if inside is not None:
+            sources = [self.drawn_by(key)[0] for key in keys_of(CENTER_OF_MASS, drawn)]
+            for source in dict.fromkeys(sources):
+                centre, redraws = self._center_of_mass(source, active, values, inside, chance)
+                for key in self._alike(source):
+                    if key in drawn:
+                        values |= {key: centre, key.replace(CENTER_OF_MASS, REDRAWS): redraws}
         return Physics(values, active)
 
     def _active(
@@ -184,15 +182,43 @@ class Domain:
 
         return [o for o in options if any(moves(key, o) for key in branches)] or options
 
+    def _draws(self, key: str, values: Mapping[str, Value], chance: Chance) -> Iterator[Value]:
+        """Values for a key, one after the other; of its auxiliaries, `values` holds this episode's.
+
+        One that follows another draws from that one's stream: the same value, unless it is held.
+        """
+        source, rule = self.drawn_by(key)
+        size = attribute(split(key)[0]).size
+        if isinstance(rule, By):
+            rule = rule.branches[str(values[rule.selector])]
+        if isinstance(rule, Deal):
+            yield from rule.draws(chance.stream("physics", rule.source), size)
+        rng = chance.stream("physics", source)
+        while True:
+            yield rule.draw(rng, size)
+
+    def _alike(self, source: str) -> list[str]:
+        """Keys of the rules that draw as `source` does: itself, and what follows it."""
+        return [key for key in self.keys if self.drawn_by(key)[0] == source]
+
     def _center_of_mass(
-        self, key: str, active: Sequence[str], inside: Inside, chance: Chance
-    ) -> dict[str, Value]:
-        """The first draw that lies inside every body that it is for."""
-        rng, bodies = chance.stream("physics", key), reach(key, active)
-        for redraws in range(MAX_REDRAWS):
-            value = self.rules[key].draw(rng, 3)
-            if isinstance(value, tuple) and inside(value, bodies):
-                return {key: value, key.replace(CENTER_OF_MASS, REDRAWS): redraws}
+        self,
+        key: str,
+        active: Sequence[str],
+        values: Mapping[str, Value],
+        inside: Inside,
+        chance: Chance,
+    ) -> tuple[Value, int]:
+        """The first draw that lies inside every body that it is for, and what came before it.
+
+        Those that follow it count, held ones too: to hold one moves no other.
+        """
+        reaches = [reach(own, active) for own in self._alike(key)]
+        for redraws, value in enumerate(islice(self._draws(key, values, chance), MAX_REDRAWS)):
+            assert isinstance(value, tuple)
+            fits = [inside(value, bodies) for bodies in reaches]  # all asked: `after` counts calls
+            if all(fits):
+                return value, redraws
         none = f"no {key} of {MAX_REDRAWS} lies inside every dynamic body"
         raise Infeasible("invalid_physics", none)
 
@@ -202,8 +228,9 @@ class Domain:
 
         Tested at the episode's own scale, the draw of one would depend on the draw of the other.
         """
-        rule = self.rules.get("object_scale")
-        return min([1.0] if rule is None else [x for x in extremes(rule) if isinstance(x, float)])
+        if "object_scale" not in self.rules:
+            return 1.0
+        return min(x for x in extremes(self.drawn_by("object_scale")[1]) if isinstance(x, float))
 
     @property
     def by_prop(self) -> "Domain":

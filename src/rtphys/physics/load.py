@@ -115,13 +115,17 @@ def _check_possible(key: str, rule: Distribution, path: Path) -> None:
         if not rule.within(AUXILIARY[key]):
             raise BadValue(key, rule.to_json(), f"it is {AUXILIARY[key]}", path)
         return
+    _check_extremes(key, rule, path)
+    if not extremes(rule):
+        raise BadValue(key, rule.to_json(), "an attribute needs numbers", path)
+
+
+def _check_extremes(key: str, rule: Distribution, path: Path) -> None:
     varied = attribute(key)
     for value in extremes(rule):
         if varied.size > 1 and isinstance(value, float):  # one number for all components
             value = (value,) * varied.size
         varied.check(value, str(path), split(key)[1])
-    if not extremes(rule):
-        raise BadValue(key, rule.to_json(), "an attribute needs numbers", path)
 
 
 def _check_narrower(key: str, rule: Distribution, parent: Domain, path: Path) -> None:
@@ -149,9 +153,9 @@ def _check_references(rules: dict[str, Distribution], path: Path) -> None:
         if isinstance(rule, SameAs):
             plain = {k for k, r in rules.items() if not isinstance(r, SameAs | By) and k != key}
             if rule.source not in plain - AUXILIARY.keys():
-                raise UnknownName("source", rule.source, plain - AUXILIARY.keys(), path)
-            for value in extremes(rules[rule.source]):
-                attribute(key).check(value, str(path), split(key)[1])
+                kind = f"source of {key}"
+                raise UnknownName(kind, rule.source, plain - AUXILIARY.keys(), path)
+            _check_extremes(key, rules[rule.source], path)
         elif isinstance(rule, By):
             options = AUXILIARY.get(rule.selector)
             if not isinstance(options, Choice):
