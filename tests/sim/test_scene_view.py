@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from rtphys.assets.pack import default_pack
+from rtphys.core.errors import UnknownName
 from rtphys.episode.generate import prepare
 from rtphys.sim.engine import AnyBody
 from rtphys.sim.view import PosesNow, SceneView
 from rtphys.sim.world import World
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task import load_task
+from rtphys.task.arm import Placing
 
 FIRST, SECOND = cast(AnyBody, "first"), cast(AnyBody, "second")
 
@@ -74,3 +76,21 @@ def test_the_top_of_a_box_is_its_own_point_there_whatever_its_size_and_the_table
     top = scene.on_top("red")
     assert top.p == pytest.approx(scene.functional("red", 1).p, abs=1e-3)  # its point has z down
     assert abs(top.R - np.eye(3)).max() < 1e-9
+
+
+@pytest.mark.sim
+def test_contacts_of_a_misspelt_name_are_refused() -> None:
+    """They are none, ever, so `free_of` held whatever happened."""
+    instance = prepare(EpisodeSpec("click_bell").at(0), load_task("click_bell"), default_pack())
+    view = SceneView(instance.world, instance.physics)
+    assert not view.touching("bell", "left_gripper")
+    for ask in (view.touching, view.contact_points, view.impulse):
+        with pytest.raises(UnknownName, match="'bel'; did you mean 'bell'"):
+            ask("left_gripper", "bel")
+
+
+def test_a_placing_knows_its_words() -> None:
+    with pytest.raises(UnknownName, match="'algin'; did you mean 'align'"):
+        Placing(mode="algin")
+    with pytest.raises(UnknownName, match="'pont'; did you mean 'point'"):
+        Placing(along="pont")

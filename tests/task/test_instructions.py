@@ -1,5 +1,6 @@
 """Sentences of episodes: what fits, what depends on what, and our own templates."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -103,8 +104,9 @@ def test_sentences_depend_on_the_seed_alone_and_differ_between_seeds() -> None:
 
 
 def test_a_template_that_cannot_be_filled_is_refused_by_name() -> None:
-    with pytest.raises(BadValue, match=r"Use \{b\}"):
-        check_templates(Phrases(("Use {b}.",), ()), INFO, "here")
+    for template in ("Use {b}.", "Use {A.name}.", "Use {A on {B}.", "Use A}."):
+        with pytest.raises(BadValue, match=re.escape(template)):
+            check_templates(Phrases((template,), ()), INFO, "here")
 
 
 def test_info_that_names_nothing_is_refused() -> None:

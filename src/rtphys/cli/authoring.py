@@ -341,8 +341,10 @@ def try_(plan: TryPlan) -> None:
     from rtphys.report.pictures import captioned
     from rtphys.sim import renderer
     from rtphys.studies.check import stage_ends, watch
+    from rtphys.task.instructions import check_sentences
 
     task = load_task(plan.task)
+    check_sentences(task)
     if plan.picture or plan.video:
         check_drawable()
         renderer.configure()

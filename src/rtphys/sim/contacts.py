@@ -8,6 +8,7 @@ import numpy as np
 from sapien import physx
 
 from rtphys.core.arithmetic import total
+from rtphys.core.errors import UnknownName
 from rtphys.core.poses import Array
 from rtphys.sim.world import World
 
@@ -43,10 +44,11 @@ class Contacts:
         for scene_object in world.scene_objects.values():
             for component in scene_object.links.values():
                 self._owner[component] = scene_object.name
+        self._pairs: dict[tuple[str, str], tuple[str, str]] = {}  # any two names -> sorted
 
     def between(self, a: str, b: str) -> Touch | None:
-        """Contact with a positive impulse between the two now, or None."""
-        pair = (a, b) if a < b else (b, a)
+        """Contact with a positive impulse between the two now, or None. Raises `UnknownName`."""
+        pair = self._pair(a, b)
         near = self.near().get(pair)
         if near is None:
             return None
@@ -59,8 +61,18 @@ class Contacts:
 
     def pressing(self, a: str, b: str) -> bool:
         """Whether `between` has anything to tell; cheaper, for it stops at the first point."""
-        near = self.near().get((a, b) if a < b else (b, a), [])
+        near = self.near().get(self._pair(a, b), [])
         return any(presses(point) for contact, _, _ in near for point in contact.points)
+
+    def _pair(self, a: str, b: str) -> tuple[str, str]:
+        """Sorted. Raises `UnknownName`: a misspelt name would touch nothing, ever."""
+        if (a, b) not in self._pairs:
+            known = {*self._owner.values(), *self._world.objects}
+            for name in (a, b):
+                if name not in known:
+                    raise UnknownName("object, hand or surface", name, known)
+            self._pairs[a, b] = (a, b) if a < b else (b, a)
+        return self._pairs[a, b]
 
     def near(self) -> Mapping[tuple[str, str], Sequence[Near]]:
         """All contacts of the step by the sorted names of the two, also those without impulse."""

@@ -31,7 +31,8 @@ from rtphys.spec.recording import RecordingSpec
 from rtphys.studies.requests import CheckPlan
 from rtphys.studies.worker import StudyWorker
 from rtphys.task.arm import Arm, Motion, Placing, Robot, Scene
-from rtphys.task.spec import Task
+from rtphys.task.instructions import check_sentences
+from rtphys.task.spec import Task, load_task
 
 MAX_BASELINE = 20  # seeds of each baseline, unless more are asked for
 TWICE = 2  # seeds that the expert does twice, to compare the states
@@ -139,6 +140,8 @@ def check(plan: CheckPlan, pack: Pack, listener: Listener = QUIET) -> list[Score
     Raises `RtphysError`.
     """
     check_robot(pack, plan.episode.embodiment)
+    for name in plan.tasks:
+        check_sentences(load_task(name))
     blind = min(plan.seeds, MAX_BASELINE) if plan.baselines is None else plan.baselines
     cells = product(plan.tasks, plan.protocols)
     scores = [Score(replace(plan.episode, task=task, protocol=name)) for task, name in cells]

@@ -52,7 +52,7 @@ from rtphys.studies.resources import (
     first_props,
     props_of,
 )
-from rtphys.task.instructions import check_templates
+from rtphys.task.instructions import check_sentences
 from rtphys.task.props import check_props, parts
 from rtphys.task.spec import Task, load_task
 
@@ -255,7 +255,7 @@ def check(specs: Sequence[CollectionSpec], run: Run) -> dict[str, Task]:
             if spec.sweep and (why := why_idle(spec.swept[0], episode.draw(0), parts(props))):
                 clause = f"it could not act in {task.name}, whose episodes would be equal: {why}"
                 raise BadValue("sweep", spec.sweep, clause)
-        check_templates(task.sentences(), task.info, str(task.source))
+        check_sentences(task)
         tasks[task.name] = task
     if any(drawn(spec.recording.senses) for spec in specs):
         renderer.check_senses(shader)

@@ -11,7 +11,7 @@ from functools import partial
 from typing import TypeVar
 
 from rtphys.assets.embodiment import Hand
-from rtphys.core.errors import Infeasible
+from rtphys.core.errors import Infeasible, UnknownName
 from rtphys.core.poses import Array, Pose
 from rtphys.task.scene import Scene
 
@@ -123,6 +123,14 @@ class Placing:
     yaws: tuple[float, ...] = (0.0,)
     clear: bool = False
     speed: float = 1.0
+
+    def __post_init__(self) -> None:
+        for key, name, known in (
+            ("placing mode", self.mode, ("align", "auto", "free")),
+            ("way to place along", self.along, ("grasp", "point")),
+        ):
+            if name not in known:
+                raise UnknownName(key, name, known)
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ RoboTwin. It fits an episode if its placeholders are those of the task's `info`,
 any arm, or if it has none at all.
 """
 
-import re
 from collections.abc import Callable, Mapping, Sequence
+from string import Formatter
 
 from rtphys.assets.action_layout import SIDES
 from rtphys.core.errors import BadValue
@@ -53,8 +53,8 @@ def scene_info(task: Task, seed: int) -> dict[str, str]:
 
 
 def placeholders(template: str) -> frozenset[str]:
-    """Letters in braces."""
-    return frozenset(re.findall(r"\{(\w+)\}", template))
+    """What stands in braces. Raises `ValueError`: braces that do not match."""
+    return frozenset(field for _, field, _, _ in Formatter().parse(template) if field is not None)
 
 
 def fits(template: str, info: Mapping[str, str]) -> bool:
@@ -68,9 +68,17 @@ def check_templates(phrases: Phrases, info: Mapping[str, str], where: str) -> No
     allowed = ", ".join(f"{{{letter}}}" for letter in info) or "none"
     for split in ("seen", "unseen"):
         for template in getattr(phrases, split):
-            if not fits(template, info):
-                problem = f"its placeholders must be {allowed}, or these without the arms, or none"
-                raise BadValue(split, template, problem, where)
+            problem = f"its placeholders must be {allowed}, or these without the arms, or none"
+            try:
+                if not fits(template, info):
+                    raise BadValue(split, template, problem, where)
+            except ValueError as error:
+                raise BadValue(split, template, f"{error}; {problem}", where) from error
+
+
+def check_sentences(task: Task) -> None:
+    """Raises `BadFile`, `BadValue`: the sentences of a task cannot be read or filled."""
+    check_templates(task.sentences(), task.info, str(task.source))
 
 
 def _spoken(value: str, props: Mapping[str, Prop], describe: Describe) -> Sequence[str]:

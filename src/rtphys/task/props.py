@@ -10,10 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rtphys.core.errors import UnknownName
+from rtphys.core.errors import BadValue, UnknownName
 from rtphys.core.poses import Array, Pose, axis_angle, quat_multiply
+from rtphys.core.untrusted import plain_name
 from rtphys.physics.attribute import Part, attribute, is_attribute
-from rtphys.physics.reach import split
+from rtphys.physics.reach import MARK, split
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 UP_Y = (0.5, 0.5, 0.5, 0.5)  # x -> +y, y -> up, z -> +x
@@ -64,6 +65,16 @@ class Prop:
     phrase: str = ""  # how language names it; empty: the asset's own phrases
     label: str = ""  # placeholder value in scene_info; empty: "<category>/base<k>" or the phrase
 
+    def __post_init__(self) -> None:
+        if self.mass_kg is not None:
+            self._check("mass_kg", self.mass_kg)
+
+    def _check(self, key: str, *numbers: float, zero: bool = False) -> None:
+        """Raise `BadValue` where a number is not above 0 (or is 0): no body has it."""
+        if not all(0 < number < np.inf or (zero and number == 0) for number in numbers):
+            allowed = f"each number is {'0 or above' if zero else 'above 0'}"
+            raise BadValue(key, getattr(self, key), allowed, f"prop {self.name}")
+
     @property
     def rolling_axis(self) -> Array | None:
         """`rolls_about` as a unit vector (3,), own frame."""
@@ -92,6 +103,11 @@ class Box(Prop):
     visual_only: bool = False  # a mark on the table: no collision shape
     upright_grasps: bool = False
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check("half_size", *self.half_size, zero=self.visual_only)
+        self._check("density", self.density)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Ball(Prop):
@@ -102,6 +118,11 @@ class Ball(Prop):
     density: float = 1000.0  # [kg/m^3]
     # PhysX knows no rolling resistance; a soft ball's spin decays at this rate instead [1/s].
     spin_decay: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check("radius", self.radius)
+        self._check("density", self.density)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,6 +140,11 @@ class Articulated(Prop):
     category: str
     model: int
     opening: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.mass_kg is not None:
+            allowed = "an articulated prop weighs what its asset says"
+            raise BadValue("mass_kg", self.mass_kg, allowed, f"prop {self.name}")
 
 
 def parts(props: Iterable[Prop]) -> Mapping[str, frozenset[Part]]:
@@ -141,6 +167,30 @@ ABLE: Mapping[Part, str] = {
     "joints": "prop with joints",
     "bodies": "prop that can move",
 }
+
+
+# Names of other parts of a world, and of clutter, which labels and contacts use beside the props'.
+HANDS = tuple(f"{side}_{part}" for side in ("left", "right") for part in ("gripper", "arm"))
+RESERVED = ("table", "ground", "wall", "robot", *HANDS)
+CLUTTER = "clutter"
+
+
+def check_names(props: Iterable[Prop], where: str) -> None:
+    """Raise `BadValue` where a name of a prop is no name, or not its own."""
+    taken = set[str]()
+    for name in (prop.name for prop in props):
+        try:
+            plain_name(name)
+        except ValueError as problem:
+            raise BadValue("prop", name, str(problem), where) from problem
+        if MARK in name:
+            raise BadValue("prop", name, f"{MARK} stands before a prop in keys of physics", where)
+        if name in RESERVED or (name.startswith(CLUTTER) and name[len(CLUTTER) :].isdigit()):
+            others = f"{', '.join(RESERVED)} and {CLUTTER}0, {CLUTTER}1 ... name other things"
+            raise BadValue("prop", name, others, where)
+        if name in taken:
+            raise BadValue("prop", name, "two props have this name", where)
+        taken.add(name)
 
 
 def check_props(keys: Iterable[str], props: Iterable[Prop]) -> None:

@@ -1,6 +1,7 @@
 """A task: pure data and two functions, loaded by path from a library."""
 
 import hashlib
+import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,12 +9,12 @@ from typing import cast
 
 from rtphys.core import library
 from rtphys.core.code_digest import code_digest, imported_files
-from rtphys.core.errors import BadFile, Infeasible
+from rtphys.core.errors import BadFile, BadValue, Infeasible
 from rtphys.core.library import load_file
 from rtphys.physics.values import Value
 from rtphys.task.arm import Robot
 from rtphys.task.draw import Draw
-from rtphys.task.props import Prop
+from rtphys.task.props import Prop, check_names
 from rtphys.task.success import Condition
 
 Interval = tuple[float, float]
@@ -69,14 +70,32 @@ class Task:
 
         Raises:
             Infeasible: "layout", after 50 whole redraws.
+            BadValue: two props have one name, one has a name that other things have, or a size or
+                a mass that nothing has.
         """
         for retry in range(50):
             try:
-                return list(self.layout(Draw(seed, retry, self.name)))
+                props = self._listed(self.layout(Draw(seed, retry, self.name)))
             except Infeasible as problem:
                 if problem.reason != "layout":
                     raise
+            except BadValue as problem:  # of a prop, which knows no task
+                where = f"task {self.name}" + (f", {problem.where}" if problem.where else "")
+                raise BadValue(problem.key, problem.value, problem.allowed, where) from problem
+            else:
+                check_names(props, f"task {self.name}")
+                return props
         raise Infeasible("layout", "50 layouts in a row broke the task's spacing rules")
+
+    def _listed(self, laid_out: object) -> list[Prop]:
+        """What a layout yields. Raises `BadFile`: that is no props."""
+        found = cast(Iterable[object], laid_out) if isinstance(laid_out, Iterable) else [laid_out]
+        props: list[Prop] = []
+        for prop in found:
+            if not isinstance(prop, Prop):
+                raise BadFile(self.source, f"layout must yield props, and gave {prop!r:.80}")
+            props.append(prop)
+        return props
 
     def sentences(self) -> Phrases:
         """Sentence templates: `phrases`, else the YAML beside the file, else the doc's first line.
@@ -128,10 +147,32 @@ def load_task(name: str) -> Task:
     task = getattr(module, "task", None)
     if not isinstance(task, Task):
         raise BadFile(path, "must define `task = Task(...)`")
+    _check(task, path)
     object.__setattr__(task, "name", name)
     object.__setattr__(task, "doc", (module.__doc__ or "").strip())
     object.__setattr__(task, "source", path)
     return task
+
+
+def _check(task: Task, path: Path) -> None:
+    """Raises `BadFile`, `BadValue`: a part of a task is not what it must be."""
+    for what, given in (("layout", task.layout), ("script", task.script)):
+        if not _takes_one(given):
+            raise BadFile(path, f"{what} must be a function of one argument")
+    if not (isinstance(task.success, Condition) or _takes_one(task.success)):
+        raise BadFile(path, "success must be a condition, or a function of the props")
+    limit = cast(object, task.step_limit)
+    if isinstance(limit, bool) or not isinstance(limit, int) or limit < 1:
+        raise BadValue("step_limit", limit, "it is a number of actions, 1 or more", path)
+
+
+def _takes_one(given: object) -> bool:
+    """Whether it can be called with one argument."""
+    try:
+        inspect.signature(cast(Callable[..., object], given)).bind(None)
+    except (TypeError, ValueError):
+        return False
+    return True
 
 
 def task_names() -> list[str]:

@@ -43,6 +43,10 @@ class Condition:
     def __invert__(self) -> "Condition":
         return condition(f"not ({self.text})", lambda s: not self.holds(s), self.remembers)
 
+    def __bool__(self) -> bool:
+        # `a and b` would be `b` alone, without a word.
+        raise TypeError("conditions are joined by & and ~, not by `and`, `or` and `not`")
+
     def failing(self, scene: Scene) -> list[str]:
         """Texts of the parts that do not hold now, each with what was measured."""
         return [part.said(scene) for part in (self.parts or (self,)) if not part.holds(scene)]

@@ -11,7 +11,7 @@ from rtphys.assets.pack import Pack
 from rtphys.core.poses import Array, quat_to_matrix
 from rtphys.core.seeds import Chance
 from rtphys.task.draw import Spot
-from rtphys.task.props import UP_Z, Articulated, Ball, Box, Mesh, Prop
+from rtphys.task.props import CLUTTER, UP_Z, Articulated, Ball, Box, Mesh, Prop
 from rtphys.task.spec import Task
 
 GROUPS = (
@@ -173,7 +173,7 @@ def scatter(
         else:
             failures += 1
     return tuple(
-        Mesh(name=f"clutter{n}", pose=at.pose(UP_Z), category=piece.category, model=piece.model)
+        Mesh(name=f"{CLUTTER}{n}", pose=at.pose(UP_Z), category=piece.category, model=piece.model)
         for n, (piece, at) in enumerate(placed)
     )
 
