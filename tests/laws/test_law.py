@@ -7,7 +7,7 @@ from types import ModuleType
 import pytest
 
 from rtphys.assets.pack import builtin_pack
-from rtphys.core.errors import BadFile
+from rtphys.core.errors import BadFile, UnknownName
 from rtphys.laws import law
 from rtphys.laws.lab import Lab
 
@@ -56,3 +56,17 @@ def test_mistakes_of_an_experiment_of_ones_own_are_named(
     with pytest.raises(BadFile) as refused:
         next(law.trials_of(Lab(builtin_pack()), law.law_test("friction")))
     assert str(refused.value) == f"{file}: {problem}"
+
+
+def test_what_an_experiment_excepts_is_an_attribute(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A misspelt one was varied all the same."""
+    file = tmp_path / "laws" / "friction.py"
+    file.parent.mkdir()
+    text = OWN.format(body="return []", settings="(1.0,), except_for={'external_forces': None}")
+    file.write_text(text)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    with pytest.raises(UnknownName, match="did you mean 'external_force'") as refused:
+        law.law_test("friction")
+    assert str(file) in str(refused.value)

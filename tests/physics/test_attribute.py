@@ -25,6 +25,9 @@ class Wind(Attribute):
         return {{"air": world.wind}}
 '''
 
+AFTER = WIND.replace('    unit = "N"', '    unit = "N"\n    applied_after = {after}')
+SIZED = WIND.replace('    unit = "N"', '    unit = "N"\n    size = {size}')
+WHEN = WIND.replace('    unit = "N"', '    unit = "N"\n    when = "before-build"')
 ACTING = WIND.replace('    unit = "N"', '    unit = "N"\n    acts_on = "{on}"')
 
 
@@ -66,6 +69,13 @@ def test_a_fourteenth_moves_no_draw(own_library):
         (WIND.format(key="wind").replace("def apply", "def aply"), "does not define apply"),
         (ACTING.format(key="wind", on="body"), "did you mean 'bodies'"),
         (WIND.format(key="wind").replace("nominal = 0.0", "nominal = -3.0"), "wind .*-3.0"),
+        (AFTER.format(key="wind", after="'friction'"), "applied_after = 'friction' .* a tuple"),
+        (SIZED.format(key="wind", size=2), r"size = 2 .* a number \(1\) or a vector \(3\)"),
+        (WHEN.format(key="wind"), "did you mean 'before_build'"),
+        (
+            WIND.format(key="wind").replace("Interval(0, 5)", "(0, 5)"),
+            r"valid = \(0, 5\) .* an Interval",
+        ),
     ],
 )
 def test_a_broken_plugin_is_named(own_library, text, words):
@@ -80,9 +90,6 @@ def test_a_twin_of_a_bundled_attribute_is_refused(own_library):
     (own_library / "attributes" / "friction.py").write_text(WIND.format(key="friction"))
     with pytest.raises(BadFile, match="exists already"):
         attributes()
-
-
-AFTER = WIND.replace('    unit = "N"', '    unit = "N"\n    applied_after = {after}')
 
 
 def test_an_order_among_attributes_of_one_quantity(own_library):

@@ -1,6 +1,5 @@
 """Assembles an attempt and its pictures into the episode that the files hold."""
 
-import os
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import asdict, replace
@@ -9,17 +8,17 @@ from typing import cast
 import numpy as np
 
 from rtphys.assets.pack import Pack
-from rtphys.core.errors import Infeasible, RtphysError
+from rtphys.core.errors import Infeasible
 from rtphys.data.episode import Episode, Frames
 from rtphys.data.writer import Rejection
 from rtphys.episode.failure import went_wrong
 from rtphys.episode.fingerprint import versions
 from rtphys.episode.generate import Attempt, Instance
 from rtphys.episode.render import RenderedFrames
-from rtphys.physics import Physics, could_act, disagreements, readback
+from rtphys.physics import Physics, could_act, readback
 from rtphys.physics.attribute import attribute, is_attribute
 from rtphys.physics.domain import CENTER_OF_MASS
-from rtphys.physics.enforce import acted
+from rtphys.physics.enforce import acted, check_in_force
 from rtphys.physics.handles import Happened
 from rtphys.physics.reach import keys_of, reach
 from rtphys.sim.feet import off_feet
@@ -40,12 +39,6 @@ def left_out(scope: str) -> list[str]:
     return names.split(", ") if found else []
 
 
-class FalseLabel(RtphysError):
-    """The simulator does not say what the label would say: a bug, never an episode."""
-
-    exit_code = os.EX_SOFTWARE
-
-
 def kept(attempt: Attempt) -> bool:
     """Whether a failed attempt can be assembled: something has happened in it."""
     rows = attempt.recording.rows if attempt.recording else ()
@@ -63,8 +56,7 @@ def assemble(attempt: Attempt, pack: Pack) -> Episode:
     recipe, instance, recording = attempt.recipe, attempt.instance, attempt.recording
     if instance is None or recording is None or not (attempt.accepted or kept(attempt)):
         raise ValueError(f"{recipe} was rejected: {attempt.reason}")
-    if wrong := disagreements(instance.world, instance.physics):
-        raise FalseLabel(f"{recipe.task}, seed {recipe.seed}: {'; '.join(wrong)}")
+    check_in_force(instance.world, instance.physics, f"{recipe.task}, seed {recipe.seed}")
     frames, rows, outcome = _frames(recording), recording.rows, attempt.outcome
     scenery = [piece.name for piece in instance.look.clutter]
     first: dict[int, float] = {}  # stage -> time of its first frame; one shorter than a frame: none

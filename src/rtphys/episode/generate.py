@@ -9,7 +9,7 @@ from rtphys.core.errors import Infeasible
 from rtphys.core.timing import PhaseTimer
 from rtphys.expert.robot import ExpertRobot
 from rtphys.physics.domain import CENTER_OF_MASS, Domain
-from rtphys.physics.enforce import enforce
+from rtphys.physics.enforce import check_in_force, enforce
 from rtphys.physics.handles import Blueprint
 from rtphys.physics.hull import Solid, inside
 from rtphys.physics.reach import keys_of, reach
@@ -50,7 +50,7 @@ def prepare(
         look: name of the textures and lights that are drawn (`load_look`); None: the recipe's own.
 
     Raises `Infeasible`: "layout" or "invalid_physics"; `UnknownName`: physics of a prop that the
-    task has not, or that cannot have it.
+    task has not, or that cannot have it; `FalseLabel`: an attribute is not what it was set to.
     """
     arithmetic.warn()
     spec, seed, props = recipe.spec, recipe.seed, tuple(task.props(recipe.seed))
@@ -74,6 +74,7 @@ def prepare(
     physics = rules.draw(seed, inside(solids, smallest))
     _check_inside(physics, solids)
     enforce(world, physics)
+    check_in_force(world, physics, f"{recipe.task}, seed {seed}")
     return Instance(recipe, task, rules.domain, props, physics, world, drawn)
 
 

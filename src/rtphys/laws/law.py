@@ -12,6 +12,7 @@ from rtphys.core.errors import BadFile, RtphysError, UnknownName
 from rtphys.core.library import line_of, load_file
 from rtphys.laws.lab import Lab
 from rtphys.physics.attribute import attribute, attributes
+from rtphys.physics.domain import AUXILIARY, check_key
 from rtphys.physics.values import Value
 
 Values = Mapping[str, Value]  # attribute or auxiliary key -> value
@@ -125,6 +126,9 @@ def law_test(key: str) -> LawTest:
         raise BadFile(module.__file__ or key, f"must define LAW, a LawTest with key = {key!r}")
     if not law.settings:
         raise BadFile(module.__file__ or key, "LAW: settings = () is not allowed; name a value")
+    for name in law.except_for:
+        if name not in AUXILIARY:
+            check_key(name, own or "")
     return replace(law, source=own)
 
 

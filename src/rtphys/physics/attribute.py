@@ -25,6 +25,7 @@ Label = TypeVar("Label", float, Vector)
 Reading = float | Vector
 # Dynamic bodies, joints of articulated task objects, and surfaces that something can touch.
 Part = Literal["bodies", "joints", "surfaces"]
+Stage = Literal["before_build", "after_build"]
 
 
 class Attribute(ABC, Generic[Target, Label]):
@@ -41,10 +42,10 @@ class Attribute(ABC, Generic[Target, Label]):
     # Range of a value that one prop has; None: no prop has its own. An attribute that allows it
     # looks at nothing of the world but bodies, surfaces and joints, and finds those of that prop.
     by_prop: ClassVar[Interval | None] = None
-    when: ClassVar[Literal["before_build", "after_build"]] = "after_build"
+    when: ClassVar[Stage] = "after_build"
     # Keys of attributes that write the same quantity and must have written it before this one does.
     applied_after: ClassVar[tuple[str, ...]] = ()
-    size: ClassVar[int] = 1  # number of components, each drawn on its own
+    size: ClassVar[int] = 1  # number of components, each drawn on its own: 1 or 3
     resolution: ClassVar[float] = 0.0  # absolute error of `read` in single precision
     # [1] Share of the value by which the world may differ: what `physics audit` resolves.
     tolerance: ClassVar[float] = 1e-3
@@ -193,6 +194,15 @@ def _attributes(files: tuple[Path, ...]) -> Attributes:
             raise BadFile(where, f"attribute {key!r} exists already, in {origin[key]}")
         if cls.acts_on not in (None, *get_args(Part)):
             raise UnknownName("part of a world in acts_on", cls.acts_on, get_args(Part), where)
+        for name, value in (("valid", cls.valid), ("by_prop", cls.by_prop)):
+            if not isinstance(value, Interval) and (value is not None or name == "valid"):
+                raise BadValue(name, value, "it is an Interval(low, high)", where)
+        if cls.when not in get_args(Stage):
+            raise UnknownName("stage in when", cls.when, get_args(Stage), where)
+        if not isinstance(cast(object, cls.applied_after), tuple):
+            raise BadValue("applied_after", cls.applied_after, "it is a tuple of keys", where)
+        if cls.size not in (1, 3):  # as labels store values
+            raise BadValue("size", cls.size, "an attribute is a number (1) or a vector (3)", where)
         by_key[key], origin[key] = cls(), where
         by_key[key].check(cls.nominal, where)
     known = MappingProxyType(dict(sorted(by_key.items())))

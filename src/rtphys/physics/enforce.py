@@ -1,6 +1,7 @@
 """Writes an episode's physics into the simulator, checks that it has it, and reads it back."""
 
 import inspect
+import os
 from collections.abc import Collection, Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,7 +28,7 @@ def enforce(target: Blueprint | World, physics: Physics) -> None:
         value = physics[key]
         if one.when == stage and value is not None:
             with _naming(one, "apply"):
-                one.apply(_part(target, key, physics), value)
+                one.apply(part_of(target, key, physics), value)
 
 
 def could_act(physics: Physics, parts: Mapping[str, Collection[Part]]) -> frozenset[str]:
@@ -52,6 +53,18 @@ def acted(key: str, physics: Physics, happened: Happened) -> bool | None:
     return None if found and len(keys_of(split(key)[0], physics)) > 1 else found
 
 
+class FalseLabel(RtphysError):
+    """The simulator does not say what the label would say: a bug, never an episode."""
+
+    exit_code = os.EX_SOFTWARE
+
+
+def check_in_force(world: World, physics: Physics, where: str) -> None:
+    """Raises `FalseLabel`: the simulator has not the values that were drawn."""
+    if wrong := disagreements(world, physics):
+        raise FalseLabel(f"{where}: {'; '.join(wrong)}")
+
+
 def disagreements(world: World, physics: Physics) -> list[str]:
     """One sentence for each value of `physics` that the simulator does not have."""
     wrong: list[str] = []
@@ -59,7 +72,7 @@ def disagreements(world: World, physics: Physics) -> list[str]:
         value = physics[key]
         if value is not None:
             with _naming(one, "read"):
-                wrong += one.disagreements(_part(world, key, physics), value)
+                wrong += one.disagreements(part_of(world, key, physics), value)
     return wrong
 
 
@@ -69,7 +82,7 @@ def _for_episode(physics: Physics) -> list[tuple[str, AnyAttribute]]:
     return [(key, one.for_episode(physics)) for key, one in keys]
 
 
-def _part(target: Blueprint | World, key: str, physics: Physics) -> Any:
+def part_of(target: Blueprint | World, key: str, physics: Physics) -> Any:
     """The part of a world that a key is for."""
     part = reach(key, physics)
     return target if part == Reach() else Reached(cast(World, target), part)

@@ -198,7 +198,9 @@ def test_a_wrist_that_is_pressed_on_the_table_is_seen(joints: np.ndarray) -> Non
     assert any("table press with over 30 N" in problem for problem in seen.problems()) == presses
 
 
-@pytest.mark.parametrize(("depth", "steps", "counts"), [(0.006, 9, 1), (0.006, 5, 0), (0.001, 9, 0)])
+@pytest.mark.parametrize(
+    ("depth", "steps", "counts"), [(0.006, 9, 1), (0.006, 5, 0), (0.001, 9, 0)]
+)
 def test_what_stays_deep_in_another_body_is_found(depth: float, steps: int, counts: int) -> None:
     one = specimen([standing("block", 0.0, (0.03, 0.03, 0.03))], {})
     block = one.world.object("block")

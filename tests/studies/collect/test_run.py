@@ -14,8 +14,10 @@ from rtphys.core.poses import Pose
 from rtphys.data.check_episode import Effort
 from rtphys.data.dataset import Dataset
 from rtphys.data.verify import verify
-from rtphys.episode.assemble import FalseLabel, assemble
+from rtphys.episode.assemble import assemble
 from rtphys.episode.generate import attempt
+from rtphys.physics.attributes.friction import Friction
+from rtphys.physics.enforce import FalseLabel
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.studies.collect import collect
 from rtphys.studies.requests import Run
@@ -127,6 +129,17 @@ def test_a_false_label_is_an_error_not_an_episode() -> None:
         surface.set_material(0.123, 0.123, 0.0)
     with pytest.raises(FalseLabel, match=r"click_bell, seed 0: .*friction"):
         assemble(tried, pack)
+
+
+def test_no_attempt_is_made_where_an_attribute_is_not_what_it_was_set_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Lists and evaluations have no label that would be compared with the world at the end."""
+    monkeypatch.setattr(Friction, "apply", lambda self, target, value: None)
+    with pytest.raises(FalseLabel, match=r"click_bell, seed 0: friction at bell"):
+        attempt(
+            EpisodeSpec("click_bell", "phys_random").at(0), load_task("click_bell"), default_pack()
+        )
 
 
 def test_an_attempt_in_which_nothing_happened_is_no_episode() -> None:

@@ -100,7 +100,7 @@ class Demonstration:
             self._look()
 
     def problems(self) -> list[str]:
-        """A sentence on each link pressed for long, each deep overlap, and each grip that creeps."""
+        """A sentence on each link pressed for long, deep overlap, and grip that creeps."""
         pressed = [
             f"{link} and {other} press with over {MAX_FORCE:g} N for {steps / RATE:.2f} s"
             for (link, other), steps in self.pressed.steps.items()
