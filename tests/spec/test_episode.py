@@ -33,6 +33,15 @@ def test_json_and_back(recipe: Recipe) -> None:
     assert stored(load(Recipe, found, "label")) == stored(recipe)
 
 
+def test_the_order_of_held_values_is_no_difference() -> None:
+    """JSON is stored with sorted keys, and the folder has the spec's name."""
+    one = EpisodeSpec("click_bell", "clean", overrides={"object_mass": 3.0, "friction": 0.9})
+    other = replace(one, overrides={"friction": 0.9, "object_mass": 3.0})
+    assert one.variation == other.variation == "clean.friction=0.9.object_mass=3"
+    kept = json.loads(json.dumps(stored(one), sort_keys=True))
+    assert load(EpisodeSpec, kept, "label").variation == one.variation
+
+
 def test_a_mistake_names_file_and_key() -> None:
     spec = stored(RECIPES[0])["spec"]
     assert isinstance(spec, dict)

@@ -32,6 +32,7 @@ from rtphys.spec.episode import EpisodeSpec, Recipe
 from rtphys.spec.recording import RecordingSpec
 from rtphys.spec.stored import stored
 from rtphys.studies.collect import collect
+from rtphys.studies.render import render
 from rtphys.studies.reproduce import (
     Reproduction,
     lost,
@@ -39,7 +40,7 @@ from rtphys.studies.reproduce import (
     reproduced,
     reproducer,
 )
-from rtphys.studies.requests import Run
+from rtphys.studies.requests import RenderSpec, Run
 from rtphys.task.spec import Task
 
 pytestmark = [pytest.mark.sim, pytest.mark.render]
@@ -62,7 +63,8 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         return tried[key]
 
     def made_once(done: Attempt, scene: reproducing.Scene) -> reproducing.RegeneratedEpisode:
-        key = json.dumps([stored(done.recipe), reproducing.pictures_ready()], sort_keys=True)
+        look = scene.recorded.header.spec.recording.look
+        key = json.dumps([stored(done.recipe), look, reproducing.pictures_ready()], sort_keys=True)
         if key not in made:
             made[key] = regenerated(
                 done, replace(scene, folder=tmp_path_factory.mktemp("made") / "0")
@@ -149,6 +151,14 @@ def test_what_cannot_be_made_again_is_named(forged: Forge) -> None:
     text = words(reproduce_here(forged(change)).problems)
     assert text.count("cannot be made again") == 3
     assert "visual = " in text and "protocol phys_random_all has" in text
+
+
+def test_an_episode_under_another_look_is_made_again_under_it(honest: Path, tmp_path: Path) -> None:
+    """It was never the same: the label tells the look, and the recipe does not."""
+    for look in ("official_random", "clean"):
+        plan = RenderSpec(data=honest, out=tmp_path / look, look=look, workers=1)
+        render(plan)
+        assert reproduce_here(plan.out).problems == []
 
 
 def test_what_a_policy_did_is_left_out(tmp_path: Path) -> None:

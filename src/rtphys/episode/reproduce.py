@@ -21,7 +21,7 @@ from rtphys.data.layout import MANIFEST, EpisodePaths, TaskDataset
 from rtphys.data.staging import HDF5, PHYS_META, stage_episode, targets
 from rtphys.episode.assemble import assemble, kept, rejection, unpaired, values, with_pictures
 from rtphys.episode.fingerprint import versions
-from rtphys.episode.generate import Attempt, attempt
+from rtphys.episode.generate import Attempt, attempt, prepare, under_look
 from rtphys.episode.render import StateTrajectory, render_frames
 from rtphys.physics.domain import Domain
 from rtphys.sim.renderer import pictures_ready
@@ -89,8 +89,8 @@ def scene_of(recorded: RecordedAttempt, folder: Path) -> Scene:
     resolved, task = header.resolved, load_task(header.spec.episode.task)
     recipe = _recipe(header, recorded.row.seed)
     # The protocol of that name must draw as the manifest says.
-    own = recipe.spec
-    look = own.visual()
+    own, shown = recipe.spec, header.spec.recording.look
+    look = own.visual() if shown is None else under_look(own.visual(), shown)
     drawn = {
         "domain": (own.domain.digest, resolved.domain.get("digest")),
         "visual": (None if look is None else look.to_json(), resolved.visual),
@@ -185,7 +185,12 @@ def _rejected(scene: Scene, row: Rejected) -> Comparison:
 def regenerated(again: Attempt, scene: Scene) -> RegeneratedEpisode:
     """The episode as `collect` stores it; without pictures where none can be drawn."""
     assert again.recording is not None
-    episode = assemble(again, scene.pack)
+    episode, recording = assemble(again, scene.pack), scene.recorded.header.spec.recording
+    if recording.look is not None:  # `render` drew it, and the label says so
+        look = prepare(scene.recipe, scene.task, scene.pack, look=recording.look).look
+        meta, info = episode.phys_meta, episode.scene_info
+        meta, info = {**meta, "visual": look.to_json()}, {**info, **look.scene_info()}
+        episode = replace(episode, phys_meta=meta, scene_info=info)
     words = schema.checked(schema.Instructions, episode.instructions)
     if not pictures_ready():
         kind = schema.PhysMeta if again.accepted else schema.FailureMeta
@@ -195,7 +200,7 @@ def regenerated(again: Attempt, scene: Scene) -> RegeneratedEpisode:
             schema.checked(schema.SceneEntry, episode.scene_info),
         )
         return RegeneratedEpisode(episode.frames, label, info, words, None)
-    states, recording = StateTrajectory.of(again.recording), scene.recorded.header.spec.recording
+    states = StateTrajectory.of(again.recording)
     pictures = render_frames(scene.recipe, scene.task, scene.pack, states, recording)
     staged = stage_episode(scene.folder, with_pictures(episode, pictures), recording.layout)
     frames = EpisodeFile(scene.folder / HDF5, recording.layout).frames()

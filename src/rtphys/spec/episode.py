@@ -78,6 +78,8 @@ class EpisodeSpec:
     ] = False
 
     def __post_init__(self) -> None:
+        # The order of options is no difference, and a manifest does not keep it.
+        object.__setattr__(self, "overrides", dict(sorted(self.overrides.items())))
         if self.protocol:
             return
         if self.only is None:
