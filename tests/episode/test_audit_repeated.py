@@ -1,5 +1,7 @@
 """An audit repeats demonstrations: what it says of a true label, and of false ones."""
 
+from pathlib import Path
+
 import pytest
 from audited import audited, stored
 
@@ -39,6 +41,45 @@ def test_what_did_not_act_leaves_every_bit(name: tuple[str, int], impact: bool) 
     problems = repeated(label(found, False), default_pack())
     assert bool(problems) == impact
     assert all("restitution: the label says that it did not act" in one for one in problems)
+
+
+DROPPED = '''
+"""Lift a hand while a block lies where it fell."""
+from rtphys.task import *
+
+
+def layout(draw):
+    at = Pose((0.15, -0.1, 0.805))
+    yield Box(name="block", pose=at, half_size=(0.02, 0.02, 0.02), resting=False)
+
+
+def script(robot):
+    robot.do(robot.right.shift(z=0.02))
+
+
+task = Task(layout=layout, script=script, success=on_table("block"), step_limit=50)
+'''
+
+
+def test_what_falls_while_the_world_settles_has_met_something(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody watches then, and the block comes to lie elsewhere under another restitution."""
+    (tmp_path / "tasks").mkdir()
+    (tmp_path / "tasks" / "dropped.py").write_text(DROPPED)
+    monkeypatch.setenv("RTPHYS_LIBRARY", str(tmp_path))
+    found = [
+        attempt(
+            EpisodeSpec("dropped", "clean", overrides={"restitution": value}).at(0),
+            load_task("dropped"),
+            default_pack(),
+            happened=True,
+        ).recording
+        for value in (0.0, 0.5)
+    ]
+    still, bounced = (one for one in found if one is not None and one.happened is not None)
+    assert still.hash != bounced.hash
+    assert still.happened is not None and still.happened.impact
 
 
 def test_another_demonstration_is_told() -> None:

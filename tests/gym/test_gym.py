@@ -171,6 +171,29 @@ def test_physics_is_told_and_shown_only_on_request() -> None:
     assert seen["physics"]["center_of_mass"].shape == (3,)
 
 
+def test_what_a_prop_has_of_its_own_is_shown_too() -> None:
+    env = TaskEnv("heavy_below", show_physics=True)
+    seen, info = env.reset(seed=2)
+    assert isinstance(env.observation_space, spaces.Dict)
+    assert set(env.observation_space["physics"]) == set(seen["physics"])  # type: ignore[call-overload]
+    for key in ("object_mass@first", "object_mass@second"):
+        assert seen["physics"][key].item() == pytest.approx(info["physics"][key])
+    other = {"physics": {"friction@first": 0.7}}
+    seen, info = env.reset(seed=2, options=other)
+    assert "friction@first" in info["physics"], "held for one episode: it is told, and not shown"
+    assert env.observation_space.contains(seen)
+
+
+@pytest.mark.parametrize("task", ["open_laptop", "put_object_cabinet", "open_microwave"])
+def test_damping_that_is_the_assets_own_is_shown_as_the_simulator_has_it(task: str) -> None:
+    """It was half of that: the mean of damping and dry friction."""
+    env = TaskEnv(task, show_physics=True)
+    seen, _ = env.reset(seed=0)
+    assert env._episode is not None
+    dampings = [joint.damping for joint in env._episode.instance.world.joints]
+    assert seen["physics"]["object_joint_damping"].item() == pytest.approx(np.mean(dampings))
+
+
 def test_conditions_of_make_last_and_those_of_reset_do_not() -> None:
     """A vector environment resets by itself, without options: nobody could say them again."""
     held = {"friction": 0.2}

@@ -20,8 +20,15 @@ from rtphys.data.dataset import Dataset
 from rtphys.episode import CameraView, PolicyEpisode, View, begin
 from rtphys.episode.observation import Mirror
 from rtphys.policies import PolicyGone, PolicySetup, ServerFailed, open_policy
-from rtphys.policies.lerobot import LeRobot, observed, open_lerobot
-from rtphys.policies.lerobot_server import Checkpoint, pack, unpack
+from rtphys.policies.lerobot import (
+    PHYSICS,
+    LeRobot,
+    check_vectors,
+    observed,
+    open_lerobot,
+    physics_vector,
+)
+from rtphys.policies.lerobot_server import STATE, Checkpoint, pack, unpack
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
 
@@ -270,6 +277,19 @@ def test_a_checkpoint_that_cannot_play_is_refused_before_any_episode(
     oracle = {"physics": "true"} if name in ("knows_other_physics", "repeats") else {}
     with pytest.raises(error, match=problem):
         stub(name, **oracle)
+
+
+def test_an_oracle_of_a_task_whose_props_have_physics_of_their_own() -> None:
+    """An export has a number for each; only the thirteen attributes were shown."""
+    physics = EpisodeSpec("heavy_below", "clean").draw(0)
+    shown = physics_vector(physics)
+    assert len(shown) > len(physics_vector(EpisodeSpec("click_bell", "clean").draw(0))) == 15
+    assert np.float32(physics.scalar("object_mass@first")) in shown
+    about = {"inputs": {PHYSICS: [len(shown)], STATE: [14]}, "outputs": {"action": [14]}}
+    check_vectors(about, 14, oracle=True, physics=physics)
+    with pytest.raises(BadValue, match=rf"has to read .* of \[{len(shown)}\].* is \[15\]"):
+        fifteen = {**about, "inputs": {PHYSICS: [15], STATE: [14]}}
+        check_vectors(fifteen, 14, oracle=True, physics=physics)
 
 
 @pytest.mark.sim

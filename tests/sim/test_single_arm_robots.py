@@ -1,5 +1,7 @@
 """Robots of two single arms in the simulator: frames, fingers, and an episode of each."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,16 @@ def test_at_home_the_hands_are_open_and_nothing_touches(name: str) -> None:
         np.testing.assert_allclose(arm.measured(), arm.limb.home, atol=1e-3)
     assert CollisionChecker(robot).clear(robot.left.home, robot.right.home)
     assert not simulated.scene.get_contacts()
+
+
+def test_what_presses_a_finger_outwards_is_positive_whichever_way_its_joint_counts() -> None:
+    robot = PACK.embodiment("piper")
+    turned = replace(robot, left=replace(robot.left, finger_signs=(1.0, -1.0)))
+    usual, other = (SimRobot(new_scene(visuals=False), one) for one in (robot, turned))
+    forces = np.random.default_rng(0).normal(size=(len(usual.articulation.links), 6))
+    ratio = other.effort_of(forces) / usual.effort_of(forces)
+    assert np.flatnonzero(ratio == -1).tolist() == [usual.left.finger_index[1]]
+    assert (ratio == 1).sum() == len(ratio) - 1
 
 
 @pytest.mark.parametrize("name", ["aloha-agilex", "franka-panda", "piper"])

@@ -31,6 +31,7 @@ from rtphys.data.rewrite import subset
 from rtphys.data.video import probe
 from rtphys.data.writer import DatasetWriter, Rejection
 from rtphys.episode.fingerprint import fingerprint_of
+from rtphys.physics import load_domain
 from rtphys.policies import PolicySetup
 from rtphys.results import EpisodeRecord, read_results
 from rtphys.results.evaluation import (
@@ -50,6 +51,7 @@ from rtphys.results.instances import (
 from rtphys.results.statistics import Rate
 from rtphys.results.summary import Counts, summarise
 from rtphys.spec.episode import EpisodeSpec
+from rtphys.spec.recording import RecordingSpec
 from rtphys.studies import evaluate as module
 from rtphys.studies.certify import CertificationTask, CertifyWorker
 from rtphys.studies.evaluate import (
@@ -542,6 +544,23 @@ def test_seeds_of_a_plain_task_dataset_stand_in_for_those_of_a_held_one(tmp_path
     collect(tmp_path, 1, synthetic.header(overrides={"friction": 0.2}))
     wish = EvaluationRun((TASK,), ("phys_random",), instances=tmp_path)
     assert module.certified(wish, "phys_random", TASK, FINGERPRINT).tried_under == "clean"
+
+
+def test_a_dataset_of_another_domain_is_no_list(tmp_path: Path) -> None:
+    """An evaluation draws from the task's own, so it would have other physics on these seeds."""
+    collect(tmp_path, 1, synthetic.header(ranges=load_domain("global")))
+    wish = EvaluationRun((TASK,), ("phys_random",), instances=tmp_path)
+    with pytest.raises(BadValue, match="drawn from `ranges`, which an evaluation does not know"):
+        module.certified(wish, "phys_random", TASK, FINGERPRINT)
+
+
+def test_a_recorded_dataset_has_the_pictures_that_were_asked_for(pack: Pack) -> None:
+    instances = InstanceList(TASK, "clean", FINGERPRINT, (BenchmarkInstance(SEEDS[0]),))
+    asked = RecordingSpec(size="64x48", senses=("depth",))
+    header = recording_header(
+        EvaluationSpec("idle", recording=asked), instances, load_task(TASK), pack
+    )
+    assert header.spec.recording == asked
 
 
 def test_a_recorded_dataset_is_of_the_robot_that_acts(tmp_path: Path, pack: Pack) -> None:

@@ -50,7 +50,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         task: as in `rtphys tasks`.
         protocol: clean, official_random, phys_random, phys_random_all, or a library's own.
         obs: "state" (commands, measurements, object poses) or "pixels" (commands, pictures).
-        show_physics: add the attributes to observations, under "physics".
+        show_physics: add the attributes to observations, under "physics", and the values of single
+            props as `friction@left_block`.
         senses: also observe "depth" [m], "segmentation" (ids of bodies, named in `info["bodies"]`)
             "pointcloud", or "touch" (what each finger feels), each under its name.
         render_mode: "rgb_array", the picture of the head camera.
@@ -93,7 +94,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
             raise UnknownName("render mode", render_mode, self.metadata["render_modes"])
         self._task, self._pack = load_task(task), default_pack()
         self._lasting = {"protocol": protocol, "physics": physics or {}, "split": split}
-        self._robot, self._obs, self._show_physics = embodiment, obs, show_physics
+        self._robot, self._obs = embodiment, obs
+        self._shown: list[str] = []  # keys of the physics in observations
         self._kind: ActionKind = CONTROLS[control]
         self.render_mode = render_mode
         robot = check_robot(self._pack, self._spec({}).embodiment)
@@ -101,7 +103,9 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         states = obs == "state"
         parts = shapes.state(bounds, self._task.props(0)) if states else shapes.pixels(bounds)
         if show_physics:
-            parts["physics"] = shapes.physics()
+            drawn = self._spec({}).draw(0)
+            self._shown = [key for key in drawn if is_attribute(key)]
+            parts["physics"] = shapes.physics(self._shown)
         self._recording = RecordingSpec(senses=tuple(senses))
         parts |= shapes.sensed(self._recording)
         self.action_space = shapes.commands(bounds)
@@ -222,8 +226,8 @@ class TaskEnv(gymnasium.Env[Obs, NDArray[np.float32]]):
         shown = shapes.single(found)
         if self._obs == "pixels":
             shown["pixels"] = {name: now.images[name] for name in USUAL}
-        if self._show_physics:
-            shown["physics"] = shapes.physics_of(episode.instance)
+        if self._shown:
+            shown["physics"] = shapes.physics_of(episode.instance, self._shown)
         for name in self._recording.senses:
             sense = SENSES[name]
             if sense.scope == "pixel":

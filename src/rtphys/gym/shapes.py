@@ -1,6 +1,6 @@
 """Action and observation spaces of a task, and the arrays that fill them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from gymnasium import spaces
@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 from rtphys.assets.action_layout import SIDES
 from rtphys.core.errors import UnknownName
 from rtphys.episode.generate import Instance
-from rtphys.physics import attributes
+from rtphys.physics.attribute import attribute
+from rtphys.physics.enforce import part_of
+from rtphys.physics.reach import split
 from rtphys.senses import SENSES
 from rtphys.spec.recording import USUAL, RecordingSpec
 from rtphys.task.props import Articulated, Prop
@@ -63,9 +65,9 @@ def sensed(recording: RecordingSpec) -> dict[str, spaces.Space]:
     return made
 
 
-def physics() -> spaces.Dict:
-    """Space of the physics: one entry per attribute, in its own unit."""
-    return spaces.Dict({key: _numbers(attribute.size) for key, attribute in attributes().items()})
+def physics(keys: Iterable[str]) -> spaces.Dict:
+    """Space of the physics: one entry per attribute, and per prop with its own, in its own unit."""
+    return spaces.Dict({key: _numbers(attribute(split(key)[0]).size) for key in keys})
 
 
 def single(values: Mapping[str, object]) -> dict[str, object]:
@@ -78,15 +80,17 @@ def single(values: Mapping[str, object]) -> dict[str, object]:
     }
 
 
-def physics_of(instance: Instance) -> dict[str, object]:
-    """Value of every attribute in an episode, (components,) in its own unit.
+def physics_of(instance: Instance, keys: Iterable[str]) -> dict[str, object]:
+    """Values of attributes in an episode, (components,) in their own units.
 
-    If an attribute keeps the assets' own values, their mean as read from the simulator; 0 if
-    nothing in the scene has the attribute.
+    A prop without a value of its own has that of the others. If an attribute keeps the assets' own
+    values, their mean as read from the simulator; 0 if nothing in the scene has the attribute.
     """
-    values: dict[str, object] = dict(instance.physics)
-    for key, attribute in attributes().items():
-        if values[key] is None:
-            read = [np.mean(place) for place in attribute.read(instance.world).values()]
-            values[key] = np.mean(read) if read else 0.0
-    return single({key: values[key] for key in attributes()})
+    values: dict[str, object] = {key: instance.physics.of(*split(key)) for key in keys}
+    for key in [key for key, value in values.items() if value is None]:
+        one, part = attribute(split(key)[0]), part_of(instance.world, key, instance.physics)
+        # Only what it would set to its value: beside a joint's damping, dry friction is read.
+        own = [name for name, value in one.expected(part, 1.0).items() if value == 1.0]
+        read = one.read(part)
+        values[key] = np.mean([read[name] for name in own]) if own else 0.0
+    return single(values)

@@ -20,13 +20,15 @@ from rtphys.core.bounds import LARGEST_MESSAGE, LONGEST_REPORT
 from rtphys.core.errors import BadFile, BadValue, UnknownName
 from rtphys.data.episode import CAMERA_NAMES
 from rtphys.episode import Observation, PolicyEpisode
-from rtphys.physics import Physics, attributes
+from rtphys.physics import Physics
+from rtphys.physics.attribute import is_attribute
 from rtphys.physics.values import components
 from rtphys.policies import lerobot_server
 from rtphys.policies.lerobot_server import STATE
 from rtphys.policies.policy import PolicyGone, PolicySetup, ServerFailed, action_rows
 from rtphys.policies.registry import CHECKPOINTS, Seconds, split_options
 from rtphys.spec import recording
+from rtphys.spec.episode import EpisodeSpec
 from rtphys.spec.option import Positive, checked_dataclass, from_words
 
 EE_POSE = "observation.ee_pose"
@@ -82,7 +84,8 @@ class LeRobot:
                 problem = f"cannot be opened{by}: {about['error'][:LONGEST_REPORT]}"
                 raise PolicyGone(self._name, problem)
             self._pictures = pictures(about["inputs"], given.cameras)
-            check_vectors(about, sum(setup.arm_joints) + 2, given.physics)
+            drawn = EpisodeSpec(setup.task, setup.protocol).draw(0) if setup.task else None
+            check_vectors(about, sum(setup.arm_joints) + 2, given.physics, drawn)
             self._inputs = about["inputs"]
             self._count = about["chunk"] if given.observe == "chunk" else 1
         except BaseException:
@@ -114,7 +117,7 @@ class LeRobot:
         """Play one episode. Raises `PolicyGone`, `ServerFailed`."""
         physics, known = episode.instance.physics, dict[str, np.ndarray]()
         if PHYSICS in self._inputs:
-            if own := [key for key in attributes() if physics[key] is None]:
+            if own := [key for key in filter(is_attribute, physics) if physics[key] is None]:
                 problem = f"{', '.join(own)} is the asset's own here, which is no number"
                 raise PolicyGone(self._name, f"{problem}; evaluate where the protocol varies it")
             known[PHYSICS] = physics_vector(physics)
@@ -185,7 +188,8 @@ def observed(observation: Observation, pictures: Mapping[str, str]) -> dict[str,
 
 def physics_vector(physics: Physics) -> np.ndarray:
     """All attributes as in `rtphys export lerobot`, float32; vectors one number after the other."""
-    return np.array([part for key in attributes() for part in components(physics[key])], np.float32)
+    keys = filter(is_attribute, physics)
+    return np.array([part for key in keys for part in components(physics[key])], np.float32)
 
 
 def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
@@ -211,15 +215,25 @@ def pictures(inputs: Mapping[str, object], given: str) -> dict[str, str]:
     return found
 
 
-def check_vectors(about: Mapping[str, Mapping[str, list[int]]], size: int, oracle: bool) -> None:
+def check_vectors(
+    about: Mapping[str, Mapping[str, list[int]]],
+    size: int,
+    oracle: bool,
+    physics: Physics | None = None,
+) -> None:
     """Refuse a checkpoint that could play no episode of a robot with `size` numbers.
+
+    Args:
+        about: shapes of its inputs and outputs.
+        oracle: whether the physics is shown to it.
+        physics: of an episode; None: the task is not known yet.
 
     Raises `BadValue`: it reads the physics and is not shown it (as an `oracle` is), or its state or
     action is that of another robot, or its physics that of other attributes.
     """
     # Other inputs that we lack may be listed though the policy never reads them, such as effort.
     known = about["inputs"].get(PHYSICS)
-    wanted = [sum(one.size for one in attributes().values())]
+    wanted = known if physics is None else [len(physics_vector(physics))]
     if known is not None and not oracle:
         cure = "the checkpoint was trained with the physics labels; ?physics=true shows them"
         raise BadValue("physics", oracle, cure)

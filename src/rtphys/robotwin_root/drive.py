@@ -72,7 +72,8 @@ def evaluate(usr_args: dict[str, object], test_num: int) -> Path:
     also written to its `eval_output_dir`.
 
     Raises `BadFile`, `UnknownName`: the configuration, task, policy or kind of instruction does not
-    exist; `BadValue`: no task or policy is named; `RtphysError`: a plug-in that cannot be imported, or too few feasible seeds.
+    exist; `BadValue`: no task or policy is named; `RtphysError`: a plug-in that cannot be imported,
+    or too few feasible seeds.
     """
     split = str(usr_args["instruction_type"])
     if split not in SPLITS:

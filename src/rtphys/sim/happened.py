@@ -36,11 +36,14 @@ class HappenedMonitor:
         }
         self._arms = np.concatenate([arm.index for arm in world.robot.arms])
         self._fingers = np.concatenate([arm.finger_index for arm in world.robot.arms])
-        self._objects = [o.articulation for o in world.objects.values() if o.articulation]
-        self._start = self._joints()
+        articulated = [o for o in world.objects.values() if o.articulation]
+        self._objects = [o.articulation for o in articulated if o.articulation]
+        # What moved or fell while the world settled, which nobody watched, counts as well.
+        self._start = [*self._joints()[:2], *(o.start for o in articulated)]
+        loose = (o.prop for o in world.objects.values() if o.bodies)
         self._poses = self._packed()
         self._change = np.zeros_like(self._poses)  # by the last step
-        self.happened = Happened()  # so far
+        self.happened = Happened(impact=any(not prop.resting for prop in loose))  # so far
 
     def tick(self, frame: bool) -> None:
         """After a physics step; at a frame joints are looked at, too."""

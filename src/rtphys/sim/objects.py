@@ -56,6 +56,7 @@ class SceneObject:
     joints: list[SimJoint] = field(default_factory=list)
     surfaces: list[SimSurface] = field(default_factory=list)
     articulation: physx.PhysxArticulation | None = None
+    start: Array = field(default_factory=lambda: np.zeros(0))  # joint positions as it was built
     nominal_size: float = 1.0  # what `shape_size` says of one shape at scale 1
     scaled: bool = True
 
@@ -297,6 +298,7 @@ class ObjectFactory:
             [SimBody(f"{prop.name}/{link.name}", link) for link in solid],
             joints,
             articulation=art,
+            start=qpos,
             nominal_size=nominal_shape_size(asset.urdf, asset.scale),
         )
 

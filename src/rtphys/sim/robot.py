@@ -162,6 +162,9 @@ class SimRobot:
             link.set_disable_gravity(True)
         self.left, self.right = (SimArm(limb, self) for limb in embodiment.limbs)
         self.arms = self.left, self.right
+        self._outwards = np.ones(art.dof)  # +1 or, for a finger that opens downwards, -1
+        for arm in self.arms:
+            self._outwards[arm.finger_index] = arm.limb.finger_signs
         # Every joint that is no arm's is held (rear arms and wheels of the official URDF).
         used = {int(i) for arm in self.arms for i in (*arm.index, *arm.finger_index)}
         for i, joint in enumerate(art.active_joints):
@@ -227,14 +230,14 @@ class SimRobot:
         """(dof,) what each joint exerted on its link in the last step: [N m], or [N] if it slides.
 
         Measured: what the joint transmits along its own axis, positive where that pushes the joint
-        up. The links weigh nothing (gravity is compensated), so at rest it is -JᵀF, with F what
-        loads and contacts do to the robot.
+        up, or the finger outwards. The links weigh nothing (gravity is compensated), so at rest it
+        is -JᵀF, with F what loads and contacts do to the robot.
         """
         return self.effort_of(self.articulation.link_incoming_joint_forces)
 
     def effort_of(self, forces: NDArray[np.float32]) -> Array:
         """The effort where links have these incoming joint forces (n, 6)."""
-        return np.asarray(forces, float)[self._along_axis]
+        return np.asarray(forces, float)[self._along_axis] * self._outwards
 
     def link_owner(self) -> dict[str, str]:
         """Link name -> "left_gripper", "right_arm", ... or "robot", for contact queries."""

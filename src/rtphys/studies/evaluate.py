@@ -280,7 +280,7 @@ def recording_header(
         acts += f", files {policy_files[: evaluation.DIGITS]}"
     kept = CollectionSpec(
         spec.episode,
-        RecordingSpec(senses=spec.recording.senses),
+        spec.recording,
         episodes=len(instances.feasible),
         first_seed=instances.first_seed,
         keep_failures="all",
@@ -339,16 +339,14 @@ class EvaluateWorker(StudyWorker[EvaluationTask, EvaluationResult]):
             write_video(instance, recording, self.pack, path)
         if job.staging is None:
             return EvaluationResult(record)
-        senses = self.recording.senses
-        renderer.hold_anchor(drawn(senses))
+        renderer.hold_anchor(drawn(self.recording.senses))
         reason, detail = "", ""
         if not record.success:
             reason, detail = record.reason, record.raised[:SHORT]
         tried = Attempt(recipe, reason, detail, instance, recording, episode.finish())
-        # The cameras of a dataset, and the senses that the policy was asked to have.
-        shown, worker = RecordingSpec(senses=senses), CollectWorker(self.pack)
+        worker = CollectWorker(self.pack)
         worker.tasks[task.name] = task
-        drawn_one = worker.simulated(tried, job.staging, shown).outcome(worker.draw)
+        drawn_one = worker.simulated(tried, job.staging, self.recording).outcome(worker.draw)
         return EvaluationResult(record, drawn_one)
 
 
@@ -479,6 +477,8 @@ def _unfit(spec: CollectionSpec) -> str:
     """Why the seeds of a task dataset are no instances; empty: they are."""
     if spec.episode.only is not None or spec.episode.overrides:
         return "attributes were picked or held in it, which an evaluation does not know"
+    if spec.episode.ranges is not None:
+        return "its physics was drawn from `ranges`, which an evaluation does not know"
     if spec.policy is not None:
         return f"its episodes are those of {spec.policy}, which says nothing of feasibility"
     if spec.episode.pair_tasks:
