@@ -40,7 +40,7 @@ def test_a_body_has_a_mass(number: float) -> None:
 
 def test_an_articulated_prop_weighs_what_its_asset_says() -> None:
     """A mass of its own was ignored."""
-    with pytest.raises(BadValue, match="prop a: mass_kg = 5.0 .*what its asset says"):
+    with pytest.raises(BadValue, match=r"prop a: mass_kg = 5\.0 .*what its asset says"):
         Articulated(name="a", pose=HERE, category="015_laptop", model=0, mass_kg=5.0)
 
 
