@@ -50,7 +50,7 @@ def prepare(
         look: name of the textures and lights that are drawn (`load_look`); None: the recipe's own.
 
     Raises `Infeasible`: "layout" or "invalid_physics"; `UnknownName`: physics of a prop that the
-    task has not, or that cannot have it; `FalseLabel`: an attribute is not what it was set to.
+    task has not, or that cannot have it.
     """
     arithmetic.warn()
     spec, seed, props = recipe.spec, recipe.seed, tuple(task.props(recipe.seed))
@@ -74,7 +74,6 @@ def prepare(
     physics = rules.draw(seed, inside(solids, smallest))
     _check_inside(physics, solids)
     enforce(world, physics)
-    check_in_force(world, physics, f"{recipe.task}, seed {seed}")
     return Instance(recipe, task, rules.domain, props, physics, world, drawn)
 
 
@@ -180,6 +179,8 @@ def attempt(
 
 
 def start(instance: Instance, options: RolloutOptions = NO_LIMIT) -> Rollout:
-    """Begin the policy stage of a settled instance."""
+    """Begin the policy stage of a settled instance. Raises `FalseLabel`: its physics is another."""
+    recipe = instance.recipe
+    check_in_force(instance.world, instance.physics, f"{recipe.task}, seed {recipe.seed}")
     condition = instance.task.condition(list(instance.props))
     return Rollout(instance.world, instance.physics, condition, options)

@@ -40,7 +40,7 @@ class HappenedMonitor:
         self._objects = [o.articulation for o in articulated if o.articulation]
         # What moved or fell while the world settled, which nobody watched, counts as well.
         self._start = [*self._joints()[:2], *(o.start for o in articulated)]
-        loose = (o.prop for o in world.objects.values() if o.bodies)
+        loose = (o.prop for o in world.objects.values() if o.bodies and not o.prop.fixed)
         self._poses = self._packed()
         self._change = np.zeros_like(self._poses)  # by the last step
         self.happened = Happened(impact=any(not prop.resting for prop in loose))  # so far
