@@ -175,6 +175,8 @@ docs/evaluate.md
     test_check::test_who_sees_nothing_solves_nothing
     test_every_task::test_nothing_comes_of_idling
     test_baselines::test_trembling_presses_nothing
+  collected with `--set`, `--only` or `--domain` is refused
+    test_evaluate::test_a_dataset_of_other_physics_is_no_list
   `--record` is refused, because the dataset would have gaps
     test_evaluate::test_what_was_run_without_recording_is_refused
   looks like a misspelling of one that your policy asked for when it was opened, the run is refused

@@ -546,11 +546,21 @@ def test_seeds_of_a_plain_task_dataset_stand_in_for_those_of_a_held_one(tmp_path
     assert module.certified(wish, "phys_random", TASK, FINGERPRINT).tried_under == "clean"
 
 
-def test_a_dataset_of_another_domain_is_no_list(tmp_path: Path) -> None:
-    """An evaluation draws from the task's own, so it would have other physics on these seeds."""
-    collect(tmp_path, 1, synthetic.header(ranges=load_domain("global")))
+@pytest.mark.parametrize(
+    ("given", "problem"),
+    [
+        ({"ranges": load_domain("global")}, "drawn from `ranges`"),
+        ({"overrides": {"friction": 0.2}}, "picked or held"),
+        ({"only": ("friction",)}, "picked or held"),
+    ],
+)
+def test_a_dataset_of_other_physics_is_no_list(
+    tmp_path: Path, given: dict[str, object], problem: str
+) -> None:
+    """An evaluation draws from the task's own domain, so these seeds would have other physics."""
+    collect(tmp_path, 1, synthetic.header(**given))
     wish = EvaluationRun((TASK,), ("phys_random",), instances=tmp_path)
-    with pytest.raises(BadValue, match="drawn from `ranges`, which an evaluation does not know"):
+    with pytest.raises(BadValue, match=f"{problem}.*which an evaluation does not know"):
         module.certified(wish, "phys_random", TASK, FINGERPRINT)
 
 
