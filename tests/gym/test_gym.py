@@ -180,7 +180,7 @@ def test_what_a_prop_has_of_its_own_is_shown_too() -> None:
         assert seen["physics"][key].item() == pytest.approx(info["physics"][key])
     other = {"physics": {"friction@first": 0.7}}
     seen, info = env.reset(seed=2, options=other)
-    assert "friction@first" in info["physics"], "held for one episode: it is told, and not shown"
+    assert "friction@first" in info["physics"], "the space was fixed before, so only info has it"
     assert env.observation_space.contains(seen)
 
 
