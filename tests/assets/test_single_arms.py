@@ -219,6 +219,13 @@ def without_limits(folder: Path) -> None:
             "config.yml: robot_pose = .*quaternion",
         ),
         (
+            lambda f: change(
+                f, "config.yml", "gripper_scale: [-0.01, 0.04]", "gripper_scale: [-10, 40]"
+            ),
+            BadValue,
+            "config.yml: gripper_scale = .*up to 0.3 m",
+        ),
+        (
             lambda f: change(f, "config.yml", "joint_stiffness: 1000", "joint_stiffness: 0"),
             BadValue,
             "config.yml: joint_stiffness = 0 .*above 0",
@@ -233,6 +240,7 @@ def without_limits(folder: Path) -> None:
             BadValue,
             "gripper_damping = -1",
         ),
+        (lambda f: add(f, "pair_distance: -0.5"), BadValue, "pair_distance = -0.5 .*0 to 3 m"),
         (lambda f: add(f, "joint_armature: -0.35"), BadValue, "joint_armature = -0.35"),
         (lambda f: add(f, "joint_velocity: [1, 1, 0, 1, 1, 1]"), BadValue, "joint_velocity = "),
         (lambda f: spoil_mesh(f, "link7_0.stl"), BadFile, "link7_0.stl: is no readable mesh"),

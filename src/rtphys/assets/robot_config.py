@@ -31,6 +31,7 @@ MEASURES = ("fingertip", "palm", "pad_half_width", "pad_half_thickness")
 VIRTUAL_TCP = 0.12  # [m] from the ee frame to the TCP, of every robot of two arms (RoboTwin)
 HEAD_CAMERA = "head_camera"  # that the fixed cameras need: episodes draw and move it
 SLACK = 1e-3  # [rad] by which a posture may be beyond a limit, which has few digits
+WIDEST = 3.0  # [m] between two arms
 FURTHEST = 0.3  # [m] of a hand's measures; more is most likely in millimetres
 OWN_KEYS = (  # beyond RoboTwin's
     "bent_posture", "camera_link", "gripper_armature", "hand", "joint_acceleration",
@@ -114,8 +115,20 @@ class RobotConfig:
 
     @property
     def distance(self) -> float:
-        """Between the bases of two single arms [m]."""
-        return _number(self.keys.get("pair_distance", DISTANCE))
+        """Between the bases of two single arms [m]. Raises `BadValue`."""
+        number = _number(self.keys.get("pair_distance", DISTANCE))
+        if not 0 <= number <= WIDEST:
+            raise BadValue("pair_distance", number, f"it is 0 to {WIDEST:g} m", self.path)
+        return number
+
+    @property
+    def gripper_scale(self) -> tuple[float, float]:
+        """Targets of a finger joint at 0 (closed) and at 1 (open) [m]. Raises `BadValue`."""
+        closed, opened = _numbers(self.keys["gripper_scale"])
+        if max(abs(closed), abs(opened)) > FURTHEST or closed == opened:
+            allowed = f"closed and open, up to {FURTHEST} m from 0, not the same"
+            raise BadValue("gripper_scale", [closed, opened], allowed, self.path)
+        return closed, opened
 
     @property
     def camera_link(self) -> str:
@@ -165,7 +178,7 @@ class RobotConfig:
         joints, fingers = self.joint_names(i)
         n, prefix = len(joints), names.prefix
         mimics = [_list(mimic) for mimic in _list(self._gripper(i)["mimic"])]
-        closed, opened = _numbers(self.keys["gripper_scale"])
+        closed, opened = self.gripper_scale
         factors = [1.0, *(_number(mimic[1]) for mimic in mimics)]
         # Some official URDFs allow +-10 rad, which invites IK answers wound round by 2 pi.
         limits = np.clip([names.ranges[joint][:2] for joint in joints], -np.pi, np.pi)
@@ -254,7 +267,7 @@ class RobotConfig:
             raise ValueError(f"hand holds {', '.join(MEASURES)} [m]; see docs/robots.md")
         tcp = _number(self.keys["gripper_bias"]) if self.has_both_arms else VIRTUAL_TCP
         travel = _number(measures.get("finger_travel", travel))
-        opened = abs(_numbers(self.keys["gripper_scale"])[1])
+        opened = abs(self.gripper_scale[1])
         lengths = {name: _number(measures[name]) for name in MEASURES}
         for name, length in lengths.items():
             if not 0 <= length <= FURTHEST:
