@@ -217,7 +217,7 @@ def test_pairs_out_of_reach_are_not_watched(checker) -> None:
     shapes = 1 + 2 * 9  # tower; base and eight links an arm
     checker.set_obstacles([])
     checker.clear(ZERO, ZERO)
-    assert checker._model.kept < shapes * (shapes - 1) / 2
+    assert checker._model.pairs < shapes * (shapes - 1) / 2
 
 
 def test_mesh_collision_is_its_hull(embodiment, tmp_path) -> None:
@@ -346,5 +346,5 @@ def test_models_are_kept_while_they_are_small(embodiment, monkeypatch) -> None:
         return len(checker._models)
 
     assert kept(10**6) == 6
-    assert kept(3 * checker._model.kept) == 3
+    assert kept(3 * checker._model.pairs) == 3
     assert kept(1) == 1

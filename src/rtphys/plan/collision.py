@@ -30,7 +30,7 @@ CARRIED_MARGIN = 0.003  # a carried body to the robot and to what the other hand
 RESTING_MARGIN = -0.002  # a carried body to obstacles: it starts and ends in contact with them
 
 _SLACK = 1e-4  # [m] more than any rounding
-_KEPT_PAIRS = 64_000  # of all models and rules kept for use again: 5 KB each
+_KEPT_PAIRS = 64_000  # of all models kept for use again: 5 KB each
 _KEPT_HULLS = 512  # shapes seen before are not made again; objects change size every episode
 
 
@@ -142,14 +142,15 @@ class PairModel:
             )
         self._balls = [bounding_sphere(shape.geometry) for shape in self.bodies]
         self._tables: dict[Rules, Array] = {}  # margins under rules seen
-        self._data: dict[Rules, pin.GeometryData] = {}  # and which pairs are asked
         self._broad: dict[Rules, Any] = {}  # and what finds collisions
+        self._rules: Rules | None = None  # in force
         self.geometry.setCollisionPairs(np.isfinite(self._margins(Rules())), True)
+        self.data = pin.GeometryData(self.geometry)  # milliseconds, so there is one for all rules
 
     @property
-    def kept(self) -> int:
-        """How many pairs are kept in memory, under all rules that were asked."""
-        return len(self.geometry.collisionPairs) * len(self._data)
+    def pairs(self) -> int:
+        """How many pairs it has."""
+        return len(self.geometry.collisionPairs)
 
     def put(self, items: Sequence[Shape]) -> None:
         """Put these items, of the same kinds in the same order, in the place of the present ones.
@@ -171,12 +172,11 @@ class PairModel:
         """Ask by these rules from now on."""
         if rules.links_only:  # the others are about fingers and loads: one model for all
             rules = Rules(links_only=True)
-        self._margins_in_force = distances = self._margins(rules)
-        if rules not in self._data:
-            data = self._data[rules] = pin.GeometryData(self.geometry)
-            data.setActiveCollisionPairs(self.geometry, np.isfinite(distances), True)
-            data.setSecurityMargins(self.geometry, np.nan_to_num(distances), True, True)
-        self.data = self._data[rules]
+        if rules != self._rules:
+            self._rules, distances = rules, self._margins(rules)
+            self.data.setActiveCollisionPairs(self.geometry, np.isfinite(distances), True)
+            self.data.setSecurityMargins(self.geometry, np.nan_to_num(distances), True, True)
+            self._margins_in_force = distances
         if rules not in self._broad:
             # Of the broad phases this one alone agreed with the full loop on every posture tried.
             # It inflates its boxes by the margins once and for all.
@@ -361,7 +361,7 @@ class CollisionChecker:
             model.enforce(self.rules)
             self._models[kinds] = self._model = model
             while (
-                len(self._models) > 1 and sum(m.kept for m in self._models.values()) > _KEPT_PAIRS
+                len(self._models) > 1 and sum(m.pairs for m in self._models.values()) > _KEPT_PAIRS
             ):
                 del self._models[next(iter(self._models))]
         self._model.enforce(self.rules)
