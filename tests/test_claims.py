@@ -269,8 +269,10 @@ docs/physics.md
     test_dry_run::test_what_every_prop_has_of_its_own_is_left_with_nothing
   A `--sweep` of such an attribute is refused
     test_dry_run::test_a_sweep_without_effect_is_refused
-  so a different value would give the same episode, bit for bit
+  A different restitution would give the same episode, bit for bit
     test_audit_repeated::test_what_did_not_act_leaves_every_bit
+  `acted` is false only if every state is the same, bit for bit
+    test_audit_repeated::test_an_impact_that_nobody_saw_is_found
   No look moves the head camera
     test_one_truth::test_pictures_are_taken_from_where_the_label_says
     test_one_truth::test_a_label_says_where_its_height_comes_from

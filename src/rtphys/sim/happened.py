@@ -13,7 +13,7 @@ from rtphys.sim.world import World
 
 # [m/s] Things bounce from BOUNCE_THRESHOLD on. Here speeds are estimated from poses, and gravity
 # adds 0.04 in the step of the impact: a hammer bounced at 0.138, a finger on a block at 0.128. So
-# what is found softer than this did not bounce; what is harder need not have (a bell at 0.16).
+# what is softer than this hardly ever bounced; what is harder need not have (a bell at 0.16).
 HARD = 0.11
 # [m] What is hit at HARD changes its speed by more than 0.041 m/s in a step, what falls by 0.04.
 LIMIT = 0.041 * TIME_STEP
@@ -38,12 +38,11 @@ class HappenedMonitor:
         self._fingers = np.concatenate([arm.finger_index for arm in world.robot.arms])
         articulated = [o for o in world.objects.values() if o.articulation]
         self._objects = [o.articulation for o in articulated if o.articulation]
-        # What moved or fell while the world settled, which nobody watched, counts as well.
+        # What moved while the world settled, which nobody watched, counts as well.
         self._start = [*self._joints()[:2], *(o.start for o in articulated)]
-        loose = (o.prop for o in world.objects.values() if o.bodies and not o.prop.fixed)
         self._poses = self._packed()
         self._change = np.zeros_like(self._poses)  # by the last step
-        self.happened = Happened(impact=any(not prop.resting for prop in loose))  # so far
+        self.happened = Happened()  # so far
 
     def tick(self, frame: bool) -> None:
         """After a physics step; at a frame joints are looked at, too."""
