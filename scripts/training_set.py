@@ -30,8 +30,6 @@ from rtphys.data import schema
 from rtphys.data.attempts import Accepted, Rejected
 from rtphys.data.files import replace_file
 from rtphys.data.json_text import pretty
-from rtphys.data.layout import MANIFEST
-from rtphys.data.manifest import dataset_digest
 from rtphys.data.state_digests import DIGITS, Digests, TaskDigests, state_digest
 from rtphys.doctor import check_renderer
 from rtphys.spec.collection import DATASET_VERSION, CollectionSpec
@@ -86,7 +84,6 @@ def digests_of(dataset: Dataset, cpu: float) -> TaskDigests:
     return TaskDigests(
         config=entry.spec.name,
         embodiment=entry.spec.episode.embodiment,
-        dataset=dataset_digest((dataset.path / MANIFEST).read_bytes()),
         attempts=len(rows),
         rejections=dict(sorted(reasons.items())),
         frames=sum(row.frames for row in rows if isinstance(row, Accepted)),

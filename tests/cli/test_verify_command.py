@@ -53,7 +53,7 @@ def test_a_digest_is_refused_that_can_be_none(dataset: Path) -> None:
 def test_it_is_compared_with_what_was_published(dataset: Path, tmp_path: Path) -> None:
     (episode,) = Dataset(dataset)
     digests = {str(episode.seed): state_digest(episode)[:16]}
-    task = {"config": episode.config, "dataset": "", "attempts": 1, "rejections": {}, "frames": 1}
+    task = {"config": episode.config, "attempts": 1, "rejections": {}, "frames": 1}
     task |= {"sentences": 1, "bytes": 1, "cpu_seconds": 1.0, "episodes": digests}
     listed = {"what": "", "command": "", "dataset_version": "3.0", "driver": ""}
     path = tmp_path / "ours.digests.json"

@@ -37,7 +37,6 @@ class TaskDigests(Model):
 
     config: str = Key(description="name of the folder, such as phys_random_all")
     embodiment: str = Key(DEFAULT, description="the robot")
-    dataset: str = Key(description="digest of the whole dataset, pictures included")
     attempts: Count
     rejections: dict[str, Count] = Key(description="reason -> attempts")
     frames: Count
@@ -53,7 +52,7 @@ class Digests(Model):
     what: str
     command: str = Key(description="what makes it again")
     dataset_version: str
-    driver: str = Key(description="what drew the pictures of `dataset`")
+    driver: str = Key(description="what drew the pictures")
     tasks: dict[str, TaskDigests]
 
 
