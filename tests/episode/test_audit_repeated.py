@@ -9,7 +9,7 @@ from audited import audited, stored
 from rtphys.assets.pack import default_pack
 from rtphys.data.schema import PhysMeta
 from rtphys.episode.assemble import assemble
-from rtphys.episode.audit import repeated
+from rtphys.episode.audit import repeated, watched
 from rtphys.episode.generate import Attempt, Instance, attempt, prepare
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
@@ -111,6 +111,16 @@ def test_another_demonstration_is_told() -> None:
     meta = label(tried(*SWITCH), False).model_copy(update={"state_hash": "0" * 64})
     (problem,) = repeated(meta, default_pack())
     assert problem == "the expert demonstrates it otherwise now: other states"
+
+
+def test_fingers_do_not_sink_into_what_is_light() -> None:
+    """A slice of bread of 2 g between fingers that press with 39 N."""
+    recipe = EpisodeSpec("place_bread_skillet", "phys_random_all").at(4)
+    tried, rollout, seen = watched(recipe, default_pack())
+    assert rollout.finish().held
+    bread = tried.world.object("bread").bodies[0]
+    assert bread.mass < 0.0025
+    assert not seen.problems()
 
 
 def instance() -> Instance:

@@ -182,3 +182,15 @@ def test_a_label_names_the_decay_of_a_balls_spin() -> None:
         "bin": 0.0,
         **{f"ball{i}": 40.0 for i in range(5)},
     }
+
+
+def test_only_what_is_light_takes_more_iterations() -> None:
+    """It may become heavy again; a ball, which nobody holds, never does."""
+    block = Box(name="block", pose=Pose((0, 0, 0.8)), half_size=(0.02, 0.02, 0.02))
+    ball = Ball(name="ball", pose=Pose((0.2, 0, 0.8)), radius=0.02)
+    world = Lab(default_pack()).world([block, ball], {})
+    for kg in (0.0051, 0.0049, 0.0051):
+        for body in world.bodies:
+            body.set_mass(kg)
+        found = [body.component.solver_position_iterations for body in world.bodies]
+        assert found == ([40, 10] if kg < 0.005 else [10, 10])
