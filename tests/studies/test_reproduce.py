@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -63,8 +65,8 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         return tried[key]
 
     def made_once(done: Attempt, scene: reproducing.Scene) -> reproducing.RegeneratedEpisode:
-        look = scene.recorded.header.spec.recording.look
-        key = json.dumps([stored(done.recipe), look, reproducing.pictures_ready()], sort_keys=True)
+        of = stored(done.recipe), stored(scene.recorded.header.spec.recording)
+        key = json.dumps([*of, reproducing.pictures_ready()], sort_keys=True)
         if key not in made:
             made[key] = regenerated(
                 done, replace(scene, folder=tmp_path_factory.mktemp("made") / "0")
@@ -268,15 +270,13 @@ def test_an_untouched_dataset_is_equal_to_the_last_bit(honest: Path, tmp_path: P
     assert all(pictures in note and "in 0.00% of its pixels" in note for note in found.notes)
 
 
-HEAD = RecordingSpec(("head",))
-PLAN = CollectionSpec(recording=HEAD, episodes=2)
+PLAN = CollectionSpec(recording=RecordingSpec(("head",)), episodes=2)
 BELL = EpisodeSpec("click_bell", "phys_random")
 KINDS = {
     "twin": replace(PLAN, episode=EpisodeSpec("place_phone_stand", "phys_random"), twin="clean"),
     "only": replace(BELL, protocol="clean", only=("friction",), recovery=False),
     "held": replace(BELL, overrides={"friction": 0.3}, pair_tasks=True),
     "own domain": replace(BELL, ranges=load_domain("global")),
-    "shader": replace(PLAN, episode=BELL, recording=replace(HEAD, shader="default")),
     "unseen": replace(BELL, protocol="official_random", split="unseen"),
 }
 
@@ -291,3 +291,18 @@ def test_every_kind_of_dataset_can_be_made_again(kind: str, tmp_path: Path) -> N
     assert verify(tmp_path / "data", Effort.DEEP).sound
     found = reproduced(tmp_path / "data", 99, workers=1)
     assert (found.problems, found.notes) == ([], [])
+
+
+@pytest.mark.slow
+def test_what_another_shader_drew_can_be_made_again(tmp_path: Path) -> None:
+    """In processes of their own: this one draws with one shader for ever."""
+    chosen = ("click_bell", "--shader", "default", "--episodes", "1", "--cameras", "head")
+    for command in (
+        ("collect", *chosen, "--out", "data"),
+        ("verify", "data", "--deep", "--reproduce", "1"),
+    ):
+        rtphys = (sys.executable, "-m", "rtphys", *command)
+        done = subprocess.run(rtphys, cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        assert "note:" not in done.stderr
+    assert "1 episode made again" in done.stdout + done.stderr
