@@ -96,7 +96,7 @@ FIELDS = {
     "verdict.first_success_time": "s since the first frame",
     "verdict.stages": "`name` and first `time` [s] of each motion of the expert",
     "recipe": "all that makes the episode again: the whole `spec`, and the seed",
-    "versions": "packages, and digests of the `code` and of the `task` file",
+    "versions": "packages, and digests of `code`, the `task` file and a library's `robot`",
     "state_hash": "SHA-256 of the recorded states; equal on every machine",
     "failure.detail": "the same in words",
     "failure.event": "what happened (see Failures)",

@@ -8,9 +8,10 @@ from audited import audited, stored
 
 from rtphys.assets.pack import default_pack
 from rtphys.data.schema import PhysMeta
-from rtphys.episode.assemble import assemble
+from rtphys.episode.assemble import assemble, other_restitution
 from rtphys.episode.audit import repeated, watched
 from rtphys.episode.generate import Attempt, Instance, attempt, prepare
+from rtphys.physics import Physics
 from rtphys.spec.episode import EpisodeSpec
 from rtphys.task.spec import load_task
 
@@ -105,6 +106,11 @@ def test_an_impact_that_nobody_saw_is_found(spec: EpisodeSpec, seed: int) -> Non
     assert not found.recording.happened.impact
     meta: Any = assemble(found, default_pack()).phys_meta
     assert meta["attributes"]["restitution"]["acted"] is True
+
+
+def test_every_object_gets_another_restitution() -> None:
+    physics = Physics({"friction": 0.5, "restitution": 0.2, "restitution@block": 0.0})
+    assert other_restitution(physics) == {"restitution": 0.0, "restitution@block": 0.5}
 
 
 def test_another_demonstration_is_told() -> None:

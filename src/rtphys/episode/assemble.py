@@ -21,6 +21,7 @@ from rtphys.physics.domain import CENTER_OF_MASS
 from rtphys.physics.enforce import acted, check_in_force
 from rtphys.physics.handles import Happened
 from rtphys.physics.reach import keys_of, reach
+from rtphys.physics.values import Value
 from rtphys.sim.feet import off_feet
 from rtphys.sim.recorder import Recording
 from rtphys.sim.world import World
@@ -173,13 +174,16 @@ def _happened(tried: Attempt, pack: Pack) -> Happened | None:
     assert instance is not None and recording is not None
     if recording.happened is None or recording.happened.impact:
         return recording.happened
-    spec, physics = tried.recipe.spec, instance.physics
-    # Another value for all objects, and for each that has its own.
-    held = {key: 0.0 if physics[key] else 0.5 for key in keys_of(RESTITUTION, physics)}
-    spec = replace(spec, overrides={**spec.overrides, **held})
+    spec = tried.recipe.spec
+    spec = replace(spec, overrides={**spec.overrides, **other_restitution(instance.physics)})
     again = attempt(spec.at(tried.recipe.seed), instance.task, pack).recording
     same = again is not None and again.hash == recording.hash
     return replace(recording.happened, impact=not same)
+
+
+def other_restitution(physics: Physics) -> dict[str, Value]:
+    """Another coefficient for all objects, and for each that has its own."""
+    return {key: 0.0 if physics[key] else 0.5 for key in keys_of(RESTITUTION, physics)}
 
 
 def _off_feet(world: World) -> list[str]:

@@ -12,7 +12,7 @@ from rtphys.core.errors import Infeasible, RtphysError
 from rtphys.core.poses import Array, Pose
 from rtphys.data.dataset import Dataset
 from rtphys.data.schema import PhysMeta
-from rtphys.episode.assemble import left_out
+from rtphys.episode.assemble import RESTITUTION, left_out, other_restitution
 from rtphys.episode.generate import POLL, Instance, prepare, settle, start
 from rtphys.expert.robot import ExpertRobot
 from rtphys.laws.audit import measure
@@ -31,7 +31,6 @@ from rtphys.spec.recording import HEAD
 from rtphys.spec.stored import load
 from rtphys.task.spec import load_task
 
-RESTITUTION = "restitution"
 # Axes x forward, y left, z up -> those of OpenCV: x right, y down, z forward.
 TO_OPENCV = np.array([[0, -1, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]], float)
 
@@ -143,14 +142,12 @@ def repeated(meta: PhysMeta, pack: Pack) -> list[str]:
     problems = seen.problems()
     if meta.attributes[RESTITUTION].acted is False:
         other = prepare(recipe, instance.task, pack)
-        e = 0.0 if instance.physics[RESTITUTION] else 0.5
-        # Before it settles: it would wake what has.
-        own = {key: instance.physics[key] for key in keys_of(RESTITUTION, instance.physics)}
-        enforce(other.world, Physics({**own, RESTITUTION: e}))
+        held = other_restitution(instance.physics)
+        enforce(other.world, Physics(held))  # before it settles: it would wake what has
         settle(other)
         if (step := replay(other.world, seen.commands, seen.states)) is not None:
-            why = f"the label says that it did not act, but with {e:g} step {step} has other bits"
-            problems.append(f"{RESTITUTION}: {why}")
+            why = f"with {held[RESTITUTION]} step {step} has other bits"
+            problems.append(f"{RESTITUTION}: the label says that it did not act, but {why}")
     return problems
 
 

@@ -150,7 +150,7 @@ def attempt(
     Args:
         timer: takes the time of the phases build, settle, plan and simulate.
         touch: record what the fingers feel, too; it moves nothing.
-        happened: find out what happened, too, as labels say it; it moves nothing.
+        happened: watch what happens, for labels (`assemble`); it moves nothing.
     """
     instance = rollout = None
     phases = timer or PhaseTimer()
